@@ -114,6 +114,7 @@ class Lidar:
 
     def table(self) -> BeamTable:
         rest = {"height_m": self._height_m, "left_m": 0.0, "azimuth_offset_deg": 0.0, "gain": 1.0}
+        rest["range_offset_m"] = 0.0
         rings = [
             Laser(elevation_deg=2.0, blind_deg=[], **rest),
             Laser(elevation_deg=-2.0, blind_deg=[(170.0, 190.0)], **rest),

@@ -17,12 +17,12 @@ VLP16 = BeamTable(
 
 
 def azimuths_deg(table: BeamTable) -> NDArray[np.float64]:
-    """Return the columns' azimuths, from the definitions of the patterns."""
+    """Return the azimuths at which columns are reported, from the definitions of the patterns."""
     firing = table.firing
     if isinstance(firing, UniformFiring):
         return np.arange(firing.columns, dtype=np.float64) * (360.0 / firing.columns)
     assert isinstance(firing, EncoderFiring)
-    ticks = np.floor(firing.ticks_per_firing * np.arange(firing.firings) + firing.phase_ticks)
+    ticks = np.floor(firing.ticks_per_firing * np.arange(firing.firings) + firing.phase_ticks + 0.5)
     return np.asarray(ticks * (360.0 / firing.ticks_per_turn), np.float64)
 
 
@@ -43,16 +43,22 @@ def yard_scan(table: BeamTable, seed: int) -> NDArray[np.float32]:
             is_in = np.abs((np.degrees(azimuth) - middle + 180.0) % 360.0 - 180.0) < 0.5 * width
             rho = np.where(is_in, np.minimum(rho, distance), rho)
         tangent = np.tan(np.radians(laser.elevation_deg))
-        ground = np.full(len(rho), np.inf) if tangent >= 0.0 else (-1.7 - laser.height_m) / tangent + 0.0 * rho
         # Ground that rises a little to one side, as streets do.
-        rho = np.minimum(rho, ground * (1.0 + 0.04 * cos))
-        range_m = rho / np.cos(np.radians(laser.elevation_deg)) + generator.normal(0.0, 0.01, len(rho))
+        fall = 0.02 * cos - tangent
+        rho = np.where(fall * rho > 1.7 + laser.height_m, (1.7 + laser.height_m) / np.maximum(fall, 1e-9), rho)
+        range_m = rho / np.cos(np.radians(laser.elevation_deg)) + generator.normal(laser.range_offset_m, 0.01, len(rho))
         rho = range_m * np.cos(np.radians(laser.elevation_deg))
         xyz = np.round(np.stack([rho * cos, rho * sin, laser.height_m + tangent * rho], axis=1), 3)
         intensity = np.where(generator.random(len(rho)) < 0.1, 0.0, 0.3)
         points = np.column_stack([xyz, intensity])
         rings.append(points[generator.random(len(rho)) > 0.1])
     return np.concatenate(rings).astype(np.float32)
+
+
+def ring_of(points: NDArray[np.generic]) -> NDArray[np.intp]:
+    """Return the ring of each point of a ring-major scan."""
+    azimuth = np.arctan2(points[:, 1], points[:, 0]) % (2.0 * np.pi)
+    return np.concatenate([[0], np.cumsum(np.diff(azimuth) < -np.pi)])
 
 
 def write_scan(path: Path, points: NDArray[np.float32]) -> Path:

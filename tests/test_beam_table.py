@@ -25,7 +25,7 @@ max_range_m = 60.0
 # Three lasers.
 rings = [
     { elevation_deg = 10.0, height_m = 0.01, azimuth_offset_deg = 0.05 },
-    { elevation_deg = 0.0, gain = 0.5 },
+    { elevation_deg = 0.0, gain = 0.5, range_offset_m = -0.02 },
     { elevation_deg = -12.5, blind_deg = [[0.0, 20.5], [340, 360]] },
 ]
 
@@ -45,7 +45,7 @@ def test_a_file_says_what_its_table_says(tmp_path: Path) -> None:
         name="mine",
         rings=(
             Laser(elevation_deg=10.0, height_m=0.01, azimuth_offset_deg=0.05),
-            Laser(elevation_deg=0.0, gain=0.5),
+            Laser(elevation_deg=0.0, gain=0.5, range_offset_m=-0.02),
             Laser(elevation_deg=-12.5, blind_deg=((0.0, 20.5), (340, 360))),
         ),
         firing=EncoderFiring(ticks_per_turn=3600, ticks_per_firing=1.5, firings=2400),
@@ -97,6 +97,8 @@ def test_toml_keeps_every_bit(
         ("max_range_m = 60.0", "max_range_m = 0.1", "mine.toml:3: lidar.max_range_m: expected above min_range_m = 0.5"),
         ("min_range_m = 0.5", "min_range_m = true", "mine.toml:2: lidar.min_range_m: expected a number from 0 to"),
         ("gain = 0.5", "gain = inf", "mine.toml:8: rings[1].gain: expected a number from 0 to 100, got inf"),
+        ("-0.02", "1.5", "mine.toml:8: rings[1].range_offset_m: expected a number from -1 to 1, got 1.5"),
+        ("-0.02", "nan", "mine.toml:8: rings[1].range_offset_m: expected a number from -1 to 1, got nan"),
         ("gain = 0.5", "gian = 0.5", "mine.toml:8: rings[1].gian: unknown key; known: elevation_deg, height_m,"),
         ("elevation_deg = 0.0,", "", "mine.toml: rings[1].elevation_deg: missing key"),
         ("= -12.5", "= 0.0", "mine.toml:9: rings[2].elevation_deg: expected below 0, that of the ring before, got 0"),
@@ -221,7 +223,7 @@ class TestOnTheCore:
         lidar = Lidar.custom(BeamTable.from_toml(TEXT))
         origins, directions, ring, column = lidar.rays()
         assert len(ring) == 3 * 2400
-        azimuth_deg = np.floor(1.5 * column) * 0.1 + np.array([0.05, 0.0, 0.0])[ring]
+        azimuth_deg = 1.5 * column * 0.1 + np.array([0.05, 0.0, 0.0])[ring]
         elevation_deg = np.array([10.0, 0.0, -12.5])[ring]
         np.testing.assert_array_equal(origins, np.outer(np.array([0.01, 0.0, 0.0])[ring], [0.0, 0.0, 1.0]))
         expected = np.stack(

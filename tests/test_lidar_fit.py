@@ -25,7 +25,7 @@ from cadet.cli import run_cadet
 from cadet.cli.lidar import _ring_table
 from cadet.lidar_fit import LidarFit, fit_lidar
 from cadet.lidar_fit.fit import RingFit
-from lidar_scans import write_scan, yard_scan
+from lidar_scans import ring_of, write_scan, yard_scan
 from scan_writers import pcd, ply
 
 CUSTOM = BeamTable(
@@ -95,8 +95,7 @@ def test_the_order_of_points_does_not_matter(yard: Path, tmp_path: Path, order: 
     generator = np.random.Generator(np.random.PCG64(5))
     for path in yard.glob("*.bin"):
         points = np.fromfile(path, "<f4").reshape(-1, 4)
-        azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0
-        ring = np.concatenate([[0], np.cumsum(np.diff(azimuth) < -180.0)])
+        azimuth, ring = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0, ring_of(points)
         keys = {
             "shuffled": (generator.permutation(len(points)),),
             "by column": (ring, np.round(azimuth, 1)),
@@ -114,8 +113,7 @@ def test_a_ring_that_sees_one_side_alone_is_told_from_the_next(tmp_path: Path) -
     """Where one ring ends before the next begins, azimuths rise on: only the heights tell them apart."""
     for seed in range(2):
         points = yard_scan(CUSTOM, seed)
-        azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0
-        ring = np.concatenate([[0], np.cumsum(np.diff(azimuth) < -180.0)])
+        azimuth, ring = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0, ring_of(points)
         is_kept = ((ring != 0) | (azimuth < 100.0)) & ((ring != 1) | (azimuth > 150.0))
         write_scan(tmp_path / f"{seed}.bin", points[is_kept])
     check(fit_lidar([tmp_path]), CUSTOM, 0.005, 0.0005)
@@ -327,7 +325,7 @@ def test_the_command_writes_what_the_generator_reads(
 def rows_of(printed: str) -> list[list[float]]:
     """Return the numbers of the table's rows."""
     lines = [line.split() for line in printed.splitlines()]
-    return [[float(field) for field in line] for line in lines if line and line[0].isdigit() and len(line) == 12]
+    return [[float(field) for field in line] for line in lines if line and line[0].isdigit() and len(line) == 13]
 
 
 def fitted_rows(fit: LidarFit) -> list[list[float]]:
@@ -335,14 +333,15 @@ def fitted_rows(fit: LidarFit) -> list[list[float]]:
     return [
         [
             *(number, ring.laser.elevation_deg, ring.elevation_sd_deg, 1e3 * ring.laser.height_m),
-            *(1e3 * ring.height_sd_m, ring.laser.azimuth_offset_deg, ring.num_points, 1e3 * ring.median_residual_m),
+            *(1e3 * ring.height_sd_m, ring.laser.azimuth_offset_deg, 1e3 * ring.laser.range_offset_m),
+            *(ring.num_points, 1e3 * ring.median_residual_m),
             *(100 * ring.outlier_share, 100 * ring.missing_share, 100 * ring.zero_share, ring.laser.gain),
         ]
         for number, ring in enumerate(fit.rings)
     ]
 
 
-ROUNDED = [0, 5e-4, 5e-5, 0.05, 5e-3, 5e-4, 0, 5e-3, 0.05, 0.5, 0.5, 5e-3]
+ROUNDED = [0, 5e-4, 5e-5, 0.05, 5e-3, 5e-4, 0.5, 0, 5e-3, 0.05, 0.5, 0.5, 5e-3]
 
 
 @pytest.mark.parametrize("columns", [None, 80, 40])
@@ -366,18 +365,18 @@ def test_the_command_prints_its_whole_table(core: object, yard: Path, tmp_path: 
     table = printed[: printed.index("22 rings")].splitlines()
     assert max(map(len, table)) <= 80, "it fits a terminal of 80 columns"
     heads = " ".join(table[:2])
-    for head in ("ring", "elev.", "height", "offset", "points", "resid.", "outlier", "missing", "zero", "gain"):
+    for head in ("ring", "elev.", "height", "offset", "range", "points", "resid.", "outl.", "lost", "zero", "gain"):
         assert head in heads
 
 
 def test_the_table_of_large_sets_fits_80_columns(capsys: pytest.CaptureFixture[str]) -> None:
-    laser = Laser(elevation_deg=-24.123, height_m=0.1234, azimuth_offset_deg=359.123)
-    ring = RingFit(laser, 0.0123, 0.00123, 14_123_456, 0.00123, 0.123, 1.0, 0.99)
+    laser = Laser(elevation_deg=-24.123, height_m=0.1234, azimuth_offset_deg=359.123, range_offset_m=-0.1234)
+    ring = RingFit(laser, 0.0123, 0.00123, 0.0123, 14_123_456, 0.00123, 0.123, 1.0, 0.99)
     console = Console(width=1000)
     console.print(_ring_table(SimpleNamespace(rings=[ring] * 101)))  # type: ignore[arg-type]
     lines = capsys.readouterr().out.splitlines()
     assert max(len(line.rstrip()) for line in lines) <= 80
-    assert lines[-1].split() == "100 -24.123 0.0123 123.4 1.23 359.123 14.1M 1.23 12.3 100 99 1.00".split()
+    assert lines[-1].split() == "100 -24.123 0.0123 123.4 1.23 359.123 -123 14.1M 1.23 12.3 100 99 1.00".split()
 
 
 def output_in_terminal(command: list[str], environment: dict[str, str], columns: int) -> str:

@@ -100,7 +100,7 @@ class UniformFiring:
 
 @final
 class EncoderFiring:
-    """Firings on the ticks of an encoder (see `cadet.EncoderFiring`)."""
+    """Even firings, reported at the nearest tick of an encoder (see `cadet.EncoderFiring`)."""
 
     def __new__(
         cls, *, ticks_per_turn: int, ticks_per_firing: float, firings: int, phase_ticks: float
@@ -131,6 +131,7 @@ class Laser:
         left_m: float,
         azimuth_offset_deg: float,
         gain: float,
+        range_offset_m: float,
         blind_deg: Sequence[tuple[float, float]],
     ) -> Laser: ...
     elevation_deg: Final[float]
@@ -138,6 +139,7 @@ class Laser:
     left_m: Final[float]
     azimuth_offset_deg: Final[float]
     gain: Final[float]
+    range_offset_m: Final[float]
     blind_deg: Final[list[tuple[float, float]]]
 
 @final

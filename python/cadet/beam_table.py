@@ -46,6 +46,8 @@ class Laser:
     """The laser fires this much counter-clockwise of its columns' azimuths."""
     gain: float = 1.0
     """Sensitivity of the receiver: below 1 it reports more zero intensities."""
+    range_offset_m: float = 0.0
+    """By how much the laser measures too far: its points lie farther along their beams. Ideal scans have none."""
     blind_deg: tuple[tuple[float, float], ...] = ()
     """Azimuths (from, to) at which what carries the sensor is in the way: beams there never return."""
 
@@ -55,6 +57,7 @@ class Laser:
         check_number("laser", "left_m", self.left_m, -0.5, 0.5)
         check_number("laser", "azimuth_offset_deg", self.azimuth_offset_deg, -360, 360)
         check_number("laser", "gain", self.gain, 0, 100)
+        check_number("laser", "range_offset_m", self.range_offset_m, -1, 1)
         sectors = self.blind_deg
         if not isinstance(sectors, tuple) or not all(isinstance(s, tuple) and len(s) == 2 for s in sectors):
             raise CadetError(
@@ -88,7 +91,7 @@ class UniformFiring:
 
 @dataclass(frozen=True, kw_only=True)
 class EncoderFiring:
-    """Firings on the ticks of an encoder: column j at tick floor(ticks_per_firing * j + phase_ticks).
+    """Even firings: column j at ticks_per_firing * j + phase_ticks of an encoder, its points at the nearest whole tick.
 
     Raises:
         CadetError: a number outside its range.
@@ -136,6 +139,8 @@ class ListedFiring:
                 raise CadetError(f"firing.azimuths_deg: expected rising numbers below 360, got {after} after {before}")
         make_plain(self)
 
+
+_NUMBERS = tuple(f.name for f in fields(Laser) if f.name != "blind_deg")
 
 Firing = UniformFiring | EncoderFiring | ListedFiring
 _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
@@ -245,13 +250,8 @@ class BeamTable:
         lines += [f"{key} = {_number(getattr(self, key))}" for key in ("min_range_m", "max_range_m", "range_noise_m")]
         lines += ["", "# From the highest ring to the lowest.", "rings = ["]
         for laser in self.rings:
-            parts = [f"elevation_deg = {_number(laser.elevation_deg)}", f"height_m = {_number(laser.height_m)}"]
-            if laser.left_m != 0.0:
-                parts.append(f"left_m = {_number(laser.left_m)}")
-            if laser.azimuth_offset_deg != 0.0:
-                parts.append(f"azimuth_offset_deg = {_number(laser.azimuth_offset_deg)}")
-            if laser.gain != 1.0:
-                parts.append(f"gain = {_number(laser.gain)}")
+            given = (key for key in _NUMBERS if key == "height_m" or getattr(laser, key) != getattr(Laser, key, None))
+            parts = [f"{key} = {_number(getattr(laser, key))}" for key in given]
             if laser.blind_deg:
                 sectors = ", ".join(f"[{_number(a)}, {_number(b)}]" for a, b in laser.blind_deg)
                 parts.append(f"blind_deg = [{sectors}]")
@@ -291,11 +291,7 @@ class BeamTable:
         firing = {key: list(v) if isinstance(v, tuple) else v for key, v in asdict(self.firing).items()}
         return {
             "name": self.name,
-            "elevation_deg": [float(laser.elevation_deg) for laser in self.rings],
-            "height_m": [float(laser.height_m) for laser in self.rings],
-            "left_m": [float(laser.left_m) for laser in self.rings],
-            "azimuth_offset_deg": [float(laser.azimuth_offset_deg) for laser in self.rings],
-            "gain": [float(laser.gain) for laser in self.rings],
+            **{key: [float(getattr(laser, key)) for laser in self.rings] for key in _NUMBERS},
             "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],
             "firing": {"pattern": _pattern_of(self.firing), **firing},
             "min_range_m": float(self.min_range_m),

@@ -32,6 +32,19 @@ def test_points_lie_on_their_beams(scene: Scene, name: str) -> None:
     origins, directions, _, _ = lidar.rays()
     beam = scan.ring * table.num_columns + scan.column
     expected = origins[beam] + directions[beam] * scan.range_m[:, None]
+    if isinstance(table.firing, EncoderFiring):
+        # Points are reported at the tick nearest to where their beams went.
+        tick = 2.0 * np.pi / table.firing.ticks_per_turn
+        fired = np.arctan2(directions[beam, 1], directions[beam, 0]) / tick
+        late = (np.rint(fired) - fired) * tick
+        assert 0.8 < np.ptp(late) / tick <= 1.0
+        expected[:, :2] = np.stack(
+            [
+                expected[:, 0] * np.cos(late) - expected[:, 1] * np.sin(late),
+                expected[:, 0] * np.sin(late) + expected[:, 1] * np.cos(late),
+            ],
+            axis=1,
+        )
     np.testing.assert_allclose(scan.points_velo[:, :3], expected, rtol=0.0, atol=0.00052)
     distance_m = np.linalg.norm(scan.points_velo[:, :3].astype(np.float64), axis=1)
     assert distance_m.min() >= table.min_range_m

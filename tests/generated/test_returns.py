@@ -132,14 +132,15 @@ def test_windows_swallow_beams_and_interiors_return_some() -> None:
     """Beams that meet the windows' band of a car; what goes through both sides comes back from the lawn or the road."""
     lidar = cadet.Lidar.hdl64e_kitti()
     origins, directions, _, _ = lidar.rays()
-    columns = lidar.beam_table().num_columns
+    table = lidar.beam_table()
+    columns, offsets_m = table.num_columns, np.array([laser.range_offset_m for laser in table.rings])
     fates = np.zeros((2, 4))
     for design in range(24):
         scene = cadet.Scene.empty(weather="clear_noon")
         car = scene.add("Car", x=9.0 + 0.3 * design, y=0.2 * design - 2.0, yaw=0.3 * design, model_seed=design)
         scan, ideal = scene.scan(lidar), scene.scan(lidar, ideal=True)
         reported_m = np.full(len(origins), np.nan)
-        reported_m[scan.ring * columns + scan.column] = scan.range_m
+        reported_m[scan.ring * columns + scan.column] = scan.range_m - offsets_m[scan.ring]
         on_car = ideal.actor_id == car
         height_m = origins[on_car, 2] + directions[on_car, 2] * ideal.range_m[on_car]
         height_m -= height_m.min()

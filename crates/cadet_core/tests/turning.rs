@@ -13,9 +13,9 @@ use cadet_core::spray::Spray;
 use cadet_core::weather::Weather;
 use common::{at, cuboid, place, posed, random_scene};
 
-/// KITTI's sensor without noise, its beams lines.
+/// A sensor without noise, whose beams are lines and are reported where they go.
 fn noiseless() -> LidarSpec {
-    let mut spec = LidarSpec::hdl64e_kitti().with_divergence(0.0).expect("valid");
+    let mut spec = LidarSpec::hdl64e_uniform().with_divergence(0.0).expect("valid");
     let silent = Receiver { range_noise_m: 0.0, ..*spec.receiver() };
     spec = spec.with_receiver(silent).expect("valid");
     spec

@@ -1,7 +1,7 @@
 //! A LIDAR's table: `cadet.BeamTable.to_native()`.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing as CoreFiring, LidarSpec, Receiver};
+use cadet_core::lidar::{BlindSector, Firing as CoreFiring, LaserReceiver, LidarSpec, Receiver};
 use cadet_core::math::TAU;
 use cadet_core::sense::LaserRing;
 use pyo3::prelude::*;
@@ -22,7 +22,7 @@ impl UniformFiring {
     }
 }
 
-/// Firings on the ticks of an encoder.
+/// Even firings, reported at the nearest tick of an encoder.
 #[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
 #[derive(Clone)]
 pub(crate) struct EncoderFiring {
@@ -74,22 +74,24 @@ pub(crate) struct Laser {
     left_m: f64,
     azimuth_offset_deg: f64,
     gain: f64,
+    range_offset_m: f64,
     blind_deg: Vec<(f64, f64)>,
 }
 
 #[pymethods]
 impl Laser {
     #[new]
-    #[pyo3(signature = (*, elevation_deg, height_m, left_m, azimuth_offset_deg, gain, blind_deg))]
+    #[pyo3(signature = (*, elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, blind_deg))]
     fn new(
         elevation_deg: f64,
         height_m: f64,
         left_m: f64,
         azimuth_offset_deg: f64,
         gain: f64,
+        range_offset_m: f64,
         blind_deg: Vec<(f64, f64)>,
     ) -> Self {
-        Self { elevation_deg, height_m, left_m, azimuth_offset_deg, gain, blind_deg }
+        Self { elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, blind_deg }
     }
 }
 
@@ -123,17 +125,18 @@ impl BeamTable {
 impl BeamTable {
     /// The table of a sensor, angles rounded to a billionth of a degree.
     pub(crate) fn of(spec: &LidarSpec) -> Self {
-        let lasers = spec.rings().iter().zip(spec.azimuth_offsets_rad()).zip(&spec.laser_gains).enumerate();
+        let lasers = spec.rings().iter().zip(spec.azimuth_offsets_rad()).zip(&spec.laser_receivers).enumerate();
         let blind_deg = |ring: usize| {
             let sectors = spec.blind_sectors.iter().filter(|s| s.ring == ring);
             sectors.map(|s| (degrees(s.from_rad), degrees(s.to_rad))).collect()
         };
-        let laser = |(ring, ((laser, offset_rad), gain)): (usize, ((&LaserRing, &f64), &f64))| Laser {
+        let laser = |(ring, ((laser, offset_rad), receiver)): (usize, ((&LaserRing, &f64), &LaserReceiver))| Laser {
             elevation_deg: degrees(laser.elevation_rad),
             height_m: rounded(laser.height_m),
             left_m: rounded(laser.left_m),
             azimuth_offset_deg: degrees(*offset_rad),
-            gain: rounded(*gain),
+            gain: rounded(receiver.gain),
+            range_offset_m: rounded(receiver.range_offset_m),
             blind_deg: blind_deg(ring),
         };
         Self {
@@ -159,7 +162,8 @@ impl BeamTable {
         (spec.min_range_m, spec.max_range_m) = (self.min_range_m, self.max_range_m);
         let receiver = Receiver { range_noise_m: self.range_noise_m, ..*spec.receiver() };
         spec = spec.with_receiver(receiver)?;
-        spec.laser_gains = self.rings.iter().map(|laser| laser.gain).collect();
+        let receiver = |laser: &Laser| LaserReceiver { gain: laser.gain, range_offset_m: laser.range_offset_m };
+        spec.laser_receivers = self.rings.iter().map(receiver).collect();
         // A whole turn must not end beyond its end by rounding.
         let radians = |degrees: f64| degrees.to_radians().min(TAU);
         for (ring, laser) in self.rings.iter().enumerate() {

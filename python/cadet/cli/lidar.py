@@ -59,8 +59,8 @@ def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> N
 
 
 _HEADS = (
-    *("ring", "elev.\ndeg", "+-\ndeg", "height\nmm", "+-\nmm", "offset\ndeg"),
-    *("points", "resid.\nmm", "outlier\n%", "missing\n%", "zero\n%", "gain"),
+    *("ring", "elev.\ndeg", "+-\ndeg", "height\nmm", "+-\nmm", "offset\ndeg", "range\nmm"),
+    *("points", "resid.\nmm", "outl.\n%", "lost\n%", "zero\n%", "gain"),
 )
 
 
@@ -78,6 +78,7 @@ def _ring_table(fit: LidarFit) -> Table:
             f"{1e3 * laser.height_m:.1f}",
             f"{1e3 * ring.height_sd_m:.2f}",
             f"{laser.azimuth_offset_deg:.3f}",
+            f"{1e3 * laser.range_offset_m:+.0f}",
             _points(ring.num_points),
             f"{1e3 * ring.median_residual_m:.2f}",
             f"{100.0 * ring.outlier_share:.1f}",

@@ -65,14 +65,14 @@ def fit_firing(scans: Sequence[Points], rings: Rings) -> FiringFit:
     # Each ring's own corrections blur the ticks of an encoder too much for offsets.
     ticks = round(roughly if firings is None else steps / firings, 4)
     columns = int(np.ceil(steps / ticks))
-    while np.floor(ticks * (columns - 1)) >= steps:
+    while np.floor(ticks * (columns - 1) + 0.5) >= steps:
         columns -= 1
     firing = EncoderFiring(ticks_per_turn=steps, ticks_per_firing=ticks, firings=columns)
     return FiringFit(firing, [0.0] * len(rings.lines), coherence, on_grid=True)
 
 
 def _firings(steps: int, roughly: float, strength: NDArray[np.float64]) -> int | None:
-    """Return the number of firings a turn if it shows: firings on the first tick after even times leave its mark.
+    """Return the number of firings a turn if it shows: even firings that are told to a tick leave theirs.
 
     Stretches with lost returns have wider steps, so that there are rather more firings than they say.
     """
@@ -80,7 +80,7 @@ def _firings(steps: int, roughly: float, strength: NDArray[np.float64]) -> int |
     if low >= high:
         return None
     best = low + int(np.argmax(strength[low : high + 1]))
-    # A tick late by an even share of a tick: the coefficient is that of a box of one tick's width.
+    # Told beside where it was by an even share of a tick: the coefficient is that of a box of one tick's width.
     expected = float(np.sinc(best / steps)) * float(strength[steps])
     return best if strength[best] > 0.5 * expected and strength[best] > 4.0 * np.median(strength[low:high]) else None
 

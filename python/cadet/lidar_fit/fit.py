@@ -17,6 +17,7 @@ from cadet.lidar_fit.azimuths import FiringFit, fit_firing
 from cadet.lidar_fit.blind import blind_sectors
 from cadet.lidar_fit.lines import OUTLIER_M
 from cadet.lidar_fit.motion import undone
+from cadet.lidar_fit.offsets import fit_range_offsets
 from cadet.lidar_fit.rings import Rings, find_rings, rings_of_numbers
 from cadet.lidar_fit.scans import Points, Turn, find_scans, join, read_turn
 from cadet.summary import summary
@@ -37,6 +38,8 @@ class RingFit:
     """Standard error."""
     height_sd_m: float
     """Standard error."""
+    range_offset_sd_m: float
+    """Standard error, of the laser's error beside the mean of all."""
     num_points: int
     median_residual_m: float
     """Of the points' distances in height from the fitted cone."""
@@ -63,6 +66,10 @@ class LidarFit:
     firing: FiringFit
     num_left_out: int = 0
     """Rows of the files that stand for no return: not finite, or at the origin."""
+    num_flat_patches: int = 0
+    """Walls, sides of vehicles and pieces of road that told the lasers' range errors."""
+    num_offsets_unknown: int = 0
+    """Lasers whose range error they did not tell: the table has 0."""
     moved_m: float = 0.0
     """How far drivers had moved points for the vehicle's motion, which was undone; 0 for not."""
 
@@ -112,12 +119,22 @@ class LidarFit:
         hidden = sum(b - a for ring in self.rings for a, b in ring.laser.blind_deg) / (3.6 * len(self.rings))
         if hidden > 0.0:
             lines.append(f"What carries the sensor hides {hidden:.1f} % of its beams.")
+        if self.num_offsets_unknown == len(self.rings):
+            lines.append(
+                f"The lasers' range errors are unknown, and 0 here: {self.num_flat_patches} flat patches that four "
+                "lasers see tell none of them; scans of walls within some 10 m would."
+            )
+        else:
+            lines.append(
+                f"The lasers' range errors, their mean taken for 0, are those of {self.num_flat_patches} flat patches"
+                + (f"; {self.num_offsets_unknown} are unknown, and 0 here." if self.num_offsets_unknown else ".")
+            )
         lines.append("The gains follow the shares of zero intensities, ring against neighboring rings.")
         return lines
 
 
 def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
-    """Fit lasers, firing pattern, ranges, noise and gains to scans of one sensor.
+    """Fit lasers, their range errors, firing pattern, ranges, noise and gains to scans of one sensor.
 
     Args:
         paths: scans of any format that `cadet.scan_files.read_scan` reads, or folders of them, in the sensor's own
@@ -138,6 +155,7 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
     zero_shares = np.array([float((points.intensity == 0.0).mean()) if len(points) else 0.0 for points in parts])
     gains = _gains(zero_shares)
     blind = blind_sectors(scans, rings)
+    offsets = fit_range_offsets(scans, rings)
     columns = BeamTable(name="columns", rings=(Laser(elevation_deg=0.0),), firing=firing.firing).num_columns
     fitted = []
     for ring, (line, points) in enumerate(zip(rings.lines, parts, strict=True)):
@@ -147,6 +165,7 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
             height_m=round(line.height_m, 5),
             azimuth_offset_deg=round(firing.offsets_deg[ring], 4),
             gain=round(float(gains[ring]), 2),
+            range_offset_m=round(float(offsets.offset_m[ring]), 4),
             blind_deg=blind[ring],
         )
         cos = math.cos(math.radians(line.elevation_deg))
@@ -155,6 +174,7 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
                 laser=laser,
                 elevation_sd_deg=math.degrees(line.tangent_sd) * cos * cos,
                 height_sd_m=line.height_sd_m,
+                range_offset_sd_m=float(offsets.sd_m[ring]),
                 num_points=len(points),
                 median_residual_m=float(np.median(residual_m)),
                 outlier_share=float((residual_m > OUTLIER_M).mean()),
@@ -185,6 +205,8 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
         in_ring_order=rings.ordered,
         firing=firing,
         num_left_out=sum(turn.num_rows for turn in turns) - len(every_range),
+        num_flat_patches=offsets.num_patches,
+        num_offsets_unknown=int((~offsets.is_known).sum()),
         moved_m=moved_m,
     )
 
@@ -235,6 +257,7 @@ def _range_noise_m(scans: Sequence[Points], rings: Rings) -> float:
                 continue
             points = points[np.argsort(points.azimuth_deg, kind="stable")]
             step = np.diff(points.azimuth_deg)
+            # Between equal steps an encoder's rounding cancels.
             is_even = np.maximum(step[1:], step[:-1]) < 1.05 * np.minimum(step[1:], step[:-1])
             second = points.range_m[2:] - 2.0 * points.range_m[1:-1] + points.range_m[:-2]
             used = np.abs(second[is_even & (points.range_m[1:-1] < 25.0)])

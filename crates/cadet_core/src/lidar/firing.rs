@@ -1,7 +1,7 @@
 //! When the lasers of a turning LIDAR fire.
 
 use crate::error::{Error, Result, finite};
-use crate::math::TAU;
+use crate::math::{self, TAU};
 
 /// The most columns of a turn.
 pub const MAX_COLUMNS: usize = u16::MAX as usize;
@@ -14,7 +14,8 @@ pub enum Firing {
         /// Columns a turn.
         columns: usize,
     },
-    /// On the ticks of an encoder: column j at tick `floor(ticks_per_firing * j + phase_ticks)`.
+    /// Evenly, with an encoder that tells the azimuth to a tick: column j fires at `ticks_per_firing * j + phase_ticks`
+    /// ticks, and its points are reported at the nearest whole one.
     Encoder {
         /// Ticks a turn.
         ticks_per_turn: u32,
@@ -50,8 +51,8 @@ impl Firing {
                         return wrong(what, value.to_string(), format!("at least {least}"));
                     }
                 }
-                let ticks = |j: usize| (ticks_per_firing * j as f64 + phase_ticks).floor();
-                let last = ticks(firings - 1);
+                let ticks = |j: usize| ticks_per_firing * j as f64 + phase_ticks;
+                let last = nearest_tick(ticks(firings - 1));
                 if last >= f64::from(*ticks_per_turn) {
                     let expected = format!("below {ticks_per_turn}, the ticks of a turn");
                     return wrong("tick of the last firing", last.to_string(), expected);
@@ -60,6 +61,22 @@ impl Firing {
                 Ok((0..*firings).map(|j| ticks(j) * tick_rad).collect())
             }
             Self::Listed(azimuths_rad) => Ok(azimuths_rad.clone()),
+        }
+    }
+
+    /// How far counter-clockwise of where it fires each column is reported, as (cosine, sine).
+    pub(super) fn reporting_turns(&self) -> Vec<[f64; 2]> {
+        match self {
+            Self::Uniform { columns } => vec![[1.0, 0.0]; *columns],
+            Self::Encoder { ticks_per_turn, ticks_per_firing, phase_ticks, firings } => {
+                let late_ticks = |j: usize| {
+                    let ticks = ticks_per_firing * j as f64 + phase_ticks;
+                    nearest_tick(ticks) - ticks
+                };
+                let tick_rad = TAU / f64::from(*ticks_per_turn);
+                (0..*firings).map(|j| late_ticks(j) * tick_rad).map(|a| [math::cos(a), math::sin(a)]).collect()
+            }
+            Self::Listed(azimuths_rad) => vec![[1.0, 0.0]; azimuths_rad.len()],
         }
     }
 
@@ -75,6 +92,10 @@ impl Firing {
     }
 }
 
+fn nearest_tick(ticks: f64) -> f64 {
+    (ticks + 0.5).floor()
+}
+
 fn check_columns(what: &'static str, columns: usize) -> Result<()> {
     if !(1..=MAX_COLUMNS).contains(&columns) {
         let expected = format!("1 to {MAX_COLUMNS}");
@@ -88,20 +109,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn firings_fall_on_ticks_and_into_one_turn() {
+    fn firings_are_even_and_reported_at_the_nearest_tick() {
         let firing = |ticks_per_firing, phase_ticks, firings| Firing::Encoder {
             ticks_per_turn: 4000,
             ticks_per_firing,
             phase_ticks,
             firings,
         };
-        let azimuths = firing(1.8587, 0.5, 2152).azimuths_rad().expect("one turn");
-        for (j, azimuth) in azimuths.iter().enumerate() {
-            let ticks = azimuth / (TAU / 4000.0);
-            assert!((ticks - ticks.round()).abs() < 1e-9 && (ticks - 1.8587 * j as f64 - 0.5).abs() <= 1.0);
+        let encoder = firing(1.8587, 0.25, 2152);
+        let azimuths = encoder.azimuths_rad().expect("one turn");
+        let turns = encoder.reporting_turns();
+        for (j, (azimuth, [cos, sin])) in azimuths.iter().zip(&turns).enumerate() {
+            let tick_rad = TAU / 4000.0;
+            assert!((azimuth / tick_rad - 1.8587 * j as f64 - 0.25).abs() < 1e-9);
+            let reported = (azimuth + math::atan2(*sin, *cos)) / tick_rad;
+            assert!((reported - reported.round()).abs() < 1e-9 && (reported - azimuth / tick_rad).abs() <= 0.5 + 1e-9);
         }
         let text = |f: Firing| f.azimuths_rad().expect_err("bad").to_string();
-        assert!(text(firing(1.8587, 0.0, 2154)).contains("tick of the last firing is 4001"));
+        assert!(text(firing(1.8587, 0.0, 2154)).contains("tick of the last firing is 4002"));
         assert!(text(firing(0.5, 0.0, 10)).contains("ticks_per_firing is 0.5"));
         assert!(text(firing(1.5, -1.0, 10)).contains("phase_ticks is -1"));
         assert!(text(firing(f64::NAN, 0.0, 10)).contains("ticks_per_firing"));

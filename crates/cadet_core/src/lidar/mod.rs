@@ -28,5 +28,5 @@ pub use response::{MAX_DIVERGENCE_RAD, Receiver};
 pub use return_mode::ReturnMode;
 pub use returned_points::Scan;
 pub use scan::{IdealScan, ideal_scan, scan, scan_through, turning_scan};
-pub use spec::{BlindSector, LidarSpec, Rays};
+pub use spec::{BlindSector, LaserReceiver, LidarSpec, Rays};
 pub use turning::{TURN_S, Turning, firing_time_s};

@@ -51,13 +51,17 @@ const HDL64E: [(f64, f64); 64] = [
 
 impl LidarSpec {
     /// The HDL-64E of KITTI's car: each laser at its own height, azimuths on the ticks of the encoder
-    /// (0.09 degrees, of which a firing takes 1.8587): 2,152 columns, 137,728 beams, 6 % of which KITTI's car hides.
+    /// (0.09 degrees, of which a firing takes 1.8587): 2,152 columns, 137,728 beams, 6 % of which KITTI's car hides. Each
+    /// laser's range is off by its own.
     #[must_use]
     pub fn hdl64e_kitti() -> Self {
         let firing =
             Firing::Encoder { ticks_per_turn: 4000, ticks_per_firing: 1.8587, phase_ticks: 0.0, firings: 2152 };
         let mut spec = hdl64e_spec("hdl64e_kitti", firing);
         spec.blind_sectors = hdl64e::car();
+        for (laser, offset_mm) in spec.laser_receivers.iter_mut().zip(hdl64e::RANGE_OFFSETS_MM) {
+            laser.range_offset_m = offset_mm / 1e3;
+        }
         spec
     }
 
@@ -104,14 +108,16 @@ fn hdl64e_rings() -> Vec<LaserRing> {
 
 fn hdl64e_spec(name: &str, firing: Firing) -> LidarSpec {
     let mut spec = LidarSpec::with_firing(name, hdl64e_rings(), firing).expect("a valid preset");
-    spec.laser_gains = hdl64e::GAINS.to_vec();
+    for (laser, gain) in spec.laser_receivers.iter_mut().zip(hdl64e::GAINS) {
+        laser.gain = gain;
+    }
     spec
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::TAU;
+    use crate::math::{self, TAU};
 
     #[test]
     fn beams_are_counted_as_the_sensors_do() {
@@ -119,9 +125,11 @@ mod tests {
         assert_eq!((kitti.num_beams(), kitti.azimuths_rad().len()), (137_728, 2152));
         assert_eq!(LidarSpec::hdl64e_uniform().num_beams(), 133_312);
         assert_eq!(LidarSpec::cadet().num_beams(), 72_000);
-        // Steps of one tick and of two, in KITTI's proportion.
+        // Reported in steps of one tick and of two, in KITTI's proportion.
         let tick = TAU / 4000.0;
-        let steps: Vec<f64> = kitti.azimuths_rad().windows(2).map(|w| ((w[1] - w[0]) / tick).round()).collect();
+        let turned = |(azimuth, [cos, sin]): (&f64, &[f64; 2])| azimuth + math::atan2(*sin, *cos);
+        let reported: Vec<f64> = kitti.azimuths_rad().iter().zip(kitti.reporting_turns()).map(turned).collect();
+        let steps: Vec<f64> = reported.windows(2).map(|w| ((w[1] - w[0]) / tick).round()).collect();
         let ones = steps.iter().filter(|s| **s == 1.0).count() as f64 / steps.len() as f64;
         assert!(steps.iter().all(|s| *s == 1.0 || *s == 2.0) && (ones - 0.145).abs() < 0.01, "{ones}");
         assert!((kitti.azimuths_rad()[2151] + 2.0 * tick - TAU).abs() < 1.01 * tick);

@@ -7,7 +7,7 @@ use super::reflection::{peak_share, spot_per_pulse};
 use super::response::{Receiver, intensity, saturated};
 use super::returned_points::Scan;
 use super::returns::Arrival;
-use super::spec::LidarSpec;
+use super::spec::{LaserReceiver, LidarSpec};
 use crate::material::Semantic;
 
 /// Echoes that are received together.
@@ -36,6 +36,7 @@ struct Echoes {
     detection: PerEcho,
     saturation: PerEcho,
     range_normal: PerEcho,
+    /// The beam as it is reported.
     direction_velo: [PerEcho; 3],
     origin_velo: [PerEcho; 3],
 }
@@ -52,7 +53,7 @@ struct Written {
 #[derive(Clone, Copy)]
 struct RingReceiver {
     receiver: Receiver,
-    laser_gain: f64,
+    laser: LaserReceiver,
     min_range_m: f64,
     max_range_m: f64,
 }
@@ -87,7 +88,7 @@ impl EchoBatch {
         })
     }
 
-    /// Adds what arrives from a ring's column.
+    /// Adds what arrives from a ring's column, whose beam is reported to start and to go so.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -124,7 +125,7 @@ impl EchoBatch {
     pub(super) fn receive(&mut self, spec: &LidarSpec, ring: usize, out: &mut Scan) {
         let receiver = RingReceiver {
             receiver: *spec.receiver(),
-            laser_gain: spec.laser_gains[ring],
+            laser: spec.laser_receivers[ring],
             min_range_m: spec.min_range_m,
             max_range_m: spec.max_range_m,
         };
@@ -146,14 +147,14 @@ impl EchoBatch {
 /// Compiled once more for processors with wide registers, as the kernel is.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
-    let RingReceiver { receiver, laser_gain, min_range_m, max_range_m } = ring;
+    let RingReceiver { receiver, laser, min_range_m, max_range_m } = ring;
     let spot_per_pulse = spot_per_pulse(&receiver);
     let mut reading: PerEcho = [0.0; BATCH_SIZE];
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
         // Detection goes by a pulse's energy, the reading by its peak.
         let peak = power * range_m * range_m * peak_share(spot_per_pulse, range_m, e.cos_incidence[i]);
-        reading[i] = intensity(peak, range_m, laser_gain, e.reading_noise[i]);
+        reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i]);
     }
     for i in 0..BATCH_SIZE {
         let reading = if e.saturates[i] { saturated(e.saturation[i]) } else { reading[i] };
@@ -161,7 +162,7 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
     }
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        let range_m = range_m + receiver.noise_m(power) * e.range_normal[i];
+        let range_m = range_m + laser.range_offset_m + receiver.noise_m(power) * e.range_normal[i];
         out.range_m[i] = range_m;
         let mut square = [0.0; 3];
         for axis in 0..3 {

@@ -131,7 +131,7 @@ mod tests {
         let mut batch = EchoBatch::new();
         batch.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
         let mut spec = LidarSpec::new("one", vec![LaserRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
-        spec.laser_gains = vec![laser_gain];
+        spec.laser_receivers[0].gain = laser_gain;
         // Drops and flakes nearer than points of KITTI's files are to be seen here.
         spec.min_range_m = 0.0;
         let mut out = Scan::default();
@@ -167,9 +167,9 @@ mod tests {
     fn statistics(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
         let mut stream = Stream::from_seed("returns", 1);
         let n = 20_000;
-        let gains = LidarSpec::hdl64e_kitti().laser_gains;
+        let lasers = LidarSpec::hdl64e_kitti().laser_receivers;
         let all: Vec<Return> = (0..n)
-            .filter_map(|i| receive(transparent, opaque, air, gains[i % gains.len()], &Draws::new(&mut stream)))
+            .filter_map(|i| receive(transparent, opaque, air, lasers[i % lasers.len()].gain, &Draws::new(&mut stream)))
             .collect();
         let count = all.len().max(1) as f64;
         let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;

@@ -138,6 +138,12 @@ pub fn turning_scan(turning: &Turning, spec: &LidarSpec, air: (&Weather, &Spray)
     Ok(scan_by(&turning.firings(spec), spec, air, stream))
 }
 
+/// A vector turned about z, counter-clockwise.
+#[inline(always)]
+fn turned(v: DVec3, [cos, sin]: [f64; 2]) -> DVec3 {
+    DVec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
+}
+
 fn scan_by<C: Casting>(
     casting: &C,
     spec: &LidarSpec,
@@ -191,7 +197,9 @@ fn scan_by<C: Casting>(
                 plumes.meet(origin, ahead - origin, echo.map_or(f64::INFINITY, |e| e.range_m), draws.air_key)
             };
             let Some(arrived) = arrival(echo, (&air, &sprayed), spec.returns, receiver, &draws) else { continue };
-            batch.push(&arrived, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
+            let turn = spec.reporting_turns()[column];
+            let reported = [origin_velo, direction_velo].map(|v| turned(v, turn).to_array());
+            batch.push(&arrived, &draws, column, reported);
             if batch.is_full() {
                 batch.receive(spec, ring, &mut out);
             }

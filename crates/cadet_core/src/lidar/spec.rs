@@ -18,6 +18,7 @@ pub struct LidarSpec {
     firing: Firing,
     azimuths_rad: Vec<f64>,
     azimuth_offsets_rad: Vec<f64>,
+    reporting_turns: Vec<[f64; 2]>,
     grid: SpinningGrid,
     receiver: Receiver,
     /// None for beams that meet surfaces as lines do.
@@ -26,8 +27,8 @@ pub struct LidarSpec {
     pub min_range_m: f64,
     /// Returns as far from the frame's origin as this, or farther, are not kept.
     pub max_range_m: f64,
-    /// Sensitivity of each ring's receiver, 1 for an average one.
-    pub laser_gains: Vec<f64>,
+    /// What tells each ring's receiver from the others.
+    pub laser_receivers: Vec<LaserReceiver>,
     /// Which echo is reported where a beam meets several surfaces.
     pub returns: ReturnMode,
     /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
@@ -35,6 +36,25 @@ pub struct LidarSpec {
     /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
     pub blind_sectors: Vec<BlindSector>,
 }
+
+/// What tells a laser's receiver from those of its sensor's others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaserReceiver {
+    /// Its sensitivity, 1 for an average one.
+    pub gain: f64,
+    /// By how much it measures too far, whatever it measures. Ideal scans have none.
+    pub range_offset_m: f64,
+}
+
+impl Default for LaserReceiver {
+    /// An average one without an error.
+    fn default() -> Self {
+        Self { gain: 1.0, range_offset_m: 0.0 }
+    }
+}
+
+/// The most that a laser's range may be off.
+const MOST_RANGE_OFFSET_M: f64 = 1.0;
 
 /// Azimuths at which a laser meets the car that carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,10 +101,11 @@ impl LidarSpec {
         let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
         Ok(Self {
             name: name.to_owned(),
-            laser_gains: vec![1.0; rings.len()],
+            laser_receivers: vec![LaserReceiver::default(); rings.len()],
             blind_sectors: Vec::new(),
             azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
+            reporting_turns: firing.reporting_turns(),
             firing,
             azimuths_rad,
             grid,
@@ -152,20 +173,22 @@ impl LidarSpec {
                 });
             }
         }
-        if self.laser_gains.len() != self.rings.len() {
+        if self.laser_receivers.len() != self.rings.len() {
             return Err(Error::Shape {
-                what: "laser_gains",
-                got: format!("({},)", self.laser_gains.len()),
+                what: "laser_receivers",
+                got: format!("({},)", self.laser_receivers.len()),
                 expected: format!("({},)", self.rings.len()),
             });
         }
-        for gain in &self.laser_gains {
-            if finite("laser gain", *gain)? < 0.0 {
-                return Err(Error::OutOfRange {
-                    what: "laser gain",
-                    value: gain.to_string(),
-                    expected: "at least 0".to_owned(),
-                });
+        for laser in &self.laser_receivers {
+            for (what, value, least, most) in [
+                ("laser gain", laser.gain, 0.0, f64::MAX),
+                ("laser's range offset", laser.range_offset_m, -MOST_RANGE_OFFSET_M, MOST_RANGE_OFFSET_M),
+            ] {
+                if !(least..=most).contains(&finite(what, value)?) {
+                    let expected = format!("{least:?} to {most:?}");
+                    return Err(Error::OutOfRange { what, value: value.to_string(), expected });
+                }
             }
         }
         for sector in &self.blind_sectors {
@@ -288,6 +311,12 @@ impl LidarSpec {
         self.grid.headings(ring)
     }
 
+    /// How far counter-clockwise of where its beams go each column is reported, as (cosine, sine): an encoder's rounding.
+    #[must_use]
+    pub(super) fn reporting_turns(&self) -> &[[f64; 2]] {
+        &self.reporting_turns
+    }
+
     /// Every beam, in the order of a scan's rows.
     #[must_use]
     pub fn rays(&self) -> Rays {
@@ -350,8 +379,16 @@ mod tests {
         assert!(text(vec![ring(0.0)], vec![0.2, 0.1]).contains("azimuth is 0.1"));
         assert!(text(vec![ring(0.0)], vec![7.0]).contains("azimuth is 7"));
         let mut spec = LidarSpec::cadet();
-        spec.laser_gains.pop();
-        assert!(spec.check().expect_err("short").to_string().contains("laser_gains has shape (39,)"));
+        spec.laser_receivers.pop();
+        assert!(spec.check().expect_err("short").to_string().contains("laser_receivers has shape (39,)"));
+        for (gain, range_offset_m, what) in
+            [(-1.0, 0.0, "laser gain is -1"), (1.0, -1.01, "offset is -1.01"), (1.0, f64::NAN, "offset is not finite")]
+        {
+            spec = LidarSpec::cadet();
+            spec.laser_receivers[7] = LaserReceiver { gain, range_offset_m };
+            let text = spec.check().expect_err("bad").to_string();
+            assert!(text.contains(what), "{text}");
+        }
         spec = LidarSpec::cadet();
         spec.max_range_m = -1.0;
         assert!(spec.check().expect_err("negative").to_string().contains("max_range_m is -1"));
