@@ -120,6 +120,7 @@ class Lidar:
             Laser(elevation_deg=-2.0, blind_deg=[(170.0, 190.0)], **rest),
         ]
         firing, ranges = UniformFiring(columns=3), {"min_range_m": 1.45, "max_range_m": 80.0, "range_noise_m": 0.0078}
+        ranges["focus_m"] = 0.0
         return BeamTable(name=self.name, rings=rings, firing=firing, **ranges)
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:

@@ -155,6 +155,7 @@ class BeamTable:
         min_range_m: float,
         max_range_m: float,
         range_noise_m: float,
+        focus_m: float,
     ) -> BeamTable: ...
     name: Final[str]
     rings: Final[list[Laser]]
@@ -162,6 +163,7 @@ class BeamTable:
     min_range_m: Final[float]
     max_range_m: Final[float]
     range_noise_m: Final[float]
+    focus_m: Final[float]
 
 @final
 class Lidar:

@@ -141,6 +141,7 @@ class ListedFiring:
 
 
 _NUMBERS = tuple(f.name for f in fields(Laser) if f.name != "blind_deg")
+_RANGES = ("min_range_m", "max_range_m", "range_noise_m", "focus_m")
 
 Firing = UniformFiring | EncoderFiring | ListedFiring
 _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
@@ -166,6 +167,8 @@ class BeamTable:
     """Returns as far as this are not kept."""
     range_noise_m: float = 0.0078
     """Standard deviation of the range."""
+    focus_m: float = 0.0
+    """Receivers lose some of what comes from surfaces nearer than this, (1 - (range / focus)^3) of the power."""
 
     def __repr__(self) -> str:
         return summary(
@@ -197,6 +200,7 @@ class BeamTable:
         check_number("lidar", "min_range_m", self.min_range_m, 0, 1000)
         check_number("lidar", "max_range_m", self.max_range_m, 0, 10_000)
         check_number("lidar", "range_noise_m", self.range_noise_m, 0, 10)
+        check_number("lidar", "focus_m", self.focus_m, 0, 1000)
         if self.max_range_m <= self.min_range_m:
             raise CadetError(
                 f"lidar.max_range_m: expected above min_range_m = {self.min_range_m:g}, got {self.max_range_m:g}"
@@ -247,7 +251,7 @@ class BeamTable:
     def to_toml(self) -> str:
         """Return the table as TOML; `from_toml` reads back an equal one."""
         lines = [f'name = "{self.name}"']
-        lines += [f"{key} = {_number(getattr(self, key))}" for key in ("min_range_m", "max_range_m", "range_noise_m")]
+        lines += [f"{key} = {_number(getattr(self, key))}" for key in _RANGES]
         lines += ["", "# From the highest ring to the lowest.", "rings = ["]
         for laser in self.rings:
             given = (key for key in _NUMBERS if key == "height_m" or getattr(laser, key) != getattr(Laser, key, None))
@@ -269,9 +273,7 @@ class BeamTable:
             name=table.name,
             rings=tuple(Laser(**_values_of(Laser, laser)) for laser in table.rings),
             firing=kind(**_values_of(kind, table.firing)),
-            min_range_m=table.min_range_m,
-            max_range_m=table.max_range_m,
-            range_noise_m=table.range_noise_m,
+            **{key: getattr(table, key) for key in _RANGES},
         )
 
     def to_native(self) -> _cadet.BeamTable:
@@ -281,9 +283,7 @@ class BeamTable:
             name=self.name,
             rings=[_cadet.Laser(**asdict(laser)) for laser in self.rings],
             firing=kind(**asdict(self.firing)),
-            min_range_m=self.min_range_m,
-            max_range_m=self.max_range_m,
-            range_noise_m=self.range_noise_m,
+            **{key: getattr(self, key) for key in _RANGES},
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -294,9 +294,7 @@ class BeamTable:
             **{key: [float(getattr(laser, key)) for laser in self.rings] for key in _NUMBERS},
             "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],
             "firing": {"pattern": _pattern_of(self.firing), **firing},
-            "min_range_m": float(self.min_range_m),
-            "max_range_m": float(self.max_range_m),
-            "range_noise_m": float(self.range_noise_m),
+            **{key: float(getattr(self, key)) for key in _RANGES},
         }
 
 

@@ -104,12 +104,13 @@ pub(crate) struct BeamTable {
     min_range_m: f64,
     max_range_m: f64,
     range_noise_m: f64,
+    focus_m: f64,
 }
 
 #[pymethods]
 impl BeamTable {
     #[new]
-    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m))]
+    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, focus_m))]
     fn new(
         name: String,
         rings: Vec<Laser>,
@@ -117,8 +118,9 @@ impl BeamTable {
         min_range_m: f64,
         max_range_m: f64,
         range_noise_m: f64,
+        focus_m: f64,
     ) -> Self {
-        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m }
+        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m, focus_m }
     }
 }
 
@@ -146,6 +148,7 @@ impl BeamTable {
             min_range_m: spec.min_range_m,
             max_range_m: spec.max_range_m,
             range_noise_m: spec.receiver().range_noise_m,
+            focus_m: spec.receiver().focus_m,
         }
     }
 
@@ -160,7 +163,7 @@ impl BeamTable {
         let rings = self.rings.iter().map(ring).collect();
         let mut spec = LidarSpec::with_firing(&self.name, rings, self.firing.to_core())?.staggered(offsets_rad)?;
         (spec.min_range_m, spec.max_range_m) = (self.min_range_m, self.max_range_m);
-        let receiver = Receiver { range_noise_m: self.range_noise_m, ..*spec.receiver() };
+        let receiver = Receiver { range_noise_m: self.range_noise_m, focus_m: self.focus_m, ..*spec.receiver() };
         spec = spec.with_receiver(receiver)?;
         let receiver = |laser: &Laser| LaserReceiver { gain: laser.gain, range_offset_m: laser.range_offset_m };
         spec.laser_receivers = self.rings.iter().map(receiver).collect();

@@ -2,6 +2,7 @@
 
 use super::firing::Firing;
 use super::hdl64e;
+use super::response::Receiver;
 use super::spec::LidarSpec;
 use crate::error::{Error, Result};
 use crate::sense::LaserRing;
@@ -111,7 +112,8 @@ fn hdl64e_spec(name: &str, firing: Firing) -> LidarSpec {
     for (laser, gain) in spec.laser_receivers.iter_mut().zip(hdl64e::GAINS) {
         laser.gain = gain;
     }
-    spec
+    let focused = Receiver { focus_m: hdl64e::FOCUS_M, ..*spec.receiver() };
+    spec.with_receiver(focused).expect("a valid preset")
 }
 
 #[cfg(test)]
