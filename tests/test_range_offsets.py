@@ -62,16 +62,12 @@ def test_without_walls_range_errors_are_unknown_and_0(tmp_path: Path) -> None:
     assert any("range errors are unknown, and 0 here: 0 flat patches" in line for line in fit.remarks())
 
 
-@pytest.mark.parametrize("lidar", [Lidar.hdl64e_kitti(), Lidar.vlp16()], ids=lambda x: x.name)
-def test_streets_tell_the_range_errors_that_made_their_scans(core: object, lidar: Lidar, tmp_path: Path) -> None:
-    """KITTI's errors, 34 mm in standard deviation, and a sensor without any."""
-    table = lidar.beam_table()
+def test_streets_tell_kittis_range_errors_but_for_their_trend(core: object, tmp_path: Path) -> None:
+    """A trend from the top ring to the bottom one shows in nothing but how upright walls stand."""
+    lidar = Lidar.hdl64e_kitti()
     for seed in range(4):
         scene = Scene.random(seed=seed, weather="clear_noon")
         write_scan(tmp_path / f"{seed}.bin", scene.scan(lidar).points_velo)
-    errors_m = range_errors_m(fit_lidar([tmp_path]), table)
-    # A trend from the top ring to the bottom one shows in nothing but how upright walls stand.
-    ring = np.arange(len(errors_m))
+    errors_m = range_errors_m(fit_lidar([tmp_path]), lidar.beam_table())
     assert np.diff(errors_m).std() < 0.003
-    assert (errors_m - np.polyval(np.polyfit(ring, errors_m, 1), ring)).std() < 0.005
-    assert errors_m.std() < 0.025
+    assert errors_m.std() < 0.02
