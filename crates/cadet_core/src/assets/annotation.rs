@@ -32,9 +32,9 @@ pub struct Margins {
 /// displaced.
 const VEHICLE_END_M: (f64, f64) = (0.0225, 0.07);
 /// How far a vehicle's box is displaced toward the ego: where the front is near, and where the rear is. Its near end then
-/// stands 12 or 7 cm before the body's, its far end 16 or 12 cm inside.
-const FRONT_NEAR_M: f64 = 0.14;
-const REAR_NEAR_M: f64 = 0.095;
+/// stands 10 or 6 cm before the body's, its far end 15 or 10 cm inside.
+const FRONT_NEAR_M: f64 = 0.125;
+const REAR_NEAR_M: f64 = 0.08;
 const VEHICLE_SIDE_M: (f64, f64) = (-0.01, 0.04);
 const VEHICLE_TOP_M: (f64, f64) = (0.02, 0.01);
 /// The bottoms of KITTI's cars lie this far over the ground beside them: 63 cars and vans of 45 real frames.
@@ -355,7 +355,7 @@ mod tests {
     fn boxes_begin_before_the_near_end_and_end_inside_the_far_one() {
         // Mean and standard deviation over cars: near end beyond the body's, far end inside it.
         let body = DVec3::new(4.0, 1.65, 1.5);
-        for (near, toward, before_m, inside_m) in [(End::Front, 1.0, 0.1175, 0.1625), (End::Rear, -1.0, 0.0725, 0.1175)]
+        for (near, toward, before_m, inside_m) in [(End::Front, 1.0, 0.1025, 0.1475), (End::Rear, -1.0, 0.0575, 0.1025)]
         {
             let ends = |seed| {
                 let margins = Margins::of_vehicle(ObjectClass::Car, &mut Stream::from_seed("margins", seed));
