@@ -338,10 +338,10 @@ mod tests {
         let strongest = chosen(half, ReturnMode::Strongest, 0.5).expect("detected");
         assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
         // A far surface is last as often as the receiver detects half of its power.
-        let (n, weak) = (2_000, echo(70.0, 0.5, 2));
+        let (n, weak) = (2_000, echo(70.0, 0.16, 2));
         let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
         let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
-        let half_power = echo(70.0, 0.25, 2).expect("some");
+        let half_power = echo(70.0, 0.08, 2).expect("some");
         assert_eq!(last, draws.filter(|d| is_echo_detected(&half_power, &air, &Receiver::default(), *d)).count());
         assert!(last > 20 && last < 1_980, "{last}");
     }

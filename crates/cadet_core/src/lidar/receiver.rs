@@ -152,7 +152,6 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
     let mut reading: PerEcho = [0.0; BATCH_SIZE];
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        // Detection goes by a pulse's energy, the reading by its peak.
         let peak = power * range_m * range_m * peak_share(spot_per_pulse, range_m, e.cos_incidence[i]);
         reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i]);
     }
