@@ -114,13 +114,12 @@ class Lidar:
 
     def table(self) -> BeamTable:
         rest = {"height_m": self._height_m, "left_m": 0.0, "azimuth_offset_deg": 0.0, "gain": 1.0}
-        rest["range_offset_m"] = 0.0
+        rest["range_offset_m"] = rest["focus_m"] = 0.0
         rings = [
             Laser(elevation_deg=2.0, blind_deg=[], **rest),
             Laser(elevation_deg=-2.0, blind_deg=[(170.0, 190.0)], **rest),
         ]
         firing, ranges = UniformFiring(columns=3), {"min_range_m": 1.45, "max_range_m": 80.0, "range_noise_m": 0.0078}
-        ranges["focus_m"] = 0.0
         return BeamTable(name=self.name, rings=rings, firing=firing, **ranges)
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:

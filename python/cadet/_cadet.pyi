@@ -132,6 +132,7 @@ class Laser:
         azimuth_offset_deg: float,
         gain: float,
         range_offset_m: float,
+        focus_m: float,
         blind_deg: Sequence[tuple[float, float]],
     ) -> Laser: ...
     elevation_deg: Final[float]
@@ -140,6 +141,7 @@ class Laser:
     azimuth_offset_deg: Final[float]
     gain: Final[float]
     range_offset_m: Final[float]
+    focus_m: Final[float]
     blind_deg: Final[list[tuple[float, float]]]
 
 @final
@@ -155,7 +157,6 @@ class BeamTable:
         min_range_m: float,
         max_range_m: float,
         range_noise_m: float,
-        focus_m: float,
     ) -> BeamTable: ...
     name: Final[str]
     rings: Final[list[Laser]]
@@ -163,7 +164,6 @@ class BeamTable:
     min_range_m: Final[float]
     max_range_m: Final[float]
     range_noise_m: Final[float]
-    focus_m: Final[float]
 
 @final
 class Lidar:

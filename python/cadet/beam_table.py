@@ -48,6 +48,8 @@ class Laser:
     """Sensitivity of the receiver: below 1 it reports more zero intensities."""
     range_offset_m: float = 0.0
     """By how much the laser measures too far: its points lie farther along their beams. Ideal scans have none."""
+    focus_m: float = 0.0
+    """Of what comes from surfaces nearer than this, (range / focus)^3 of the power counts for detection."""
     blind_deg: tuple[tuple[float, float], ...] = ()
     """Azimuths (from, to) at which what carries the sensor is in the way: beams there never return."""
 
@@ -58,6 +60,7 @@ class Laser:
         check_number("laser", "azimuth_offset_deg", self.azimuth_offset_deg, -360, 360)
         check_number("laser", "gain", self.gain, 0, 100)
         check_number("laser", "range_offset_m", self.range_offset_m, -1, 1)
+        check_number("laser", "focus_m", self.focus_m, 0, 1000)
         sectors = self.blind_deg
         if not isinstance(sectors, tuple) or not all(isinstance(s, tuple) and len(s) == 2 for s in sectors):
             raise CadetError(
@@ -141,7 +144,7 @@ class ListedFiring:
 
 
 _NUMBERS = tuple(f.name for f in fields(Laser) if f.name != "blind_deg")
-_RANGES = ("min_range_m", "max_range_m", "range_noise_m", "focus_m")
+_RANGES = ("min_range_m", "max_range_m", "range_noise_m")
 
 Firing = UniformFiring | EncoderFiring | ListedFiring
 _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
@@ -167,8 +170,6 @@ class BeamTable:
     """Returns as far as this are not kept."""
     range_noise_m: float = 0.0078
     """Standard deviation of the range."""
-    focus_m: float = 0.0
-    """Receivers lose some of what comes from surfaces nearer than this, (1 - (range / focus)^3) of the power."""
 
     def __repr__(self) -> str:
         return summary(
@@ -200,7 +201,6 @@ class BeamTable:
         check_number("lidar", "min_range_m", self.min_range_m, 0, 1000)
         check_number("lidar", "max_range_m", self.max_range_m, 0, 10_000)
         check_number("lidar", "range_noise_m", self.range_noise_m, 0, 10)
-        check_number("lidar", "focus_m", self.focus_m, 0, 1000)
         if self.max_range_m <= self.min_range_m:
             raise CadetError(
                 f"lidar.max_range_m: expected above min_range_m = {self.min_range_m:g}, got {self.max_range_m:g}"

@@ -325,3 +325,26 @@ def test_objects_stand_before_dontcare_in_the_file_and_in_the_meta() -> None:
     assert [o["actor_id"] for o in objects] == [2, 4, 1, 3]
     for line, o in zip(lines[:2], objects[:2], strict=True):
         assert [float(v) for v in line[11:14]] == pytest.approx(o["location_cam"], abs=0.006)
+
+
+def test_a_box_is_displaced_toward_who_labeled_it_first() -> None:
+    """Annotators draw a box once a track, from the end that is near when they first see it."""
+
+    def middle_world(scene: cadet.Scene) -> float:
+        (label,) = scene.capture().labels
+        x, y, z = label.location_cam
+        place = scene.sensor_poses()["world_from_cam"] @ np.array([x, y - label.dimensions_hwl[0] / 2.0, z, 1.0])
+        return float(place[0])
+
+    def scene_with_car() -> cadet.Scene:
+        scene = cadet.Scene.empty(weather="clear_noon")
+        scene.add("car", x=20.0, y=0.0, yaw=0.0, model_seed=3)
+        return scene
+
+    seen_from_behind, seen_from_the_front = scene_with_car(), scene_with_car()
+    before = middle_world(seen_from_behind)
+    for scene in (seen_from_behind, seen_from_the_front):
+        scene.move_ego(x=45.0, y=0.0, yaw=np.pi)
+    assert middle_world(seen_from_behind) == pytest.approx(before, abs=1e-6)
+    # Toward the front by 0.155 m, toward the rear by 0.115 m.
+    assert middle_world(seen_from_the_front) - before == pytest.approx(0.27, abs=1e-3)

@@ -182,7 +182,8 @@ fn transparent_surfaces_show_what_is_behind_them() {
     assert!(ideal.actor_id.iter().all(|id| *id == 1 || *id == -1), "to an ideal scan glass is opaque");
     let got = scan(&scene, &DPose3::IDENTITY, &spec, &weather, &mut Stream::from_seed("scan", 0)).expect("valid");
     let behind = got.actor_id.iter().filter(|id| **id == 2).count() as f64 / got.actor_id.len() as f64;
-    assert!((0.75..0.97).contains(&behind), "{behind}");
+    // The rest is dust on the pane.
+    assert!((behind - 0.55).abs() < 0.05, "{behind}");
     for (i, [x, ..]) in got.points_velo.iter().enumerate() {
         let expected = if got.actor_id[i] == 1 { 4.99 } else { 9.0 };
         assert!((f64::from(*x) - expected).abs() < 0.1, "{x} {}", got.actor_id[i]);

@@ -106,7 +106,7 @@ fn dense_fog_shortens_a_scan_as_the_formula_says() {
     }
     assert!(moved > 500 && near > 10_000 && middle > 1000, "{moved} {near} {middle}");
     assert!(f64::from(kept_near) > 0.98 * f64::from(near), "{kept_near} of {near}");
-    assert!(f64::from(kept_middle) < 0.3 * f64::from(middle), "{kept_middle} of {middle}");
+    assert!(f64::from(kept_middle) < 0.4 * f64::from(middle), "{kept_middle} of {middle}");
 }
 
 #[test]

@@ -75,13 +75,14 @@ pub(crate) struct Laser {
     azimuth_offset_deg: f64,
     gain: f64,
     range_offset_m: f64,
+    focus_m: f64,
     blind_deg: Vec<(f64, f64)>,
 }
 
 #[pymethods]
 impl Laser {
     #[new]
-    #[pyo3(signature = (*, elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, blind_deg))]
+    #[pyo3(signature = (*, elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, focus_m, blind_deg))]
     fn new(
         elevation_deg: f64,
         height_m: f64,
@@ -89,9 +90,10 @@ impl Laser {
         azimuth_offset_deg: f64,
         gain: f64,
         range_offset_m: f64,
+        focus_m: f64,
         blind_deg: Vec<(f64, f64)>,
     ) -> Self {
-        Self { elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, blind_deg }
+        Self { elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, focus_m, blind_deg }
     }
 }
 
@@ -104,13 +106,12 @@ pub(crate) struct BeamTable {
     min_range_m: f64,
     max_range_m: f64,
     range_noise_m: f64,
-    focus_m: f64,
 }
 
 #[pymethods]
 impl BeamTable {
     #[new]
-    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, focus_m))]
+    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m))]
     fn new(
         name: String,
         rings: Vec<Laser>,
@@ -118,9 +119,8 @@ impl BeamTable {
         min_range_m: f64,
         max_range_m: f64,
         range_noise_m: f64,
-        focus_m: f64,
     ) -> Self {
-        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m, focus_m }
+        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m }
     }
 }
 
@@ -139,6 +139,7 @@ impl BeamTable {
             azimuth_offset_deg: degrees(*offset_rad),
             gain: rounded(receiver.gain),
             range_offset_m: rounded(receiver.range_offset_m),
+            focus_m: rounded(receiver.focus_m),
             blind_deg: blind_deg(ring),
         };
         Self {
@@ -148,7 +149,6 @@ impl BeamTable {
             min_range_m: spec.min_range_m,
             max_range_m: spec.max_range_m,
             range_noise_m: spec.receiver().range_noise_m,
-            focus_m: spec.receiver().focus_m,
         }
     }
 
@@ -163,9 +163,13 @@ impl BeamTable {
         let rings = self.rings.iter().map(ring).collect();
         let mut spec = LidarSpec::with_firing(&self.name, rings, self.firing.to_core())?.staggered(offsets_rad)?;
         (spec.min_range_m, spec.max_range_m) = (self.min_range_m, self.max_range_m);
-        let receiver = Receiver { range_noise_m: self.range_noise_m, focus_m: self.focus_m, ..*spec.receiver() };
+        let receiver = Receiver { range_noise_m: self.range_noise_m, ..*spec.receiver() };
         spec = spec.with_receiver(receiver)?;
-        let receiver = |laser: &Laser| LaserReceiver { gain: laser.gain, range_offset_m: laser.range_offset_m };
+        let receiver = |laser: &Laser| LaserReceiver {
+            gain: laser.gain,
+            range_offset_m: laser.range_offset_m,
+            focus_m: laser.focus_m,
+        };
         spec.laser_receivers = self.rings.iter().map(receiver).collect();
         // A whole turn must not end beyond its end by rounding.
         let radians = |degrees: f64| degrees.to_radians().min(TAU);

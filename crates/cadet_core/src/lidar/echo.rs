@@ -8,7 +8,7 @@ use crate::material::{LidarMaterial, Material, Semantic};
 
 /// Share of a glass surface's area that is dusty or printed enough to return light itself, and the reflectance there: fitted
 /// to what comes back from the windows of KITTI's cars.
-const DIRTY_SHARE: f64 = 0.55;
+const DIRTY_SHARE: f64 = 0.45;
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.012);
 /// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;

@@ -2,9 +2,10 @@
 
 use super::spec::BlindSector;
 
-/// Where its receivers are focused, fitted to KITTI's cars: at 5 to 12 m they return fewer beams than at 12 to 20 m, at every
-/// height.
-pub(super) const FOCUS_M: f64 = 20.0;
+/// Where the receivers of its upper and its lower block are focused, fitted to KITTI's cars: at 5 to 12 m they return fewer
+/// beams of the upper block, which scans them above a third of their height, than at 12 to 20 m. Of the lower one, which looks
+/// down at the road, next to no beam is lost.
+pub(super) const FOCUS_M: [f64; 2] = [20.0, 6.0];
 
 /// Gain of each laser, from the top ring down: how the quantiles of its intensities (3 to 22 m, six KITTI frames) lie about
 /// those of its neighbors. Rings 15, 21, 36 and 51 report the most zeros.

@@ -2,7 +2,6 @@
 
 use super::firing::Firing;
 use super::hdl64e;
-use super::response::Receiver;
 use super::spec::LidarSpec;
 use crate::error::{Error, Result};
 use crate::sense::LaserRing;
@@ -109,11 +108,11 @@ fn hdl64e_rings() -> Vec<LaserRing> {
 
 fn hdl64e_spec(name: &str, firing: Firing) -> LidarSpec {
     let mut spec = LidarSpec::with_firing(name, hdl64e_rings(), firing).expect("a valid preset");
-    for (laser, gain) in spec.laser_receivers.iter_mut().zip(hdl64e::GAINS) {
+    for (ring, (laser, gain)) in spec.laser_receivers.iter_mut().zip(hdl64e::GAINS).enumerate() {
         laser.gain = gain;
+        laser.focus_m = hdl64e::FOCUS_M[usize::from(ring >= 32)];
     }
-    let focused = Receiver { focus_m: hdl64e::FOCUS_M, ..*spec.receiver() };
-    spec.with_receiver(focused).expect("a valid preset")
+    spec
 }
 
 #[cfg(test)]

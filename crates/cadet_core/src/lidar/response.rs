@@ -22,7 +22,8 @@ pub struct Receiver {
     /// Power, in units of reflectance / range^2, that is detected half of the time.
     pub threshold: f64,
     /// Where the receiver's optics are focused: of what comes from surfaces nearer than this a part falls beside the detector.
-    /// 0 for optics that lose nothing. What rain, snow and fog return is fitted without such a loss.
+    /// 0 for optics that lose nothing. Each laser of a sensor has its own. What rain, snow and fog return is fitted without
+    /// such a loss.
     pub focus_m: f64,
     /// Standard deviation of the range of a strong echo.
     pub range_noise_m: f64,

@@ -172,6 +172,7 @@ fn scan_by<C: Casting>(
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
+        let receiver = &spec.receiver_of(ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");

@@ -44,17 +44,21 @@ pub struct LaserReceiver {
     pub gain: f64,
     /// By how much it measures too far, whatever it measures. Ideal scans have none.
     pub range_offset_m: f64,
+    /// Where its optics are focused: [`Receiver::focus_m`].
+    pub focus_m: f64,
 }
 
 impl Default for LaserReceiver {
     /// An average one without an error.
     fn default() -> Self {
-        Self { gain: 1.0, range_offset_m: 0.0 }
+        Self { gain: 1.0, range_offset_m: 0.0, focus_m: 0.0 }
     }
 }
 
 /// The most that a laser's range may be off.
 const MOST_RANGE_OFFSET_M: f64 = 1.0;
+/// The farthest that a laser's optics are focused.
+const MOST_FOCUS_M: f64 = 1000.0;
 
 /// Azimuths at which a laser meets the car that carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,6 +161,12 @@ impl LidarSpec {
         &self.receiver
     }
 
+    /// The receiver of a ring's laser.
+    #[must_use]
+    pub(super) fn receiver_of(&self, ring: usize) -> Receiver {
+        Receiver { focus_m: self.laser_receivers[ring].focus_m, ..self.receiver }
+    }
+
     /// Checks the public fields, which anyone may have set.
     ///
     /// # Errors
@@ -184,6 +194,7 @@ impl LidarSpec {
             for (what, value, least, most) in [
                 ("laser gain", laser.gain, 0.0, f64::MAX),
                 ("laser's range offset", laser.range_offset_m, -MOST_RANGE_OFFSET_M, MOST_RANGE_OFFSET_M),
+                ("laser's focus", laser.focus_m, 0.0, MOST_FOCUS_M),
             ] {
                 if !(least..=most).contains(&finite(what, value)?) {
                     let expected = format!("{least:?} to {most:?}");
@@ -385,7 +396,7 @@ mod tests {
             [(-1.0, 0.0, "laser gain is -1"), (1.0, -1.01, "offset is -1.01"), (1.0, f64::NAN, "offset is not finite")]
         {
             spec = LidarSpec::cadet();
-            spec.laser_receivers[7] = LaserReceiver { gain, range_offset_m };
+            spec.laser_receivers[7] = LaserReceiver { gain, range_offset_m, focus_m: 0.0 };
             let text = spec.check().expect_err("bad").to_string();
             assert!(text.contains(what), "{text}");
         }

@@ -32,7 +32,7 @@ fn doors_swing_out_to_their_side_and_tailgates_up() {
                 assert!(behind.fold(f32::MAX, f32::min) > 1.1, "{}", model.name);
             } else {
                 let out = reach(Vec3::Y * side) - half.y;
-                assert!((0.5..1.1).contains(&out), "{}: {out} beside it", model.name);
+                assert!((0.5..1.15).contains(&out), "{}: {out} beside it", model.name);
                 assert!(reach(Vec3::Y * -side) < -0.3 * half.y, "{}: nothing on the other side", model.name);
                 assert!(reach(Vec3::X) < half.x && reach(Vec3::Z) < 2.0 * half.z, "{}", model.name);
             }
