@@ -3,11 +3,12 @@
 use multiversion::multiversion;
 
 use super::draws::Draws;
+use super::laser_receiver::LaserReceiver;
 use super::reflection::{peak_share, spot_per_pulse};
 use super::response::{Receiver, intensity, saturated};
 use super::returned_points::Scan;
 use super::returns::Arrival;
-use super::spec::{LaserReceiver, LidarSpec};
+use super::spec::LidarSpec;
 use crate::material::Semantic;
 
 /// Echoes that are received together.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::divergence::DivergentBeams;
 use super::firing::Firing;
+use super::laser_receiver::LaserReceiver;
 use super::response::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
 use crate::error::{Error, Result, finite};
@@ -36,29 +37,6 @@ pub struct LidarSpec {
     /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
     pub blind_sectors: Vec<BlindSector>,
 }
-
-/// What tells a laser's receiver from those of its sensor's others.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LaserReceiver {
-    /// Its sensitivity, 1 for an average one.
-    pub gain: f64,
-    /// By how much it measures too far, whatever it measures. Ideal scans have none.
-    pub range_offset_m: f64,
-    /// Where its optics are focused: [`Receiver::focus_m`].
-    pub focus_m: f64,
-}
-
-impl Default for LaserReceiver {
-    /// An average one without an error.
-    fn default() -> Self {
-        Self { gain: 1.0, range_offset_m: 0.0, focus_m: 0.0 }
-    }
-}
-
-/// The most that a laser's range may be off.
-const MOST_RANGE_OFFSET_M: f64 = 1.0;
-/// The farthest that a laser's optics are focused.
-const MOST_FOCUS_M: f64 = 1000.0;
 
 /// Azimuths at which a laser meets the car that carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -191,16 +169,7 @@ impl LidarSpec {
             });
         }
         for laser in &self.laser_receivers {
-            for (what, value, least, most) in [
-                ("laser gain", laser.gain, 0.0, f64::MAX),
-                ("laser's range offset", laser.range_offset_m, -MOST_RANGE_OFFSET_M, MOST_RANGE_OFFSET_M),
-                ("laser's focus", laser.focus_m, 0.0, MOST_FOCUS_M),
-            ] {
-                if !(least..=most).contains(&finite(what, value)?) {
-                    let expected = format!("{least:?} to {most:?}");
-                    return Err(Error::OutOfRange { what, value: value.to_string(), expected });
-                }
-            }
+            laser.check()?;
         }
         for sector in &self.blind_sectors {
             let is_rising = finite("blind sector", sector.from_rad)? <= finite("blind sector", sector.to_rad)?;
