@@ -59,9 +59,9 @@ def test_points_lie_on_their_beams(scene: Scene, name: str) -> None:
         assert (np.diff(scan.ring * 360.0 + written) >= 0.0).all()
     azimuth = np.degrees(np.arctan2(directions[:, 1], directions[:, 0])) % 360.0
     assert (np.diff(azimuth.reshape(len(table.rings), -1), axis=1) > 0.0).all()
-    # A street returns most of what is sent below the horizon.
+    # A street returns most of what is sent below the horizon; the KITTI car hides a tenth of it.
     is_down = np.repeat([laser.elevation_deg < -5.0 for laser in table.rings], table.num_columns)
-    assert is_down[beam].sum() > 0.85 * is_down.sum()
+    assert is_down[beam].sum() > 0.8 * is_down.sum()
 
 
 @pytest.mark.parametrize("name", ["hdl32e", "vlp16"])

@@ -21,7 +21,7 @@ fn two_dead_ends(keeps_left: bool) -> World {
         network.lanes[id.0].keeps_left = keeps_left;
     }
     let town = town(network, ground(HALF_M + 50.0, 5.0, &flat), Vec::new());
-    let mut world = World::new(town, StreamKey::scene(1)).unwrap();
+    let mut world = World::new(town, StreamKey::scene(3)).unwrap();
     let config = TrafficConfig { num_cars: 8, num_pedestrians: 0, num_cyclists: 3, ..TrafficConfig::default() };
     world.spawn_traffic(&config).unwrap();
     world
