@@ -154,7 +154,9 @@ def test_windows_swallow_beams_and_interiors_return_some() -> None:
     # Dark paint at grazing angles is lost.
     assert body[1] > 0.7 and body[2] + body[3] < 0.03, body
     # A lawn, which is twice as bright as asphalt at 905 nm, returns more of the beams that have lost most in two panes.
-    assert surface < 0.5 and 0.15 <= interior <= 0.6 and 0.1 <= lost <= 0.55 and behind <= 0.18, windows
+    assert surface < 0.5 and 0.1 <= lost <= 0.7 and behind <= 0.18, windows
+    # Of KITTI's returns at that height 15 to 25 % lie inside of the faces.
+    assert 0.1 <= interior / (surface + interior) <= 0.35, windows
 
 
 @needs_kitti
