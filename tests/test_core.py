@@ -145,8 +145,8 @@ def test_a_scripted_car_is_where_it_was_put() -> None:
     cars = [label for label in scene.capture().labels if label.type == "Car"]
     assert len(cars) == 1
     assert cars[0].occluded == 0
-    # Camera 0 is 27 cm ahead of the LIDAR.
-    assert cars[0].location_cam[2] == pytest.approx(15.0 - 0.27, abs=0.15)
+    # Camera 0 is 27 cm ahead of the LIDAR, and the box displaced by 0.115 m toward it.
+    assert cars[0].location_cam[2] == pytest.approx(15.0 - 0.27 - 0.115, abs=0.2)
 
 
 @pytest.mark.parametrize(

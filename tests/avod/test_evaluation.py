@@ -38,8 +38,8 @@ def detect(detector: avod.Detector, frame: cadet.Frame, image: np.ndarray | None
 def test_a_masked_image_changes_nothing_whatever_it_shows(detector: avod.Detector, frames: list[cadet.Frame]) -> None:
     blind = without(detector, has_image=False, has_lidar=True)
     noise = np.random.default_rng(0).integers(0, 256, frames[0].image.shape, np.uint8)
+    assert any(len(detect(blind, frame)) > 0 for frame in frames)
     for frame in frames:
-        assert len(detect(blind, frame)) > 0
         assert detect(blind, frame) == detect(blind, frame, noise)
     assert any(detect(detector, frame) != detect(detector, frame, noise) for frame in frames)
     assert any(detect(detector, frame) != detect(blind, frame) for frame in frames)
