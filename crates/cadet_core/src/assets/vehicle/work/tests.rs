@@ -5,7 +5,7 @@ use parry3d::shape::TriMesh;
 
 use super::super::paint;
 use super::*;
-use crate::assets::annotation::{Margins, vehicle_size};
+use crate::assets::annotation::vehicle_size;
 use crate::geometry::Mesh;
 
 const SEEDS: u64 = 120;
