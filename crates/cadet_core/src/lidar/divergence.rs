@@ -9,7 +9,7 @@
 
 use super::air::Air;
 use super::echo::Echo;
-use super::response::Receiver;
+use super::laser_receiver::RingReceiver;
 use super::return_mode::ReturnMode;
 use super::returns::{echo_power, is_echo_detected};
 use crate::error::Result;
@@ -166,10 +166,10 @@ pub(super) fn chosen_echo(
     quarters: [Option<Echo>; 4],
     mode: ReturnMode,
     air: &Air,
-    receiver: &Receiver,
+    receiver: &RingReceiver,
     detection: f64,
 ) -> Option<Echo> {
-    let pulse_m = receiver.pulse_m();
+    let pulse_m = receiver.receiver.pulse_m();
     let mut sorted = quarters;
     sorted.sort_by(|a, b| {
         let range_m = |e: &Option<Echo>| e.map_or(f64::INFINITY, |e| e.range_m);
@@ -194,7 +194,7 @@ pub(super) fn chosen_echo(
 
 /// Retro-reflectors outshine whatever stands beside them.
 fn rank(echo: &Echo, air: &Air) -> f64 {
-    echo_power(echo, air) * if echo.retro { 1e3 } else { 1.0 }
+    echo_power(echo, air) * echo.brightness()
 }
 
 /// One echo of several that arrive together, each with a quarter of the pulse: their power adds up, their range is its
@@ -220,7 +220,7 @@ fn merged(quarters: &[Option<Echo>]) -> Echo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lidar::LidarSpec;
+    use crate::lidar::{LidarSpec, Receiver};
     use crate::material::Semantic;
     use crate::math::TAU;
     use crate::rng::Stream;
@@ -238,12 +238,17 @@ mod tests {
         })
     }
 
+    /// Any laser whose optics lose nothing.
+    fn average(receiver: Receiver) -> RingReceiver {
+        RingReceiver::new(&LidarSpec::cadet().with_receiver(receiver).expect("valid"), 0)
+    }
+
     fn clear() -> Air {
         Air::new(&Weather::preset("clear_noon").expect("exists"), &Receiver::default())
     }
 
     fn chosen(quarters: [Option<Echo>; 4], mode: ReturnMode, detection: f64) -> Option<Echo> {
-        chosen_echo(quarters, mode, &clear(), &Receiver::default(), detection)
+        chosen_echo(quarters, mode, &clear(), &average(Receiver::default()), detection)
     }
 
     #[test]
@@ -342,7 +347,8 @@ mod tests {
         let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
         let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
         let half_power = echo(70.0, 0.08, 2).expect("some");
-        assert_eq!(last, draws.filter(|d| is_echo_detected(&half_power, &air, &Receiver::default(), *d)).count());
+        let receiver = average(Receiver::default());
+        assert_eq!(last, draws.filter(|d| is_echo_detected(&half_power, &air, &receiver, *d)).count());
         assert!(last > 20 && last < 1_980, "{last}");
     }
 
@@ -355,7 +361,7 @@ mod tests {
         assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
         assert_eq!(mixed.actor_id, 1);
         // A shorter pulse tells them apart: its length is the receiver's.
-        let short = Receiver { pulse_s: 2e-9, ..Receiver::default() };
+        let short = average(Receiver { pulse_s: 2e-9, ..Receiver::default() });
         let last = chosen_echo(two, ReturnMode::Last, &clear(), &short, 0.5).expect("detected");
         assert!((last.range_m - 20.4).abs() < 1e-12 && last.actor_id == 2, "{last:?}");
         let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];

@@ -40,6 +40,14 @@ pub(super) struct Echo {
     pub semantic: Semantic,
 }
 
+impl Echo {
+    /// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
+    #[inline]
+    pub(super) fn brightness(&self) -> f64 {
+        if self.retro { 1e3 } else { 1.0 }
+    }
+}
+
 /// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
 pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
     let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));

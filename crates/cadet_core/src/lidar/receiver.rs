@@ -3,12 +3,10 @@
 use multiversion::multiversion;
 
 use super::draws::Draws;
-use super::laser_receiver::LaserReceiver;
-use super::reflection::{peak_share, spot_per_pulse};
-use super::response::{Receiver, intensity, saturated};
+use super::laser_receiver::RingReceiver;
+use super::response::{intensity, saturated};
 use super::returned_points::Scan;
 use super::returns::Arrival;
-use super::spec::LidarSpec;
 use crate::material::Semantic;
 
 /// Echoes that are received together.
@@ -32,7 +30,7 @@ struct Echoes {
     power: PerEcho,
     detected_power: PerEcho,
     saturates: [bool; BATCH_SIZE],
-    cos_incidence: PerEcho,
+    peak_share: PerEcho,
     reading_noise: PerEcho,
     detection: PerEcho,
     saturation: PerEcho,
@@ -50,15 +48,6 @@ struct Written {
     is_kept: [bool; BATCH_SIZE],
 }
 
-/// What all echoes of a ring have in common.
-#[derive(Clone, Copy)]
-struct RingReceiver {
-    receiver: Receiver,
-    laser: LaserReceiver,
-    min_range_m: f64,
-    max_range_m: f64,
-}
-
 impl EchoBatch {
     pub(super) fn new() -> Box<Self> {
         let none = [0.0; BATCH_SIZE];
@@ -72,7 +61,7 @@ impl EchoBatch {
                 power: none,
                 detected_power: none,
                 saturates: [false; BATCH_SIZE],
-                cos_incidence: none,
+                peak_share: none,
                 reading_noise: none,
                 detection: none,
                 saturation: none,
@@ -106,7 +95,7 @@ impl EchoBatch {
         e.power[i] = arrival.power;
         e.detected_power[i] = arrival.detected_power;
         e.saturates[i] = arrival.saturates;
-        e.cos_incidence[i] = arrival.cos_incidence;
+        e.peak_share[i] = arrival.peak_share;
         e.reading_noise[i] = arrival.reading_noise * draws.gain_normal;
         e.detection[i] = draws.detection;
         e.saturation[i] = draws.saturation;
@@ -123,14 +112,8 @@ impl EchoBatch {
     }
 
     /// Receives what waits and writes what is detected.
-    pub(super) fn receive(&mut self, spec: &LidarSpec, ring: usize, out: &mut Scan) {
-        let receiver = RingReceiver {
-            receiver: *spec.receiver(),
-            laser: spec.laser_receivers[ring],
-            min_range_m: spec.min_range_m,
-            max_range_m: spec.max_range_m,
-        };
-        receive(&self.echo, receiver, &mut self.written);
+    pub(super) fn receive(&mut self, receiver: &RingReceiver, ring: usize, out: &mut Scan) {
+        receive(&self.echo, *receiver, &mut self.written);
         let w = &self.written;
         for i in (0..self.n).filter(|i| w.is_kept[*i]) {
             let [x, y, z] = [0, 1, 2].map(|axis| w.point_velo[axis][i]);
@@ -148,12 +131,11 @@ impl EchoBatch {
 /// Compiled once more for processors with wide registers, as the kernel is.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
-    let RingReceiver { receiver, laser, min_range_m, max_range_m } = ring;
-    let spot_per_pulse = spot_per_pulse(&receiver);
+    let RingReceiver { receiver, laser, min_range_m, max_range_m, .. } = ring;
     let mut reading: PerEcho = [0.0; BATCH_SIZE];
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        let peak = power * range_m * range_m * peak_share(spot_per_pulse, range_m, e.cos_incidence[i]);
+        let peak = power * range_m * range_m * e.peak_share[i];
         reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i]);
     }
     for i in 0..BATCH_SIZE {

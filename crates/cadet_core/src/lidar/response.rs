@@ -21,10 +21,6 @@ pub struct Receiver {
     pub divergence_rad: f64,
     /// Power, in units of reflectance / range^2, that is detected half of the time.
     pub threshold: f64,
-    /// Where the receiver's optics are focused: of what comes from surfaces nearer than this a part falls beside the detector.
-    /// 0 for optics that lose nothing. Each laser of a sensor has its own. What rain, snow and fog return is fitted without
-    /// such a loss.
-    pub focus_m: f64,
     /// Standard deviation of the range of a strong echo.
     pub range_noise_m: f64,
 }
@@ -34,7 +30,7 @@ impl Default for Receiver {
     /// at 5 to 20 m. The threshold is fitted to the returns of KITTI's cars over range, height, and reading: at 40 to 70 m
     /// they lose fewer beams than the data sheet's 10 % of reflectance at 50 m would tell.
     fn default() -> Self {
-        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 1.6e-5, focus_m: 0.0, range_noise_m: 0.0078 }
+        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 1.6e-5, range_noise_m: 0.0078 }
     }
 }
 
@@ -54,7 +50,6 @@ impl Receiver {
             ("pulse_s", self.pulse_s, 1e-10, 1e-7),
             ("divergence", self.divergence_rad, 1e-5, MAX_DIVERGENCE_RAD),
             ("threshold", self.threshold, 1e-9, 1.0),
-            ("focus_m", self.focus_m, 0.0, 1000.0),
             ("range_noise_m", self.range_noise_m, 0.0, 10.0),
         ] {
             if !(least..=most).contains(&finite(what, value)?) {
@@ -63,16 +58,6 @@ impl Receiver {
             }
         }
         Ok(())
-    }
-
-    /// The share of a surface's echo that falls on the detector: the cube of range over focus, as fitted to KITTI's cars.
-    #[inline(always)]
-    pub(super) fn focused(&self, range_m: f64) -> f64 {
-        if range_m >= self.focus_m {
-            return 1.0;
-        }
-        let near = range_m / self.focus_m;
-        near * near * near
     }
 
     /// True if an echo of `power` (reflectance / range^2) is detected; `chance` is uniform in [0, 1).
@@ -170,11 +155,6 @@ mod tests {
         let is_detected = |ratio: f64, chance| receiver.detects(ratio * receiver.threshold, chance);
         assert!(is_detected(2.5, 0.99) && !is_detected(0.4, 0.01));
         assert!(is_detected(1.0, 0.49) && !is_detected(1.0, 0.51) && !is_detected(0.0, 0.0));
-        assert!(
-            (Receiver { focus_m: 20.0, ..receiver }.focused(10.0) - 0.125).abs() < 1e-12
-                && receiver.focused(30.0) == 1.0
-        );
-        assert!(Receiver { focus_m: 0.0, ..receiver }.focused(0.1) == 1.0);
     }
 
     #[test]

@@ -3,8 +3,7 @@
 use super::air::{Air, Scatterer, Sprayed};
 use super::draws::Draws;
 use super::echo::Echo;
-use super::reflection::{peak_share, spot_per_pulse};
-use super::response::Receiver;
+use super::laser_receiver::RingReceiver;
 use super::return_mode::ReturnMode;
 use crate::material::Semantic;
 
@@ -18,7 +17,8 @@ pub(super) struct Arrival {
     pub detected_power: f64,
     /// True if it overflows the receiver.
     pub saturates: bool,
-    pub cos_incidence: f64,
+    /// What the slant of a surface leaves of its peak.
+    pub peak_share: f64,
     /// Standard deviation of its reading.
     pub reading_noise: f64,
     pub actor_id: i32,
@@ -34,7 +34,7 @@ pub(super) fn arrival(
     echo: Option<Echo>,
     (air, spray): (&Air, &Sprayed),
     mode: ReturnMode,
-    receiver: &Receiver,
+    receiver: &RingReceiver,
     draws: &Draws,
 ) -> Option<Arrival> {
     if air.is_clear() {
@@ -42,11 +42,11 @@ pub(super) fn arrival(
     }
     let (range_m, clear_power) =
         echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air) * spray.transmittance));
-    let bright = echo.map_or(1.0, |e| brightness(&e));
+    let bright = echo.map_or(1.0, |e| e.brightness());
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
-    let share = echo.map_or(1.0, |e| detected_share(&e, receiver));
-    let detected = |power: f64| receiver.detects(power * share, draws.detection);
+    let share = echo.map_or(1.0, |e| receiver.detected_share(&e));
+    let detected = |power: f64| receiver.receiver.detects(power * share, draws.detection);
     // The last echo that is detected is the target's, whatever stands before it.
     let air_return = spray.or_stronger(meeting.air_return, power * bright, air);
     if let Some(air_return) = air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
@@ -57,7 +57,7 @@ pub(super) fn arrival(
             // Fog returns in the place of a target, which must have been detected without it; a drop is detected by itself.
             detected_power: if air_return.from == Scatterer::Fog { clear_power * share } else { power },
             saturates: false,
-            cos_incidence: 1.0,
+            peak_share: 1.0,
             reading_noise: AIR_NOISE,
             actor_id: 0,
             semantic: Semantic::Sky,
@@ -66,13 +66,13 @@ pub(super) fn arrival(
     echo.map(|e| of_target(&e, power, receiver))
 }
 
-fn of_target(echo: &Echo, power: f64, receiver: &Receiver) -> Arrival {
+fn of_target(echo: &Echo, power: f64, receiver: &RingReceiver) -> Arrival {
     Arrival {
         range_m: echo.range_m,
         power,
-        detected_power: power * detected_share(echo, receiver),
+        detected_power: power * receiver.detected_share(echo),
         saturates: echo.retro,
-        cos_incidence: echo.cos_incidence,
+        peak_share: receiver.peak_share(echo),
         reading_noise: echo.reading_noise,
         actor_id: echo.actor_id,
         semantic: echo.semantic,
@@ -88,27 +88,14 @@ fn clear_power(echo: &Echo, air: &Air) -> f64 {
     reflectance / (echo.range_m * echo.range_m)
 }
 
-/// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
-#[inline]
-fn brightness(echo: &Echo) -> f64 {
-    if echo.retro { 1e3 } else { 1.0 }
-}
-
-/// What an echo's power counts for detection: its peak, as far as it falls on the detector.
-#[inline]
-fn detected_share(echo: &Echo, receiver: &Receiver) -> f64 {
-    let peak = peak_share(spot_per_pulse(receiver), echo.range_m, echo.cos_incidence);
-    brightness(echo) * receiver.focused(echo.range_m) * peak
-}
-
 /// Power of an echo at the receiver, in units of reflectance / range^2, in the mean of what the air leaves of it.
 pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
     clear_power(echo, air) * air.transmittance(echo.range_m)
 }
 
 /// Whether the receiver detects an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
-    receiver.detects(echo_power(echo, air) * detected_share(echo, receiver), detection)
+pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &RingReceiver, detection: f64) -> bool {
+    receiver.receiver.detects(echo_power(echo, air) * receiver.detected_share(echo), detection)
 }
 
 #[cfg(test)]
@@ -116,7 +103,7 @@ mod tests {
     use super::*;
     use crate::lidar::echo::{Surface, first_echo};
     use crate::lidar::receiver::EchoBatch;
-    use crate::lidar::{LidarSpec, Scan};
+    use crate::lidar::{LidarSpec, Receiver, Scan};
     use crate::material::{Material, Pattern};
     use crate::rng::Stream;
     use crate::sense::LaserRing;
@@ -134,16 +121,21 @@ mod tests {
         actor_id: i32,
     }
 
-    /// What is written of what arrives from one beam that looks ahead, by a receiver of that gain.
-    fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
-        let mut batch = EchoBatch::new();
-        batch.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
+    /// The receiver of a laser of that gain, which looks ahead.
+    fn of_gain(laser_gain: f64) -> RingReceiver {
         let mut spec = LidarSpec::new("one", vec![LaserRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
         spec.laser_receivers[0].gain = laser_gain;
         // Drops and flakes nearer than points of KITTI's files are to be seen here.
         spec.min_range_m = 0.0;
+        RingReceiver::new(&spec, 0)
+    }
+
+    /// What is written of what arrives from one beam, by a receiver of that gain.
+    fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
+        let mut batch = EchoBatch::new();
+        batch.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
         let mut out = Scan::default();
-        batch.receive(&spec, 0, &mut out);
+        batch.receive(&of_gain(laser_gain), 0, &mut out);
         let range_m = *out.range_m.first()?;
         Some(Return { range_m, intensity: f64::from(out.points_velo[0][3]), actor_id: out.actor_id[0] })
     }
@@ -157,7 +149,7 @@ mod tests {
     ) -> Option<Return> {
         let echo = first_echo(transparent, opaque, draws);
         written(
-            arrival(echo, (air, &Sprayed::NOT), ReturnMode::Strongest, &Receiver::default(), draws),
+            arrival(echo, (air, &Sprayed::NOT), ReturnMode::Strongest, &of_gain(laser_gain), draws),
             laser_gain,
             draws,
         )
@@ -281,8 +273,8 @@ mod tests {
     fn drops_and_flakes_hide_targets_from_the_strongest_return_but_not_from_the_last() {
         let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.3);
         let target = Some(surface(&wall, 12.0, 0.9, 7));
-        let receiver = Receiver::default();
-        let snow = Air::new(&Weather::of_air(0.0, 0.0, 4.0, 0.0).expect("valid"), &receiver);
+        let receiver = of_gain(1.0);
+        let snow = Air::new(&Weather::of_air(0.0, 0.0, 4.0, 0.0).expect("valid"), &receiver.receiver);
         let mut stream = Stream::from_seed("last", 0);
         let (mut hidden, n) = (0, 20_000);
         for _ in 0..n {

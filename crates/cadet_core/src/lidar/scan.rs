@@ -9,6 +9,7 @@ use super::casting::{Casting, Standing};
 use super::divergence::chosen_echo;
 use super::draws::Draws;
 use super::echo::first_echo;
+use super::laser_receiver::RingReceiver;
 use super::receiver::EchoBatch;
 use super::returned_points::Scan;
 use super::returns::arrival;
@@ -172,7 +173,7 @@ fn scan_by<C: Casting>(
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
-        let receiver = &spec.receiver_of(ring);
+        let receiver = &RingReceiver::new(spec, ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");
@@ -202,10 +203,10 @@ fn scan_by<C: Casting>(
             let reported = [origin_velo, direction_velo].map(|v| turned(v, turn).to_array());
             batch.push(&arrived, &draws, column, reported);
             if batch.is_full() {
-                batch.receive(spec, ring, &mut out);
+                batch.receive(receiver, ring, &mut out);
             }
         }
-        batch.receive(spec, ring, &mut out);
+        batch.receive(receiver, ring, &mut out);
         if laser.left_m != 0.0 {
             out.order_by_azimuth(first_return);
         }

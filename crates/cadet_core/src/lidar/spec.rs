@@ -139,12 +139,6 @@ impl LidarSpec {
         &self.receiver
     }
 
-    /// The receiver of a ring's laser.
-    #[must_use]
-    pub(super) fn receiver_of(&self, ring: usize) -> Receiver {
-        Receiver { focus_m: self.laser_receivers[ring].focus_m, ..self.receiver }
-    }
-
     /// Checks the public fields, which anyone may have set.
     ///
     /// # Errors
