@@ -31,12 +31,12 @@ pub struct Margins {
 /// Mean and standard deviation of a vehicle's margins at its ends, each side and above; the ends' before the box is
 /// displaced.
 const VEHICLE_END_M: (f64, f64) = (0.065, 0.07);
+const VEHICLE_SIDE_M: (f64, f64) = (-0.01, 0.04);
+const VEHICLE_TOP_M: (f64, f64) = (0.005, 0.01);
 /// How far a vehicle's box is displaced toward the ego: where the front is near, and where the rear is. Its near end then
 /// stands 9 or 5 cm before the body's, its far end 22 or 18 cm inside: KITTI's boxes are shorter than catalogs' cars.
 const FRONT_NEAR_M: f64 = 0.155;
 const REAR_NEAR_M: f64 = 0.115;
-const VEHICLE_SIDE_M: (f64, f64) = (-0.01, 0.04);
-const VEHICLE_TOP_M: (f64, f64) = (0.005, 0.01);
 /// The bottoms of KITTI's cars lie this far over the ground beside them: 63 cars and vans of 45 real frames.
 const VEHICLE_BOTTOM_M: (f64, f64) = (0.045, 0.025);
 /// The greatest depth at which an object is labeled: 95 % of KITTI's cars lie within 59 m, of its vans within 70 m, of

@@ -23,7 +23,7 @@ pub(super) struct Agent {
     /// Put there by the user: never replaced.
     pub is_placed: bool,
     /// The end that was near when it was first labeled: its annotated box stays as it was drawn then.
-    pub near_end: Option<End>,
+    pub labeled_end: Option<End>,
 }
 
 impl Agent {
@@ -47,7 +47,7 @@ impl Agent {
 
     /// The end that annotators see, who look from an eye unless they have labeled it before.
     pub fn near_end(&self, physics: &Physics, eye_world: DVec3) -> End {
-        self.near_end.unwrap_or_else(|| End::nearer(&self.body.world_from_box(physics), eye_world))
+        self.labeled_end.unwrap_or_else(|| End::nearer(&self.body.world_from_box(physics), eye_world))
     }
 
     /// The box that these annotators draw.

@@ -119,7 +119,7 @@ impl Arena {
         let Newcomer { class, body, controller, appearance, is_placed } = newcomer;
         let id = self.next_id;
         self.next_id += 1;
-        Agent { id, class, body, controller, appearance, is_placed, near_end: None }
+        Agent { id, class, body, controller, appearance, is_placed, labeled_end: None }
     }
 
     /// The ego.

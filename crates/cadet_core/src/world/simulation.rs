@@ -333,7 +333,7 @@ impl World {
         let eye_world = self.ego().world_from_ego.translation;
         let Arena { agents, physics, .. } = &mut self.arena;
         for agent in agents.iter_mut().filter(|a| actor_ids.contains(&a.id)) {
-            agent.near_end = Some(agent.near_end(physics, eye_world));
+            agent.labeled_end = Some(agent.near_end(physics, eye_world));
         }
     }
 
