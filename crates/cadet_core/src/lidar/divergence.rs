@@ -9,9 +9,9 @@
 
 use super::air::Air;
 use super::echo::Echo;
-use super::laser_receiver::RingReceiver;
 use super::return_mode::ReturnMode;
 use super::returns::{echo_power, is_echo_detected};
+use super::ring_receiver::RingReceiver;
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
 use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};
@@ -240,7 +240,7 @@ mod tests {
 
     /// Any laser whose optics lose nothing.
     fn average(receiver: Receiver) -> RingReceiver {
-        RingReceiver::new(&LidarSpec::cadet().with_receiver(receiver).expect("valid"), 0)
+        LidarSpec::cadet().with_receiver(receiver).expect("valid").ring_receiver(0)
     }
 
     fn clear() -> Air {

@@ -1,9 +1,5 @@
-//! The receiver of one laser: its sensor's, and what it does otherwise than the others'.
+//! What one laser's receiver does otherwise than its sensor's others.
 
-use super::echo::Echo;
-use super::reflection::{peak_share, spot_per_pulse};
-use super::response::Receiver;
-use super::spec::LidarSpec;
 use crate::error::{Error, Result, finite};
 
 /// What tells a laser's receiver from those of its sensor's others.
@@ -51,47 +47,12 @@ impl LaserReceiver {
 
     /// The share of a surface's echo that falls on the detector: the cube of range over focus, as fitted to KITTI's cars.
     #[inline(always)]
-    fn focused(&self, range_m: f64) -> f64 {
+    pub(super) fn focused(&self, range_m: f64) -> f64 {
         if range_m >= self.focus_m {
             return 1.0;
         }
         let near = range_m / self.focus_m;
         near * near * near
-    }
-}
-
-/// What all echoes of a ring have in common.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RingReceiver {
-    pub receiver: Receiver,
-    pub laser: LaserReceiver,
-    /// [`spot_per_pulse`]'s of the receiver.
-    spot_per_pulse: f64,
-    pub min_range_m: f64,
-    pub max_range_m: f64,
-}
-
-impl RingReceiver {
-    pub fn new(spec: &LidarSpec, ring: usize) -> Self {
-        Self {
-            receiver: *spec.receiver(),
-            laser: spec.laser_receivers[ring],
-            spot_per_pulse: spot_per_pulse(spec.receiver()),
-            min_range_m: spec.min_range_m,
-            max_range_m: spec.max_range_m,
-        }
-    }
-
-    /// What the slant of a surface leaves of its echo's peak.
-    #[inline]
-    pub fn peak_share(&self, echo: &Echo) -> f64 {
-        peak_share(self.spot_per_pulse, echo.range_m, echo.cos_incidence)
-    }
-
-    /// What an echo's power counts for detection: its peak, as far as it falls on the detector.
-    #[inline]
-    pub fn detected_share(&self, echo: &Echo) -> f64 {
-        echo.brightness() * self.laser.focused(echo.range_m) * self.peak_share(echo)
     }
 }
 

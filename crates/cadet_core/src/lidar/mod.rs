@@ -17,6 +17,7 @@ mod response;
 mod return_mode;
 mod returned_points;
 mod returns;
+mod ring_receiver;
 mod scan;
 mod spec;
 mod surfaces;

@@ -3,10 +3,10 @@
 use multiversion::multiversion;
 
 use super::draws::Draws;
-use super::laser_receiver::RingReceiver;
 use super::response::{intensity, saturated};
 use super::returned_points::Scan;
 use super::returns::Arrival;
+use super::ring_receiver::RingReceiver;
 use crate::material::Semantic;
 
 /// Echoes that are received together.

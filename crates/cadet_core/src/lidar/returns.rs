@@ -3,8 +3,8 @@
 use super::air::{Air, Scatterer, Sprayed};
 use super::draws::Draws;
 use super::echo::Echo;
-use super::laser_receiver::RingReceiver;
 use super::return_mode::ReturnMode;
+use super::ring_receiver::RingReceiver;
 use crate::material::Semantic;
 
 /// What reaches the receiver of one beam: a target's echo, or that of fog, a drop or a flake.
@@ -127,7 +127,7 @@ mod tests {
         spec.laser_receivers[0].gain = laser_gain;
         // Drops and flakes nearer than points of KITTI's files are to be seen here.
         spec.min_range_m = 0.0;
-        RingReceiver::new(&spec, 0)
+        spec.ring_receiver(0)
     }
 
     /// What is written of what arrives from one beam, by a receiver of that gain.

@@ -9,7 +9,6 @@ use super::casting::{Casting, Standing};
 use super::divergence::chosen_echo;
 use super::draws::Draws;
 use super::echo::first_echo;
-use super::laser_receiver::RingReceiver;
 use super::receiver::EchoBatch;
 use super::returned_points::Scan;
 use super::returns::arrival;
@@ -173,7 +172,7 @@ fn scan_by<C: Casting>(
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
-        let receiver = &RingReceiver::new(spec, ring);
+        let receiver = &spec.ring_receiver(ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");

@@ -7,6 +7,7 @@ use super::firing::Firing;
 use super::laser_receiver::LaserReceiver;
 use super::response::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
+use super::ring_receiver::RingReceiver;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{LaserRing, SpinningGrid};
@@ -137,6 +138,12 @@ impl LidarSpec {
     #[must_use]
     pub fn receiver(&self) -> &Receiver {
         &self.receiver
+    }
+
+    /// The receiver of a ring.
+    #[must_use]
+    pub(super) fn ring_receiver(&self, ring: usize) -> RingReceiver {
+        RingReceiver::new(self.receiver, self.laser_receivers[ring], [self.min_range_m, self.max_range_m])
     }
 
     /// Checks the public fields, which anyone may have set.
