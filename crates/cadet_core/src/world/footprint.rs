@@ -2,6 +2,9 @@
 
 use crate::math::{DPose3, DVec2, DVec3};
 
+/// Cosine of the greatest angle between two that go the same way.
+const SAME_WAY: f64 = 0.8;
+
 /// A rectangle on the ground, and how it moves.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Footprint {
@@ -50,6 +53,12 @@ impl Footprint {
             d.dot(axis).abs() > extent(self) + extent(other)
         };
         ![self.heading, self.heading.perp(), other.heading, other.heading.perp()].into_iter().any(separated)
+    }
+
+    /// Whether it goes the same way as another and its front is farther on: of two side by side it goes first.
+    pub fn leads(&self, other: &Self) -> bool {
+        let front_m = |o: &Self| o.center.dot(self.heading) + o.half_length_m;
+        self.heading.dot(other.heading) > SAME_WAY && front_m(self) > front_m(other)
     }
 
     /// What it covers until so much time is over, if it goes straight on.

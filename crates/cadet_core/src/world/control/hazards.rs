@@ -122,7 +122,8 @@ pub(super) fn worst_hazard(
         }
     };
     let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, side_standing_m, o));
-    let others = || around.vehicles.iter().filter(|v| v.agent != slot);
+    // Of two side by side, the one whose front is farther on goes first: else each would wait for the other.
+    let others = || around.vehicles.iter().filter(|v| v.agent != slot && !own.leads(&v.footprint));
     let moving = || others().map(|v| (Cause::Vehicle(v.agent), side_moving_m, &v.footprint));
     let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
     let claims = around.claims().filter(|(other, _)| *other != slot);
