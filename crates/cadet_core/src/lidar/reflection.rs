@@ -2,7 +2,7 @@
 
 use super::response::Receiver;
 use crate::material::LidarMaterial;
-use crate::math::lerp;
+use crate::math::{exp, lerp};
 
 /// Reflectance back to the sensor at an incidence angle, as a multiple of what a white Lambertian surface that faces
 /// the sensor returns.
@@ -11,10 +11,11 @@ use crate::math::lerp;
 /// 4 m to 25 m), and so do pigments under a clear coat, of which Fresnel's share of the light gets in, and out again. A
 /// coat's face or metal flakes add a lobe about the normal, F exp(-tan^2 / a^2) / (4 a^2) for Fresnel reflectance F and
 /// roughness a: Cook and Torrance's model (1982) with Beckmann's distribution, seen from where the light comes from, near
-/// the normal.
+/// the normal. Dust lies on every coat: it is why roofs and hoods return at all.
 pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
     let rough = (1.0 + ROUGH) * cos_incidence / (cos_incidence + ROUGH);
-    let diffuse = f64::from(lidar.reflectance) * rough * through_coat(f64::from(lidar.coat_index), cos_incidence);
+    let below = f64::from(lidar.reflectance) * rough * through_coat(f64::from(lidar.coat_index), cos_incidence);
+    let diffuse = if lidar.coat_index > 1.0 { below + dust(cos_incidence) } else { below };
     if lidar.gloss <= 0.0 {
         return diffuse;
     }
@@ -30,9 +31,19 @@ fn through_coat(index: f64, cos_incidence: f64) -> f64 {
     share * share
 }
 
+/// What a layer of dust on a coat returns: a layer of optical depth t is as bright as a thick one times 1 - exp(-2 t / cos)
+/// (Lommel and Seeliger's law for a thin layer), so that it is hardly seen on doors and covers roofs.
+fn dust(cos_incidence: f64) -> f64 {
+    DUST * (1.0 - exp(-2.0 * DUST_DEPTH / cos_incidence.max(1e-3)))
+}
+
 /// Lommel and Seeliger's term: the cosine at which a diffuse surface has lost half of its brightness. Road that is seen at
 /// 1.7 degrees (60 m ahead of KITTI's car) still returns.
 const ROUGH: f64 = 0.03;
+/// What thick dust returns, and the optical depth of what lies on cars: fitted to how many beams KITTI's cars return by
+/// height, and how deep in their boxes.
+const DUST: f64 = 0.013;
+const DUST_DEPTH: f64 = 0.05;
 /// No painted sheet is flatter than this over the width of a beam.
 const SMOOTHEST: f64 = 0.03;
 
@@ -83,16 +94,20 @@ mod tests {
     fn a_coat_shines_about_its_normal_alone_and_grazing_paint_is_dark() {
         let silver = LidarMaterial { coat_index: 1.5, gloss: 0.3, roughness: 0.35, ..LidarMaterial::diffuse(0.2) };
         let at = |degrees: f64| reflectance(&silver, crate::math::cos(degrees.to_radians()));
-        assert!((at(0.0) - (0.2 + 0.3 / (4.0 * 0.35 * 0.35))).abs() < 1e-6, "{}", at(0.0));
+        assert!((at(0.0) - (0.2 + 0.3 / (4.0 * 0.35 * 0.35) + 0.013 * 0.0952)).abs() < 1e-6, "{}", at(0.0));
         assert!(at(0.0) > 3.0 * at(30.0) && at(30.0) > at(60.0) && at(60.0) > at(80.0), "{} {}", at(30.0), at(80.0));
         // Of n = 1.5 the face lets 0.61 through at 80 degrees and 0.39 at 85, 0.96 at normal incidence.
-        for (degrees, through) in [(80.0, 0.61), (85.0, 0.39)] {
+        // The dust on it adds 1 - exp(-2 * 0.05 / cos) of what thick dust returns.
+        for (degrees, through, dusty) in [(80.0, 0.61, 0.438), (85.0, 0.39, 0.683)] {
             let cos = crate::math::cos(f64::to_radians(degrees));
             let bare = reflectance(&LidarMaterial::diffuse(0.2), cos);
             let coated = reflectance(&LidarMaterial { coat_index: 1.5, ..LidarMaterial::diffuse(0.2) }, cos);
-            let expected = through * through / (0.96 * 0.96);
+            let expected = through * through / (0.96 * 0.96) + 0.013 * dusty / bare;
             assert!((coated / bare - expected).abs() < 0.01, "{} at {degrees}", coated / bare);
         }
+        let black = LidarMaterial { coat_index: 1.5, ..LidarMaterial::diffuse(0.0) };
+        let roof = reflectance(&black, crate::math::cos(88_f64.to_radians()));
+        assert!(roof > 6.0 * reflectance(&black, 1.0), "dust is seen on roofs, hardly on doors: {roof}");
         // Two faces of glass: 8 % at normal incidence, 16 % at 60 degrees, 56 % at 80.
         for (degrees, mirrored) in [(0.0, 0.077), (60.0, 0.164), (80.0, 0.558)] {
             assert!((pane(crate::math::cos(f64::to_radians(degrees))) - mirrored).abs() < 0.003, "{degrees}");

@@ -208,7 +208,7 @@ mod tests {
         let of = |paint: &Material, range_m| statistics(None, Some(surface(paint, range_m, 0.8, 1)), &clear());
         let at = |range_m| of(&paint, range_m).0;
         assert!(at(30.0) > 0.99 && at(40.0) > 0.9 && at(80.0) < 0.2, "{} {} {}", at(30.0), at(40.0), at(80.0));
-        paint.lidar.reflectance = 0.01;
+        paint.lidar.reflectance = 0.006;
         let (near, far) = (of(&paint, 9.0), of(&paint, 30.0));
         assert!(near.0 > 0.8 && near.1 > 0.95 && far.0 < 0.1, "{near:?} {far:?}");
     }

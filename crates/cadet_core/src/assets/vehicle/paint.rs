@@ -56,8 +56,8 @@ impl Coat {
     fn gloss(self) -> (f32, f32) {
         match self {
             Self::Clear => (0.04, 0.18),
-            Self::DarkFlakes => (0.073, 0.38),
-            Self::Flakes => (0.113, 0.32),
+            Self::DarkFlakes => (0.08, 0.45),
+            Self::Flakes => (0.4, 0.32),
         }
     }
 }
@@ -66,10 +66,10 @@ impl Coat {
 /// gray, blue, silver, red, white); their size, and that of the coats' lobes, is fitted to KITTI's cars: which share of the
 /// beams they return at each range and height, and which share of those reads 0.
 const COLOURS: [Color; 14] = [
-    (18.0, [0.42, 0.43, 0.44], 0.06, (0.045, 0.095), Coat::Flakes),
-    (18.0, [0.16, 0.165, 0.17], 0.06, (0.006, 0.016), Coat::DarkFlakes),
-    (23.0, [0.016, 0.016, 0.018], 0.01, (0.0025, 0.012), Coat::Clear),
-    (10.0, [0.020, 0.032, 0.095], 0.015, (0.006, 0.021), Coat::DarkFlakes),
+    (18.0, [0.42, 0.43, 0.44], 0.06, (0.08, 0.17), Coat::Flakes),
+    (18.0, [0.16, 0.165, 0.17], 0.06, (0.004, 0.011), Coat::DarkFlakes),
+    (23.0, [0.016, 0.016, 0.018], 0.01, (0.001, 0.006), Coat::Clear),
+    (10.0, [0.020, 0.032, 0.095], 0.015, (0.004, 0.014), Coat::DarkFlakes),
     (5.0, [0.06, 0.15, 0.36], 0.05, (0.022, 0.063), Coat::DarkFlakes),
     (6.0, [0.36, 0.025, 0.025], 0.06, (0.21, 0.36), Coat::Clear),
     (3.0, [0.16, 0.015, 0.022], 0.03, (0.045, 0.08), Coat::DarkFlakes),
@@ -147,10 +147,10 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
     set(slot::REAR_GLASS, glass(semantic, tint, rear_eye * 0.92, rear * 0.9));
     set(slot::DARK_GLASS, coated(semantic, [0.01; 3], 0.04, 0.03, 0.01));
 
-    set(slot::TYRE, coated(semantic, [0.04; 3], 0.8, 0.02, 0.012));
+    set(slot::TYRE, coated(semantic, [0.04; 3], 0.8, 0.02, 0.010));
     let rim = s.range(0.28, 0.5) as f32;
     set(slot::RIM, coated(semantic, [rim; 3], 0.35, 0.10, s.range(0.2, 0.4) as f32));
-    set(slot::PLASTIC, coated(semantic, [0.042; 3], 0.45, 0.04, 0.02));
+    set(slot::PLASTIC, coated(semantic, [0.042; 3], 0.45, 0.04, 0.018));
     set(slot::GRILLE, coated(semantic, [0.015; 3], 0.5, 0.03, 0.012));
     set(slot::LAMP, coated(semantic, [0.55, 0.56, 0.58], 0.08, 0.08, 0.30));
     set(slot::TAIL_LAMP, coated(semantic, [0.38, 0.012, 0.015], 0.10, 0.05, 0.55));
