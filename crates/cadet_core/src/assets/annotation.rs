@@ -30,13 +30,13 @@ pub struct Margins {
 
 /// Mean and standard deviation of a vehicle's margins at its ends, each side and above; the ends' before the box is
 /// displaced.
-const VEHICLE_END_M: (f64, f64) = (0.065, 0.07);
+const VEHICLE_END_M: (f64, f64) = (0.10, 0.07);
 const VEHICLE_SIDE_M: (f64, f64) = (-0.01, 0.04);
-const VEHICLE_TOP_M: (f64, f64) = (0.005, 0.01);
+const VEHICLE_TOP_M: (f64, f64) = (-0.012, 0.01);
 /// How far a vehicle's box is displaced toward the ego: where the front is near, and where the rear is. Its near end then
-/// stands 9 or 5 cm before the body's, its far end 22 or 18 cm inside: KITTI's boxes are shorter than catalogs' cars.
-const FRONT_NEAR_M: f64 = 0.155;
-const REAR_NEAR_M: f64 = 0.115;
+/// stands 6 or 3.5 cm before the body's, its far end 26 or 23.5 cm inside: KITTI's boxes are shorter than catalogs' cars.
+const FRONT_NEAR_M: f64 = 0.16;
+const REAR_NEAR_M: f64 = 0.135;
 /// The bottoms of KITTI's cars lie this far over the ground beside them: 63 cars and vans of 45 real frames.
 const VEHICLE_BOTTOM_M: (f64, f64) = (0.045, 0.025);
 /// The greatest depth at which an object is labeled: 95 % of KITTI's cars lie within 59 m, of its vans within 70 m, of
@@ -355,7 +355,7 @@ mod tests {
     fn boxes_begin_before_the_near_end_and_end_inside_the_far_one() {
         // Mean and standard deviation over cars: near end beyond the body's, far end inside it.
         let body = DVec3::new(4.0, 1.65, 1.5);
-        for (near, toward, before_m, inside_m) in [(End::Front, 1.0, 0.09, 0.22), (End::Rear, -1.0, 0.05, 0.18)] {
+        for (near, toward, before_m, inside_m) in [(End::Front, 1.0, 0.06, 0.26), (End::Rear, -1.0, 0.035, 0.235)] {
             let ends = |seed| {
                 let margins = Margins::of_vehicle(ObjectClass::Car, &mut Stream::from_seed("margins", seed));
                 let drawn = displaced(margins.within(body), ObjectClass::Car, near);

@@ -203,7 +203,7 @@ fn traffic_wears_designs_near_its_size() {
             let ratio = model.size_lwh / size_of_seed(class, number);
             far += usize::from(ratio.max_element() > 1.12 || ratio.min_element() < 0.89);
             let over = model.size_lwh - model.annotated.size_lwh;
-            assert!(over.x > -0.25 && over.x < 0.47 && over.y.abs() < 0.23, "{over}");
+            assert!(over.x > -0.18 && over.x < 0.54 && over.y.abs() < 0.23, "{over}");
         }
         assert!(far < 36, "{class:?}: {far} of 300 are stretched by more than 12 %");
     }
