@@ -4,7 +4,7 @@ use std::any::Any;
 
 use super::appearance::Appearance;
 use super::body::Body;
-use super::control::{Controller, Own};
+use super::control::{AgentParts, Controller};
 use super::footprint::Footprint;
 use super::physics::Physics;
 use super::slot::Slot;
@@ -28,8 +28,8 @@ pub(super) struct Agent {
 
 impl Agent {
     /// The controller, and apart from it what it steers.
-    pub fn parts_mut(&mut self, slot: Slot) -> (&mut dyn Controller, Own<'_>) {
-        let own = Own { slot, body: &mut self.body, appearance: &mut self.appearance };
+    pub fn parts_mut(&mut self, slot: Slot) -> (&mut dyn Controller, AgentParts<'_>) {
+        let own = AgentParts { slot, body: &mut self.body, appearance: &mut self.appearance };
         (self.controller.as_mut(), own)
     }
 

@@ -11,14 +11,14 @@ use super::lane_use::OnLane;
 use super::physics::Physics;
 use super::slot::{EGO, Slot};
 use super::streets::Streets;
-use super::surroundings::{PersonAt, Surroundings, VehicleAt};
+use super::traffic_state::{PersonAt, TrafficState, VehicleAt};
 use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::math::{DVec2, DVec3};
 use crate::town::Town;
 
 /// An agent before it has an id.
-pub(super) struct Newcomer {
+pub(super) struct AgentSpec {
     pub class: ObjectClass,
     pub body: Body,
     pub controller: Box<dyn Controller>,
@@ -32,7 +32,7 @@ pub(super) struct Arena {
     pub agents: Vec<Agent>,
     pub physics: Physics,
     pub streets: Streets,
-    pub around: Surroundings,
+    pub around: TrafficState,
     /// Slots of those that may move, rising.
     active: Vec<Slot>,
     /// Slots of those who have left the world.
@@ -46,7 +46,7 @@ impl Arena {
     pub fn new(town: &Arc<Town>) -> Result<Self> {
         let physics = Physics::new(Arc::clone(town))?;
         let streets = Streets::new(town);
-        let mut around = Surroundings::new(&streets.roads);
+        let mut around = TrafficState::new(&streets.roads);
         for o in &town.obstacles {
             let (half_length_m, half_width_m) = (o.half.x, o.half.y);
             let footprint =
@@ -62,7 +62,7 @@ impl Arena {
     }
 
     /// Puts an agent into the arena; returns its slot.
-    pub fn put(&mut self, newcomer: Newcomer) -> Slot {
+    pub fn put(&mut self, newcomer: AgentSpec) -> Slot {
         let slot = self.agents.len();
         let agent = self.named(newcomer);
         if let Body::Fixed(_) = agent.body {
@@ -77,7 +77,7 @@ impl Arena {
     }
 
     /// Puts an agent that moves in the place of one that has gone.
-    pub fn replace(&mut self, gone: Slot, newcomer: Newcomer) {
+    pub fn replace(&mut self, gone: Slot, newcomer: AgentSpec) {
         let agent = self.named(newcomer);
         if let Some(i) = self.vacant.iter().position(|slot| *slot == gone) {
             self.vacant.remove(i);
@@ -115,8 +115,8 @@ impl Arena {
         self.agents.iter().enumerate().filter(|(slot, _)| !self.vacant.contains(slot))
     }
 
-    fn named(&mut self, newcomer: Newcomer) -> Agent {
-        let Newcomer { class, body, controller, appearance, is_placed } = newcomer;
+    fn named(&mut self, newcomer: AgentSpec) -> Agent {
+        let AgentSpec { class, body, controller, appearance, is_placed } = newcomer;
         let id = self.next_id;
         self.next_id += 1;
         Agent { id, class, body, controller, appearance, is_placed, labeled_end: None }
@@ -164,7 +164,7 @@ impl Arena {
 
     /// All look around.
     pub fn look(&mut self, step: u64) {
-        self.survey();
+        self.refresh_traffic_state();
         for slot in &self.active {
             let (controller, own) = self.agents[*slot].parts_mut(*slot);
             controller.look(own, &mut self.around, &self.streets, step);
@@ -178,7 +178,7 @@ impl Arena {
             controller.act(own, &mut self.physics, &self.streets);
         }
         self.physics.step();
-        self.survey_places();
+        self.refresh_places();
         for slot in &self.active {
             let (controller, own) = self.agents[*slot].parts_mut(*slot);
             controller.track(own, &self.physics, &mut self.around, &self.streets);
@@ -186,8 +186,8 @@ impl Arena {
     }
 
     /// Writes down where everybody is, and who drives where.
-    fn survey(&mut self) {
-        self.survey_places();
+    fn refresh_traffic_state(&mut self) {
+        self.refresh_places();
         let around = &mut self.around;
         for person in &mut around.people {
             if let Body::Upright(body) = &self.agents[person.agent].body {
@@ -209,7 +209,7 @@ impl Arena {
     }
 
     /// Writes down what vehicles cover and where people are.
-    pub fn survey_places(&mut self) {
+    pub fn refresh_places(&mut self) {
         let around = &mut self.around;
         around.vehicles.clear();
         around.people.clear();

@@ -35,7 +35,7 @@ struct Waiting {
     car: Slot,
     lane: LaneId,
     /// At a light, who turns left lets those who come toward it go first.
-    lets_pass: bool,
+    yields_to_oncoming: bool,
     has_priority: bool,
     since_step: u64,
     seen_step: u64,
@@ -51,9 +51,9 @@ pub(super) struct Request<'a> {
     pub exit: LaneId,
     /// What the car takes of the exit, and who leaves less.
     pub room_m: f64,
-    pub exit_taken_by: Option<Slot>,
+    pub exit_blocked_by: Option<Slot>,
     /// Whether it turns left at a light.
-    pub lets_pass: bool,
+    pub yields_to_oncoming: bool,
     /// Whether all others let it go first: a tram.
     pub has_priority: bool,
 }
@@ -135,9 +135,9 @@ impl Junctions {
     /// # Errors
     /// Why it may not enter.
     pub fn request(&mut self, asked: &Request<'_>, step: u64) -> Result<(), Refusal> {
-        let Request { car, lanes, exit, room_m, exit_taken_by, lets_pass, has_priority } = *asked;
+        let Request { car, lanes, exit, room_m, exit_blocked_by, yields_to_oncoming, has_priority } = *asked;
         let Some(&first) = lanes.first() else { return Ok(()) };
-        if let Some(other) = exit_taken_by {
+        if let Some(other) = exit_blocked_by {
             self.waiting.retain(|w| w.car != car);
             return Err(Refusal::ExitFull(other));
         }
@@ -146,7 +146,8 @@ impl Junctions {
         });
         let waits_for_tram = taken.is_some_and(|r| r.has_priority) && !has_priority;
         let (since_step, seen_step) = (step, step);
-        let asks = Waiting { car, lane: first, lets_pass, has_priority, since_step, seen_step, waits_for_tram };
+        let asks =
+            Waiting { car, lane: first, yields_to_oncoming, has_priority, since_step, seen_step, waits_for_tram };
         let since_step = match self.waiting.iter_mut().find(|w| w.car == car) {
             Some(w) => {
                 *w = Waiting { since_step: w.since_step, ..asks };
@@ -159,15 +160,15 @@ impl Junctions {
         };
         // Trams are let go first. Who turns left lets others pass, for a while; then the ego is let go first, then who came
         // earlier and still asks.
-        let rank = |has_priority: bool, car: Slot, lets_pass: bool, since: u64| {
-            (!has_priority, lets_pass && since + PATIENCE_STEPS > step, car != EGO, since, car)
+        let rank = |has_priority: bool, car: Slot, yields_to_oncoming: bool, since: u64| {
+            (!has_priority, yields_to_oncoming && since + PATIENCE_STEPS > step, car != EGO, since, car)
         };
-        let own_rank = rank(has_priority, car, lets_pass, since_step);
+        let own_rank = rank(has_priority, car, yields_to_oncoming, since_step);
         let earlier = self.waiting.iter().find(|w| {
             w.car != car
                 && w.seen_step + 30 > step
                 && !w.waits_for_tram
-                && rank(w.has_priority, w.car, w.lets_pass, w.since_step) < own_rank
+                && rank(w.has_priority, w.car, w.yields_to_oncoming, w.since_step) < own_rank
                 && self.conflicts[first.0].iter().any(|c| c.0 == w.lane)
         });
         if let Some(by) = taken {
@@ -190,14 +191,14 @@ impl Junctions {
     }
 
     /// Waits for a lane across a junction that may not be asked for yet; others reckon with it once it soon may.
-    pub fn queue(&mut self, car: Slot, lane: LaneId, lets_pass: bool, (step, is_soon): (u64, bool)) {
+    pub fn queue(&mut self, car: Slot, lane: LaneId, yields_to_oncoming: bool, (step, is_soon): (u64, bool)) {
         let seen_step = if is_soon { step } else { 0 };
         match self.waiting.iter_mut().find(|w| w.car == car) {
             Some(w) => w.seen_step = seen_step,
             None => self.waiting.push(Waiting {
                 car,
                 lane,
-                lets_pass,
+                yields_to_oncoming,
                 has_priority: false,
                 since_step: step,
                 seen_step,
@@ -226,7 +227,7 @@ impl Junctions {
     }
 
     /// Gives lanes back that the car has not entered: a light has changed.
-    pub fn renounce(&mut self, car: Slot, lanes: &[LaneId]) {
+    pub fn release(&mut self, car: Slot, lanes: &[LaneId]) {
         self.held.retain(|r| r.car != car || !lanes.contains(&r.lane));
         self.waiting.retain(|w| w.car != car);
     }

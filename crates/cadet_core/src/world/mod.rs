@@ -24,10 +24,10 @@ mod slot;
 mod snapshot;
 mod spawn;
 mod streets;
-mod surroundings;
 #[cfg(test)]
 mod tests;
 mod track;
+mod traffic_state;
 mod turn_signal;
 
 pub use course::{Course, FASTEST_VEHICLE_MPS, ModelChoice, Overlap, Waypoint};

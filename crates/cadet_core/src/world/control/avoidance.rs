@@ -5,7 +5,7 @@ use crate::math::DVec2;
 use crate::world::footprint::Footprint;
 use crate::world::sidewalk::Sidewalks;
 use crate::world::slot::Slot;
-use crate::world::surroundings::{PersonAt, Surroundings};
+use crate::world::traffic_state::{PersonAt, TrafficState};
 
 /// Half a person's width, and the room they leave to things.
 pub(super) const SHOULDER_M: f64 = 0.3;
@@ -33,7 +33,7 @@ pub(super) fn free_line(
     own: &OnWalkway,
     line_m: f64,
     widest_m: f64,
-    around: &Surroundings,
+    around: &TrafficState,
     sidewalks: &Sidewalks,
 ) -> Option<f64> {
     let here = own.at;
@@ -64,7 +64,7 @@ pub(super) fn free_line(
 }
 
 /// The share of the own speed that keeps a stride from those who walk the same way ahead.
-pub(super) fn pace_behind(own: &OnWalkway, around: &Surroundings, sidewalks: &Sidewalks) -> f64 {
+pub(super) fn pace_behind(own: &OnWalkway, around: &TrafficState, sidewalks: &Sidewalks) -> f64 {
     let ahead = sidewalks.spot(own.walkway, own.s_m).tangent * own.direction;
     let paces = around.people.iter().filter(|p| p.agent != own.slot).filter_map(|other| {
         let offset = other.at - own.at;

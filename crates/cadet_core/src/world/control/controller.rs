@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use super::hazards::Cause;
+use super::constraints::Cause;
 use crate::town::LaneId;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
@@ -11,10 +11,10 @@ use crate::world::physics::Physics;
 use crate::world::roads::Roads;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// What a controller steers.
-pub(crate) struct Own<'a> {
+pub(crate) struct AgentParts<'a> {
     pub slot: Slot,
     pub body: &'a mut Body,
     pub appearance: &'a mut Appearance,
@@ -23,13 +23,13 @@ pub(crate) struct Own<'a> {
 /// Decides what an agent does. All agents are called in the order of their slots.
 pub(crate) trait Controller: Any + Send + Sync {
     /// Looks around; what it finds holds until the next look, a few steps later.
-    fn look(&mut self, _own: Own<'_>, _around: &mut Surroundings, _streets: &Streets, _step: u64) {}
+    fn look(&mut self, _own: AgentParts<'_>, _around: &mut TrafficState, _streets: &Streets, _step: u64) {}
 
     /// Before the physics step: gives the body its commands.
-    fn act(&mut self, _own: Own<'_>, _physics: &mut Physics, _streets: &Streets) {}
+    fn act(&mut self, _own: AgentParts<'_>, _physics: &mut Physics, _streets: &Streets) {}
 
     /// After the physics step: finds out where the body has got to. `around` has everybody's new places.
-    fn track(&mut self, _own: Own<'_>, _physics: &Physics, _around: &mut Surroundings, _streets: &Streets) {}
+    fn track(&mut self, _own: AgentParts<'_>, _physics: &Physics, _around: &mut TrafficState, _streets: &Streets) {}
 
     /// The lane that it drives on, and how far along it the middle of the body is.
     fn on_lane(&self) -> Option<(LaneId, f64)> {

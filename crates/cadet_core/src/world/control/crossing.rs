@@ -6,7 +6,7 @@ use crate::math::{DVec2, DVec3};
 use crate::town::Over;
 use crate::world::physics::DT_S;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// Gap in traffic, in seconds before the car arrives, that people accept beyond the time they need.
 const MARGIN_S: f64 = 2.0;
@@ -23,7 +23,7 @@ pub(super) fn way_across(
     position: DVec3,
     walkway: usize,
     s_m: f64,
-    around: &Surroundings,
+    around: &TrafficState,
     streets: &Streets,
 ) -> Option<Motion> {
     let spot = streets.sidewalks.spot(walkway, s_m);
@@ -46,7 +46,7 @@ pub(super) fn way_across(
 
 /// Whether one may step off the curb: on a ford when it is green and nobody comes who could not stop, on a zebra crossing
 /// when nobody comes who could not stop, elsewhere when no vehicle will be on the way.
-pub(super) fn may_start(from: DVec2, to: DVec2, around: &Surroundings, streets: &Streets, step: u64) -> bool {
+pub(super) fn may_start(from: DVec2, to: DVec2, around: &TrafficState, streets: &Streets, step: u64) -> bool {
     let signals = streets.roads.signals();
     match signals.over(from, to) {
         Over::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over(from, to, around),
@@ -62,7 +62,7 @@ fn distance_to_way(from: DVec2, to: DVec2, p: DVec2) -> f64 {
 }
 
 /// Whether no vehicle is on a ford or so near that it could not stop any more.
-fn is_let_over(from: DVec2, to: DVec2, around: &Surroundings) -> bool {
+fn is_let_over(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
     let distance_to_way = |p: DVec2| distance_to_way(from, to, p);
     around.vehicles.iter().all(|vehicle| {
         let footprint = &vehicle.footprint;
@@ -82,7 +82,7 @@ fn is_let_over(from: DVec2, to: DVec2, around: &Surroundings) -> bool {
 }
 
 /// Whether no vehicle will be on the way across before one is over.
-fn is_free_to_cross(from: DVec2, to: DVec2, around: &Surroundings) -> bool {
+fn is_free_to_cross(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
     let need_s = (to - from).length() / CROSSING_MPS + MARGIN_S;
     let distance_to_way = |p: DVec2| distance_to_way(from, to, p);
     around.vehicles.iter().all(|vehicle| {

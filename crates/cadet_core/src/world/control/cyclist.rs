@@ -1,7 +1,7 @@
 //! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
 
-use super::controller::{Controller, Own};
-use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
+use super::constraints::{Cause, OnRoute, in_sight, tightest_constraint};
+use super::controller::{AgentParts, Controller};
 use super::idm::{IdmParameters, pedals};
 use super::stop_line::leave_junctions;
 use super::turning::turn_ahead;
@@ -15,7 +15,7 @@ use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 use crate::world::turn_signal::TurnSignal;
 
 /// Speed on a free road: mean and spread, least and greatest.
@@ -91,7 +91,7 @@ impl Cyclist {
     }
 
     /// The same, farther off the curb where something stands in the lane.
-    fn free_offset_m(&self, own: &Footprint, around: &Surroundings, roads: &Roads) -> f64 {
+    fn free_offset_m(&self, own: &Footprint, around: &TrafficState, roads: &Roads) -> f64 {
         let usual_m = self.usual_offset_m(roads);
         let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;
         let near: Vec<&Footprint> = around.standing_in_lanes.iter().filter(is_near).collect();
@@ -115,7 +115,7 @@ impl Cyclist {
 }
 
 impl Controller for Cyclist {
-    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
         let roads = &streets.roads;
         let Some(footprint) = around.vehicle(own.slot).copied() else { return };
         let offset_m = self.free_offset_m(&footprint, around, roads);
@@ -131,9 +131,9 @@ impl Controller for Cyclist {
             idm: &self.idm,
             axles: None,
             train_m: None,
-            squeezes: false,
+            reduced_clearance: false,
         };
-        (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
+        (self.interaction_mps2, self.cause) = tightest_constraint(&rider, &ahead, around, roads, step);
         *around.way_ahead_mut(own.slot) = ahead;
         // In the bend both hands are needed.
         let turn = turn_ahead(&self.route, roads).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));
@@ -141,7 +141,7 @@ impl Controller for Cyclist {
         self.pointing = turn.filter(|_| is_shown).map_or(TurnSignal::Off, |(_, side)| side);
     }
 
-    fn act(&mut self, own: Own<'_>, physics: &mut Physics, streets: &Streets) {
+    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {
         let (Body::Cycle(body), Appearance::Cyclist { model, ride }) = (own.body, own.appearance) else { return };
         let wanted = pedals(self.idm.free_road(self.speed_mps, self.desired_mps), self.interaction_mps2);
         let accel_mps2 = wanted.clamp(HARDEST_MPS2, MOST_MPS2);
@@ -163,7 +163,7 @@ impl Controller for Cyclist {
         ride.point(self.pointing);
     }
 
-    fn track(&mut self, own: Own<'_>, _physics: &Physics, around: &mut Surroundings, streets: &Streets) {
+    fn track(&mut self, own: AgentParts<'_>, _physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         let Body::Cycle(body) = own.body else { return };
         let tail_m = own.appearance.size_lwh().x / 2.0 + 0.5;
         let position = body.world_from_box.translation;
@@ -196,7 +196,7 @@ mod tests {
             half_width_m: 0.9,
             velocity: DVec2::ZERO,
         };
-        let mut around = Surroundings::new(&roads);
+        let mut around = TrafficState::new(&roads);
         around.stand(car, &roads);
         // By how much it rides farther to the left than usual, its middle so far beyond the car's front.
         let aside_m = |beyond_m: f64| {

@@ -1,10 +1,10 @@
 //! Who drives a car along a route: bends, traffic, junctions.
 
-use super::controller::{Controller, Own};
-use super::hazards::{Cause, OnRoute, in_sight, traffic_aside, worst_hazard};
+use super::constraints::{Cause, OnRoute, in_sight, tightest_constraint, traffic_aside};
+use super::controller::{AgentParts, Controller};
 use super::idm::{IdmParameters, pedals};
 use super::lane_change::{Decider, LaneChoice};
-use super::overtaking::{HURRY, Overtaking};
+use super::overtaking::{OVERTAKE_SPEED_FACTOR, Overtaking};
 use super::pursuit::{Axles, pursue};
 use super::stop_line::leave_junctions;
 use super::turning::signal_for;
@@ -19,7 +19,7 @@ use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::surroundings::{Claim, Surroundings};
+use crate::world::traffic_state::{Claim, TrafficState};
 use crate::world::turn_signal::TurnSignal;
 
 /// A car slower than this stands.
@@ -40,7 +40,7 @@ const SIDEWAYS_MPS: f64 = 1.0;
 const SIDEWAYS_SHARE: f64 = 0.2;
 /// Who has stood for so long makes do with less room for a while.
 const WAITED_STEPS: u64 = 10 * 60;
-const SQUEEZES_STEPS: u64 = 8 * 60;
+const REDUCED_CLEARANCE_STEPS: u64 = 8 * 60;
 /// Who has stood for so long before a junction takes another way across it, if that is free.
 const GIVES_UP_STEPS: u64 = 25 * 60;
 /// Who stands for so long has stopped for good where nothing follows.
@@ -55,7 +55,7 @@ pub(crate) struct Driver {
     pub drives: bool,
     pub standing_steps: u64,
     /// Until then less room beside others will do.
-    squeezes_until: u64,
+    reduced_clearance_until: u64,
     /// Until then it waits to go the way that it goes.
     patient_until: u64,
     idm: IdmParameters,
@@ -76,7 +76,7 @@ impl Driver {
             drives: route.is_some(),
             route,
             standing_steps: 0,
-            squeezes_until: 0,
+            reduced_clearance_until: 0,
             patient_until: 0,
             idm,
             interaction_mps2: 0.0,
@@ -125,7 +125,7 @@ impl Driver {
         match self.command {
             Some(command) => pedals((command.speed_mps - speed_mps) / RESPONSE_S, 0.0),
             None => {
-                let hurry = if self.overtaking.is_some() { HURRY } else { 1.0 };
+                let hurry = if self.overtaking.is_some() { OVERTAKE_SPEED_FACTOR } else { 1.0 };
                 pedals(self.idm.free_road(speed_mps, hurry * self.desired_mps), self.interaction_mps2)
             }
         }
@@ -165,7 +165,7 @@ impl Driver {
     }
 
     /// Stays in the lane or begins to leave it.
-    fn choose_lane(&mut self, slot: Slot, own: &Footprint, around: &Surroundings, roads: &Roads, step: u64) {
+    fn choose_lane(&mut self, slot: Slot, own: &Footprint, around: &TrafficState, roads: &Roads, step: u64) {
         self.remember_offset();
         let (Some(route), Some(offset_m)) = (&mut self.route, self.own_offset_m) else { return };
         let decider = Decider { slot, own, idm: &self.idm, offset_m };
@@ -174,14 +174,14 @@ impl Driver {
 
     /// Takes another way where somebody has long stood in the one that it would swing into: of two who wait for each
     /// other to get out of an arm that is too narrow for both, neither would ever move.
-    fn give_up(&mut self, slot: Slot, around: &mut Surroundings, roads: &Roads, step: u64) {
+    fn give_up(&mut self, slot: Slot, around: &mut TrafficState, roads: &Roads, step: u64) {
         let is_barred = matches!(self.cause, Cause::Junction(Refusal::InSweep(_))) && self.command.is_none();
         if !is_barred || self.standing_steps < GIVES_UP_STEPS || step < self.patient_until {
             return;
         }
         self.patient_until = step + GIVES_UP_STEPS;
         if self.route.as_mut().is_some_and(|route| route.turn_elsewhere(roads)) {
-            around.junctions.renounce(slot, &[]);
+            around.junctions.release(slot, &[]);
         }
     }
 
@@ -215,7 +215,7 @@ pub(super) fn axles_of(chassis: &Chassis) -> Axles {
 }
 
 impl Controller for Driver {
-    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
         let roads = &streets.roads;
         // The list is taken off the blackboard and put back, so that what it holds is not allocated anew.
         let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
@@ -229,9 +229,9 @@ impl Controller for Driver {
                 (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
             ahead.extend(in_sight(route, speed, footprint.half_length_m, roads));
             if self.standing_steps >= WAITED_STEPS {
-                self.squeezes_until = step + SQUEEZES_STEPS;
+                self.reduced_clearance_until = step + REDUCED_CLEARANCE_STEPS;
             }
-            let squeezes = step < self.squeezes_until;
+            let reduced_clearance = step < self.reduced_clearance_until;
             let axles = if let Body::Sprung(chassis) = &*own.body { Some(axles_of(chassis)) } else { None };
             let rider = OnRoute {
                 slot: own.slot,
@@ -240,9 +240,9 @@ impl Controller for Driver {
                 idm: &self.idm,
                 axles,
                 train_m: None,
-                squeezes,
+                reduced_clearance,
             };
-            (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
+            (self.interaction_mps2, self.cause) = tightest_constraint(&rider, &ahead, around, roads, step);
             self.overtaking = match (self.overtaking, self.cause) {
                 (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
                 (None, Cause::Vehicle(slot)) if self.command.is_none() => {
@@ -275,7 +275,7 @@ impl Controller for Driver {
         own.appearance.indicate(self.signal);
     }
 
-    fn act(&mut self, own: Own<'_>, physics: &mut Physics, streets: &Streets) {
+    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {
         let Body::Sprung(chassis) = own.body else { return };
         let speed = chassis.speed_mps(physics);
         self.shift_line(speed);
@@ -303,7 +303,7 @@ impl Controller for Driver {
         chassis.apply(physics);
     }
 
-    fn track(&mut self, own: Own<'_>, physics: &Physics, around: &mut Surroundings, streets: &Streets) {
+    fn track(&mut self, own: AgentParts<'_>, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         let Body::Sprung(chassis) = own.body else { return };
         let tail_m = own.appearance.size_lwh().x / 2.0 + 0.5;
         if let Some(route) = &mut self.route {

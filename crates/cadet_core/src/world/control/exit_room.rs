@@ -14,7 +14,7 @@ const LONGEST_TAIL_M: f64 = 9.0;
 
 /// Who leaves too little room on the lanes after a junction, up to the next one. At the end of its line a tram stands for
 /// long: the next finds room behind it, or stops before the junction.
-pub(super) fn exit_taken_by(
+pub(super) fn exit_blocked_by(
     own: &Crossing<'_>,
     exits: &[LaneId],
     room_m: f64,
@@ -72,7 +72,7 @@ mod tests {
         }
         let mut lane_use = LaneUse::default();
         lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 5.0, speed_mps });
-        let by = exit_taken_by(&own, exits, 22.0, &lane_use, &Junctions::new(roads), roads);
+        let by = exit_blocked_by(&own, exits, 22.0, &lane_use, &Junctions::new(roads), roads);
         assert!(by.is_none_or(|slot| slot == 2));
         by.is_some()
     }

@@ -3,7 +3,7 @@
 use crate::math::{self, DVec2};
 use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
-use crate::world::surroundings::{PersonAt, VehicleAt};
+use crate::world::traffic_state::{PersonAt, VehicleAt};
 
 /// Radius of the circle in the plane that a person's trunk stays inside of; arms and legs swing beyond it.
 pub(crate) const BODY_M: f64 = 0.24;

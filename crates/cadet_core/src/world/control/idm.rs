@@ -7,10 +7,15 @@ use crate::world::route::Ahead;
 /// Comfortable deceleration.
 pub(crate) const COMFORTABLE_MPS2: f64 = 2.0;
 const ACCELERATION_MPS2: f64 = 1.2;
-/// Bumper to bumper at a standstill, and the mean time gap: of traffic, and of who drives the sensors. Of KITTI's cars
-/// none is ahead in the own lane within 7 m of the camera, and one in a hundred within 20 m.
-const TRAFFIC_KEEPS: (f64, f64) = (2.0, 1.2);
-const EGO_KEEPS: (f64, f64) = (4.5, 2.2);
+/// The room that drivers keep to the car ahead.
+struct GapPolicy {
+    /// Bumper to bumper at a standstill.
+    minimum_gap_m: f64,
+    mean_time_gap_s: f64,
+}
+const TRAFFIC_GAPS: GapPolicy = GapPolicy { minimum_gap_m: 2.0, mean_time_gap_s: 1.2 };
+/// Of KITTI's cars none is ahead in the own lane within 7 m of the camera, and one in a hundred within 20 m.
+const EGO_GAPS: GapPolicy = GapPolicy { minimum_gap_m: 4.5, mean_time_gap_s: 2.2 };
 const HARDEST_BRAKING_MPS2: f64 = -7.0;
 
 /// One driver's IDM parameters: desired speed and time gap are Gaussian over drivers.
@@ -28,19 +33,19 @@ pub(crate) struct IdmParameters {
 
 impl IdmParameters {
     pub fn draw(stream: &mut Stream) -> Self {
-        Self::keeping(TRAFFIC_KEEPS, stream)
+        Self::keeping(&TRAFFIC_GAPS, stream)
     }
 
     /// Of the ego's driver, who keeps away from the car ahead.
     pub fn draw_of_ego(stream: &mut Stream) -> Self {
-        Self::keeping(EGO_KEEPS, stream)
+        Self::keeping(&EGO_GAPS, stream)
     }
 
-    fn keeping((minimum_gap_m, time_gap_s): (f64, f64), stream: &mut Stream) -> Self {
+    fn keeping(gaps: &GapPolicy, stream: &mut Stream) -> Self {
         Self {
             desired_speed_factor: stream.clipped_normal(1.0, 0.09),
-            time_gap_s: stream.clipped_normal(time_gap_s, 0.25),
-            minimum_gap_m,
+            time_gap_s: stream.clipped_normal(gaps.mean_time_gap_s, 0.25),
+            minimum_gap_m: gaps.minimum_gap_m,
             top_speed_mps: f64::INFINITY,
         }
     }
@@ -52,7 +57,7 @@ impl IdmParameters {
     }
 
     /// What a gap to something ahead takes off the free road's acceleration.
-    pub fn interaction(&self, speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
+    pub fn interaction_accel(&self, speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
         let v = speed_mps.max(0.0);
         let closing = v * (v - leader_mps) / (2.0 * (ACCELERATION_MPS2 * COMFORTABLE_MPS2).sqrt());
         let wanted = self.minimum_gap_m + (v * self.time_gap_s + closing).max(0.0);

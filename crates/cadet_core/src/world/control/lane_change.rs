@@ -11,7 +11,7 @@ use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::Slot;
-use crate::world::surroundings::{Claim, Surroundings};
+use crate::world::traffic_state::{Claim, TrafficState};
 
 /// How much others' gains and losses count.
 const POLITENESS: f64 = 0.25;
@@ -49,8 +49,8 @@ const BEFORE_END_M: f64 = 45.0;
 const BEFORE_JUNCTION_M: f64 = 15.0;
 
 /// What a gap takes off a driver's acceleration; nothing where the lane is free.
-fn interaction(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {
-    leader.map_or(0.0, |l| idm.interaction(speed_mps, l.gap_m, l.speed_mps))
+fn interaction_accel(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {
+    leader.map_or(0.0, |l| idm.interaction_accel(speed_mps, l.gap_m, l.speed_mps))
 }
 
 /// The interaction on a lane whose inner neighbor has `inner` ahead: nobody passes it on the outside at speed.
@@ -62,7 +62,7 @@ fn on_the_outside(own_mps2: f64, inner_mps2: f64, speed_mps: f64, inner: Option<
 /// What a change is worth to who changes, in m/s², with what it costs others: MOBIL's incentive over its threshold.
 /// `stays` and `changed` are the own interactions before and after it, `follower` those of who is let go or cut in on.
 /// `bias_mps2` is against it.
-fn worth(stays_mps2: f64, changed_mps2: f64, follower_mps2: (f64, f64), bias_mps2: f64) -> f64 {
+fn mobil_incentive(stays_mps2: f64, changed_mps2: f64, follower_mps2: (f64, f64), bias_mps2: f64) -> f64 {
     changed_mps2 - stays_mps2 + POLITENESS * (follower_mps2.1 - follower_mps2.0) - THRESHOLD_MPS2 - bias_mps2
 }
 
@@ -70,10 +70,10 @@ fn worth(stays_mps2: f64, changed_mps2: f64, follower_mps2: (f64, f64), bias_mps
 fn is_safe(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>, follower: Option<Neighbor>) -> bool {
     let has_room = |gap_m: f64, behind_mps: f64| gap_m > LEAST_GAP_M + LEAST_GAP_S * behind_mps;
     let ahead = leader.is_none_or(|l| {
-        has_room(l.gap_m, 0.5 * speed_mps) && idm.interaction(speed_mps, l.gap_m, l.speed_mps) > -SAFE_MPS2
+        has_room(l.gap_m, 0.5 * speed_mps) && idm.interaction_accel(speed_mps, l.gap_m, l.speed_mps) > -SAFE_MPS2
     });
     let behind = follower.is_none_or(|f| {
-        has_room(f.gap_m, 0.5 * f.speed_mps) && idm.interaction(f.speed_mps, f.gap_m, speed_mps) > -SAFE_MPS2
+        has_room(f.gap_m, 0.5 * f.speed_mps) && idm.interaction_accel(f.speed_mps, f.gap_m, speed_mps) > -SAFE_MPS2
     });
     ahead && behind
 }
@@ -125,7 +125,7 @@ pub(super) struct LaneChoice {
     pub change: Option<LaneChange>,
     /// What staying behind who is ahead on the inner lane takes off the acceleration.
     pub stays_behind_mps2: f64,
-    rests_until: u64,
+    next_change_step: u64,
 }
 
 /// Who decides.
@@ -140,7 +140,7 @@ pub(super) struct Decider<'a> {
 impl LaneChoice {
     /// Looks at both neighbors of a lane that allows changes now and then, and begins a change where it is worth it and safe: then the route
     /// leads along the new lane.
-    pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &Surroundings, roads: &Roads, step: u64) {
+    pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &TrafficState, roads: &Roads, step: u64) {
         if !(step / STEPS_A_LOOK + by.slot as u64).is_multiple_of(LOOKS) {
             return;
         }
@@ -167,10 +167,10 @@ impl LaneChoice {
             LaneView::of(lane, s_m, own.half_length_m, Some(slot), around, roads)
         };
         let here = LaneView::of(lane, route.s_m, own.half_length_m, Some(slot), around, roads);
-        let own_mps2 = interaction(idm, speed_mps, here.leader);
+        let own_mps2 = interaction_accel(idm, speed_mps, here.leader);
         let inner_view = inner.map(view);
         let inner_leader = inner_view.and_then(|v| v.leader);
-        let inner_mps2 = interaction(idm, speed_mps, inner_leader);
+        let inner_mps2 = interaction_accel(idm, speed_mps, inner_leader);
         let stays_mps2 = on_the_outside(own_mps2, inner_mps2, speed_mps, inner_leader);
         // Who is alongside already is not waited for.
         if !inner_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
@@ -179,7 +179,7 @@ impl LaneChoice {
         let is_long = 2.0 * own.half_length_m > LONG_M;
         if self.change.is_some()
             || (is_long && !roads.is_fast(lane))
-            || step < self.rests_until
+            || step < self.next_change_step
             || speed_mps < LEAST_MPS
             || !has_way(route, speed_mps, roads)
         {
@@ -196,14 +196,14 @@ impl LaneChoice {
             if v.is_taken || !route.may_use(id, roads) || !is_safe(idm, speed_mps, v.leader, v.follower) {
                 continue;
             }
-            let changed_mps2 = interaction(idm, speed_mps, v.leader);
+            let changed_mps2 = interaction_accel(idm, speed_mps, v.leader);
             // Only who follows on the inner lane counts: nobody owes the outer one anything.
             let gain = if is_inward {
-                worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), bias_mps2)
+                mobil_incentive(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), bias_mps2)
             } else {
                 let changed_mps2 = on_the_outside(changed_mps2, own_mps2, speed_mps, here.leader);
                 let (without, with) = between(&here, own, speed_mps, idm);
-                worth(own_mps2, changed_mps2, (with, without), -bias_mps2)
+                mobil_incentive(own_mps2, changed_mps2, (with, without), -bias_mps2)
             };
             if gain > 0.0 && best.is_none_or(|(.., most)| gain > most) {
                 best = Some((id, is_inward, gain));
@@ -212,7 +212,7 @@ impl LaneChoice {
         if let Some((id, is_inward, _)) = best {
             let from_m = route.change_to(id, roads);
             self.change = Some(LaneChange { is_inward, from_m, to_m: by.offset_m, share: 0.0, returns: false });
-            self.rests_until = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
+            self.next_change_step = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
         }
     }
 }
@@ -221,8 +221,8 @@ impl LaneChoice {
 fn between(view: &LaneView, own: &Footprint, speed_mps: f64, idm: &IdmParameters) -> (f64, f64) {
     let Some(f) = view.follower else { return (0.0, 0.0) };
     let over_m = f.gap_m + 2.0 * own.half_length_m;
-    let without = view.leader.map_or(0.0, |l| idm.interaction(f.speed_mps, over_m + l.gap_m, l.speed_mps));
-    (without, idm.interaction(f.speed_mps, f.gap_m, speed_mps))
+    let without = view.leader.map_or(0.0, |l| idm.interaction_accel(f.speed_mps, over_m + l.gap_m, l.speed_mps));
+    (without, idm.interaction_accel(f.speed_mps, f.gap_m, speed_mps))
 }
 
 /// Whether there is way enough before the next junction, or where the lanes end.
@@ -255,16 +255,19 @@ mod tests {
     #[test]
     fn incentives_are_those_of_mobil() {
         let truck = neighbor(90.0, 23.0);
-        let own = interaction(&IDM, 33.0, truck);
-        assert!((own - idm_by_hand(33.0, 90.0, 23.0)).abs() < 1e-12 && interaction(&IDM, 33.0, None) == 0.0);
+        let own = interaction_accel(&IDM, 33.0, truck);
+        assert!((own - idm_by_hand(33.0, 90.0, 23.0)).abs() < 1e-12 && interaction_accel(&IDM, 33.0, None) == 0.0);
         // To the left: a' - a + p (n' - n) > threshold + bias. To the right the bias helps.
         let follower = (-0.2, -0.9);
         let expected = -own + 0.25 * (-0.9 + 0.2) - 0.1;
-        assert!((worth(own, 0.0, follower, 0.3) - (expected - 0.3)).abs() < 1e-12);
-        assert!((worth(own, 0.0, follower, -0.3) - (expected + 0.3)).abs() < 1e-12);
+        assert!((mobil_incentive(own, 0.0, follower, 0.3) - (expected - 0.3)).abs() < 1e-12);
+        assert!((mobil_incentive(own, 0.0, follower, -0.3) - (expected + 0.3)).abs() < 1e-12);
         // On a free road one keeps right, and does not leave the right lane.
         let bias_mps2 = OUTER_BIAS_MPS2;
-        assert!(worth(0.0, 0.0, (0.0, 0.0), -bias_mps2) > 0.0 && worth(0.0, 0.0, (0.0, 0.0), bias_mps2) < 0.0);
+        assert!(
+            mobil_incentive(0.0, 0.0, (0.0, 0.0), -bias_mps2) > 0.0
+                && mobil_incentive(0.0, 0.0, (0.0, 0.0), bias_mps2) < 0.0
+        );
     }
 
     #[test]
@@ -367,7 +370,7 @@ mod tests {
             let change = Some(LaneChange { is_inward: true, from_m, to_m: 0.0, share, returns: false });
             let mut choice = LaneChoice { change, ..LaneChoice::default() };
             let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };
-            choice.decide(&decider, &mut route, &Surroundings::new(&roads), &roads, 0);
+            choice.decide(&decider, &mut route, &TrafficState::new(&roads), &roads, 0);
             let is_back = route.lanes[0] == old.id;
             assert!(choice.change.is_none_or(|change| change.is_inward != is_back && change.returns == is_back));
             // The line does not jump.

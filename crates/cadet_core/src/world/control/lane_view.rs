@@ -4,7 +4,7 @@ use crate::math::DVec2;
 use crate::town::{Lane, LaneId};
 use crate::world::roads::Roads;
 use crate::world::slot::Slot;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// How far a driver looks along a lane, ahead and behind.
 const AHEAD_M: f64 = 280.0;
@@ -37,7 +37,7 @@ impl LaneView {
         s_m: f64,
         half_length_m: f64,
         own: Option<Slot>,
-        around: &Surroundings,
+        around: &TrafficState,
         roads: &Roads,
     ) -> Self {
         let path = Path::about(roads.lane(lane), s_m, roads);

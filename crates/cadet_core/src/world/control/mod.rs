@@ -2,13 +2,13 @@
 
 mod approach;
 mod avoidance;
+mod constraints;
 mod controller;
 mod crossing;
 mod cyclist;
 mod driver;
 mod exit_room;
 mod footing;
-mod hazards;
 mod idm;
 mod lane_change;
 mod lane_view;
@@ -26,14 +26,14 @@ mod swing_out;
 mod tram;
 mod turning;
 
-pub(super) use controller::{Controller, Own};
+pub(super) use constraints::{Cause, SIDE_STANDING_M};
+pub(super) use controller::{AgentParts, Controller};
 pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
 pub(super) use footing::{BODY_M, nearness};
-pub(super) use hazards::{Cause, SIDE_STANDING_M};
 pub(super) use idm::IdmParameters;
 pub(super) use lane_view::LaneView;
-pub(super) use motion::{Company, Motion, Walk};
+pub(super) use motion::{GroupPlace, Motion, Walk};
 pub(super) use parked::Parked;
 pub(super) use path::TimedPath;
 pub(super) use pedestrian::Pedestrian;

@@ -18,7 +18,7 @@ pub(crate) enum Motion {
 
 /// A place in a group, relative to the one who leads.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Company {
+pub(crate) struct GroupPlace {
     /// Who leads.
     pub leader: Slot,
     /// To the left of the leader's place across the walkway's line.

@@ -1,6 +1,6 @@
 //! Overtaking a cyclist: whether there is room and time for it, and how far off the own line it leads.
 
-use super::hazards::OnRoute;
+use super::constraints::OnRoute;
 use super::stop_line::next_junction;
 use crate::math::{DVec2, DVec3};
 use crate::town::LaneKind;
@@ -8,7 +8,7 @@ use crate::world::footprint::Footprint;
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// Kept beside a cyclist: what StVO § 5 (4) asks for in towns.
 const BESIDE_M: f64 = 1.5;
@@ -17,7 +17,7 @@ const AFTER_M: f64 = 3.0;
 /// How long it takes to be back in the lane.
 const RETURN_S: f64 = 1.5;
 /// So much faster than otherwise one drives meanwhile.
-pub(super) const HURRY: f64 = 1.15;
+pub(super) const OVERTAKE_SPEED_FACTOR: f64 = 1.15;
 /// The farthest that anybody leaves the middle of the lane, and the longest vehicle that does.
 const MOST_ASIDE_M: f64 = 3.0;
 const LONGEST_M: f64 = 6.0;
@@ -77,12 +77,13 @@ impl Overtaking {
         own: &OnRoute<'_>,
         ahead: Slot,
         desired_mps: f64,
-        around: &Surroundings,
+        around: &TrafficState,
         roads: &Roads,
     ) -> Option<Self> {
         let rider = *around.cyclist(ahead)?;
         let rider_mps = rider.velocity.dot(own.footprint.heading);
-        let is_worth_it = rider_mps > LEAST_RIDER_MPS && HURRY * desired_mps > rider_mps + LEAST_GAIN_MPS;
+        let is_worth_it =
+            rider_mps > LEAST_RIDER_MPS && OVERTAKE_SPEED_FACTOR * desired_mps > rider_mps + LEAST_GAIN_MPS;
         if !is_worth_it || 2.0 * own.footprint.half_length_m > LONGEST_M {
             return None;
         }
@@ -95,7 +96,7 @@ impl Overtaking {
     }
 
     /// Goes on, until it is done or must be given up.
-    pub fn go_on(mut self, own: &OnRoute<'_>, desired_mps: f64, around: &Surroundings, roads: &Roads) -> Option<Self> {
+    pub fn go_on(mut self, own: &OnRoute<'_>, desired_mps: f64, around: &TrafficState, roads: &Roads) -> Option<Self> {
         let rider = *around.cyclist(self.cyclist)?;
         let way = Way::of(own.route, roads);
         // Beside the cyclist nobody turns in, wherever the cyclist goes.
@@ -121,14 +122,16 @@ impl Overtaking {
         desired_mps: f64,
         spare_m: f64,
         way: &Way,
-        around: &Surroundings,
+        around: &TrafficState,
         roads: &Roads,
     ) -> bool {
         let (footprint, half_width_m) = (own.footprint, own.footprint.half_width_m);
         let Some((ahead_m, _)) = way.place_of(rider.center) else { return false };
         let gain_m = ahead_m + rider.half_length_m + footprint.half_length_m + AFTER_M;
         let speeds_mps = [footprint.velocity, rider.velocity].map(|v| v.dot(footprint.heading));
-        let Some((time_s, way_m)) = time_and_way(gain_m, speeds_mps, HURRY * desired_mps) else { return false };
+        let Some((time_s, way_m)) = time_and_way(gain_m, speeds_mps, OVERTAKE_SPEED_FACTOR * desired_mps) else {
+            return false;
+        };
         let free_m = next_junction(own.route, roads, &|_| true).map_or(own.route.remaining_m(roads), |(_, m)| m);
         if roads.lane(own.route.lanes[0]).junction.is_some()
             || way_m + footprint.half_length_m + BEFORE_JUNCTION_M > free_m

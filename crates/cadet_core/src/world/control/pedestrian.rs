@@ -1,10 +1,10 @@
 //! People on foot: they walk along sidewalks, keep out of each other's way, and cross the road when it is free.
 
 use super::avoidance::{OnWalkway, free_line, pace_behind};
-use super::controller::{Controller, Own};
+use super::controller::{AgentParts, Controller};
 use super::crossing::{CROSSING_MPS, may_start, way_across};
 use super::footing::Nearby;
-use super::motion::{Company, Motion, Walk};
+use super::motion::{GroupPlace, Motion, Walk};
 use super::on_road::{is_on_road, keep_off};
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
@@ -16,7 +16,7 @@ use crate::world::roads::Roads;
 use crate::world::sidewalk::Sidewalks;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// How fast people side-step, m/s.
 const SIDESTEP_MPS: f64 = 0.5;
@@ -59,7 +59,7 @@ pub(crate) struct Pedestrian {
     held_s: f64,
     nearby: Nearby,
     /// The group that one belongs to without leading it.
-    pub company: Option<Company>,
+    pub company: Option<GroupPlace>,
     /// Whether this one means to cross the road.
     pub crosser: bool,
     choices: Stream,
@@ -136,7 +136,7 @@ impl Pedestrian {
     }
 
     /// Looks around while walking: stays with a group, side-steps, stops, turns back, or stops at the curb to cross.
-    fn look_on_walkway(&mut self, own: OnWalkway, position_z: f64, around: &Surroundings, streets: &Streets) {
+    fn look_on_walkway(&mut self, own: OnWalkway, position_z: f64, around: &TrafficState, streets: &Streets) {
         let OnWalkway { walkway, s_m, direction, .. } = own;
         if self.held_s > HELD_S {
             self.held_s = 0.0;
@@ -176,7 +176,7 @@ impl Pedestrian {
 
     /// Side-steps what stands and who comes, to return to the line `line_m`; stops where there is no way past, and turns
     /// back after a while.
-    fn avoid(&mut self, own: &OnWalkway, line_m: f64, around: &Surroundings, sidewalks: &Sidewalks) {
+    fn avoid(&mut self, own: &OnWalkway, line_m: f64, around: &TrafficState, sidewalks: &Sidewalks) {
         match free_line(own, line_m, self.preferred_m.abs(), around, sidewalks) {
             Some(lateral_m) => {
                 self.wanted_m = lateral_m;
@@ -199,7 +199,7 @@ impl Pedestrian {
 }
 
 impl Controller for Pedestrian {
-    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
         let (Body::Upright(body), Appearance::Person { model, .. }) = (own.body, own.appearance) else { return };
         self.nearby.look(own.slot, body.at(), &around.people, &around.standing);
         match self.motion {
@@ -233,7 +233,7 @@ impl Controller for Pedestrian {
     }
 
     /// One step on foot: one person after the other, so that two never take the same place.
-    fn track(&mut self, own: Own<'_>, physics: &Physics, around: &mut Surroundings, streets: &Streets) {
+    fn track(&mut self, own: AgentParts<'_>, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         let (Body::Upright(body), Appearance::Person { model, phase }) = (own.body, own.appearance) else { return };
         let sidewalks = &streets.sidewalks;
         let (before, from, lateral_m) = (body.position, body.at(), self.lateral_m);

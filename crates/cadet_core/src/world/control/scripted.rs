@@ -1,6 +1,6 @@
 //! A user's script: an agent goes along a path whatever the others do.
 
-use super::controller::{Controller, Own};
+use super::controller::{AgentParts, Controller};
 use super::on_road::{is_on_road, keep_off};
 use super::path::TimedPath;
 use crate::math::{self, DVec2};
@@ -11,7 +11,7 @@ use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::route::Ahead;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// How fast agents turn where a path has a corner: a car at full lock at 6 m/s, and a person.
 const VEHICLE_TURN_RADPS: f64 = 1.2;
@@ -54,7 +54,7 @@ impl Scripted {
 }
 
 impl Controller for Scripted {
-    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, _streets: &Streets, _step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, _streets: &Streets, _step: u64) {
         if !matches!(own.body, Body::Guided(_) | Body::Cycle(_)) {
             return;
         }
@@ -69,7 +69,7 @@ impl Controller for Scripted {
         ahead.extend(way);
     }
 
-    fn act(&mut self, own: Own<'_>, physics: &mut Physics, _streets: &Streets) {
+    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, _streets: &Streets) {
         self.steps += 1;
         let now = self.path.at_time(self.steps as f64 * DT_S);
         let moved_m = now.s_m - self.s_m;

@@ -1,9 +1,9 @@
 //! Where a driver stops before a junction, and asks for the way across it.
 
 use super::approach::{Crossing, LIGHT_LINE_M, STOP_LINE_M, line_m};
-use super::exit_room::exit_taken_by;
+use super::exit_room::exit_blocked_by;
 use super::idm::COMFORTABLE_MPS2;
-use super::swing_out::swept_vehicle;
+use super::swing_out::vehicle_in_swept_path;
 use crate::math::{self, DVec3};
 use crate::town::{Aspect, Lane, LaneId, LaneKind};
 use crate::world::junctions::{Junctions, Refusal, Request};
@@ -11,7 +11,7 @@ use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
 const OVER_LINE_M: f64 = -0.7;
@@ -43,13 +43,13 @@ pub(super) fn leave_junctions(
 /// The gap to a stop line where the next junction is not ours to cross, and why it is not.
 pub(super) fn stop_line(
     own: &Crossing<'_>,
-    around: &mut Surroundings,
+    around: &mut TrafficState,
     roads: &Roads,
     step: u64,
 ) -> Option<(f64, Refusal)> {
     let Crossing { slot, route, footprint, length_m, is_tram, .. } = *own;
     let (speed_mps, half_length_m) = (own.speed_mps(), footprint.half_length_m);
-    let Surroundings { junctions, lane_use, vehicles, .. } = around;
+    let TrafficState { junctions, lane_use, vehicles, .. } = around;
     if let Some(gap_m) = stop_at_light(own, junctions, roads, step) {
         queue_at_light(own, junctions, roads, step);
         return Some((gap_m, Refusal::Light));
@@ -77,16 +77,17 @@ pub(super) fn stop_line(
         return Some((front_m + 1.5, Refusal::NotFirst));
     }
     let chain = chain(route, k, roads);
-    if let Some(other) = swept_vehicle(own, &chain, start_m, (vehicles, lane_use), junctions, roads) {
-        junctions.renounce(slot, &[]);
+    if let Some(other) = vehicle_in_swept_path(own, &chain, start_m, (vehicles, lane_use), junctions, roads) {
+        junctions.release(slot, &[]);
         return Some((front_m + 1.5, Refusal::InSweep(other)));
     }
     let exits: Vec<LaneId> = route.lanes.iter().skip(k + chain.len()).copied().collect();
     let exit = exits.first().copied().unwrap_or(chain[chain.len() - 1]);
     let room_m = length_m + 2.5;
-    let exit_taken_by = exit_taken_by(own, &exits, room_m, lane_use, junctions, roads);
-    let lets_pass = roads.signals().arm_of(before).is_some() && turns_across(roads.lane(chain[0]));
-    let asked = Request { car: slot, lanes: &chain, exit, room_m, exit_taken_by, lets_pass, has_priority: is_tram };
+    let exit_blocked_by = exit_blocked_by(own, &exits, room_m, lane_use, junctions, roads);
+    let yields_to_oncoming = roads.signals().arm_of(before).is_some() && turns_across(roads.lane(chain[0]));
+    let asked =
+        Request { car: slot, lanes: &chain, exit, room_m, exit_blocked_by, yields_to_oncoming, has_priority: is_tram };
     junctions.request(&asked, step).err().map(|refusal| (front_m + 1.5, refusal))
 }
 
@@ -126,7 +127,7 @@ fn stop_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, s
         return None;
     }
     if is_ours {
-        junctions.renounce(slot, &chain(route, k, roads));
+        junctions.release(slot, &chain(route, k, roads));
     }
     Some(front_m + 1.5)
 }

@@ -12,7 +12,7 @@ use crate::world::lane_use::LaneUse;
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
-use crate::world::surroundings::VehicleAt;
+use crate::world::traffic_state::VehicleAt;
 
 /// Who is slower than this stands in the way of those who turn, and the room they need beside it.
 const STANDS_MPS: f64 = 0.5;
@@ -30,7 +30,7 @@ const BESIDE_M: f64 = 4.0;
 
 /// Who stands, or is about to stop, where a vehicle would swing into the oncoming lane: at the line of an arm that it
 /// turns into, or on the way there. Nose to nose, neither would get past the other. Cyclists swing nowhere.
-pub(super) fn swept_vehicle(
+pub(super) fn vehicle_in_swept_path(
     own: &Crossing<'_>,
     chain: &[LaneId],
     start_m: f64,
@@ -173,14 +173,14 @@ mod tests {
         lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
         let mut junctions = Junctions::new(&roads);
         if comes.holds {
-            let (exit, exit_taken_by) = (lane, None);
+            let (exit, exit_blocked_by) = (lane, None);
             let asked = Request {
                 car: 2,
                 lanes: &chain,
                 exit,
                 room_m: 0.0,
-                exit_taken_by,
-                lets_pass: false,
+                exit_blocked_by,
+                yields_to_oncoming: false,
                 has_priority: false,
             };
             junctions.request(&asked, 0).unwrap();
@@ -188,7 +188,7 @@ mod tests {
         let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
         let own =
             Crossing { slot: 1, route: &route, footprint: &footprint, axles, length_m: size_lwh.x, is_tram: false };
-        swept_vehicle(&own, &chain, 12.0, (&vehicles, &lane_use), &junctions, &roads)
+        vehicle_in_swept_path(&own, &chain, 12.0, (&vehicles, &lane_use), &junctions, &roads)
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::controller::{Controller, Own};
-use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
+use super::constraints::{Cause, OnRoute, in_sight, tightest_constraint};
+use super::controller::{AgentParts, Controller};
 use super::idm::{IdmParameters, pedals};
 use super::stop_line::leave_junctions;
 use crate::math::{self, DVec2};
@@ -13,8 +13,8 @@ use crate::world::body::{Body, Step};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::route::Route;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
 use crate::world::track::Track;
+use crate::world::traffic_state::TrafficState;
 
 /// Strongest acceleration, and braking with all brakes of a tram.
 const MOST_MPS2: f64 = 1.0;
@@ -130,7 +130,7 @@ impl TramDriver {
 }
 
 impl Controller for TramCar {
-    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
         let mut train = self.train.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(driver) = &mut self.driver else { return };
         let Some(footprint) = around.vehicle(own.slot).copied() else { return };
@@ -145,9 +145,16 @@ impl Controller for TramCar {
         ahead.extend(in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads));
         let train_m = Some(train.length_m);
         let (route, idm) = (&driver.route, &driver.idm);
-        let rider =
-            OnRoute { slot: own.slot, footprint: &footprint, route, idm, axles: None, train_m, squeezes: false };
-        (driver.interaction_mps2, train.cause) = worst_hazard(&rider, &ahead, around, roads, step);
+        let rider = OnRoute {
+            slot: own.slot,
+            footprint: &footprint,
+            route,
+            idm,
+            axles: None,
+            train_m,
+            reduced_clearance: false,
+        };
+        (driver.interaction_mps2, train.cause) = tightest_constraint(&rider, &ahead, around, roads, step);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.
             driver.interaction_mps2 = HARDEST_MPS2;
@@ -156,7 +163,7 @@ impl Controller for TramCar {
         *around.way_ahead_mut(own.slot) = ahead;
     }
 
-    fn act(&mut self, own: Own<'_>, physics: &mut Physics, _streets: &Streets) {
+    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, _streets: &Streets) {
         let Body::Guided(body) = own.body else { return };
         let mut train = self.train.lock().unwrap_or_else(PoisonError::into_inner);
         // The first car is called first: its slot is the lowest.
@@ -170,7 +177,7 @@ impl Controller for TramCar {
         body.guide(physics, &Step { at, velocity, moved_m, turn_rad });
     }
 
-    fn track(&mut self, own: Own<'_>, _physics: &Physics, around: &mut Surroundings, streets: &Streets) {
+    fn track(&mut self, own: AgentParts<'_>, _physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         let Body::Guided(body) = own.body else { return };
         let train = self.train.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(driver) = &mut self.driver else { return };

@@ -37,7 +37,7 @@ struct Place {
 
 impl Spawner<'_> {
     /// Gives the people of some slots what they have along, by draws of their own.
-    pub(super) fn hand_out(&mut self, slots: &[Slot]) {
+    pub(super) fn assign_belongings(&mut self, slots: &[Slot]) {
         for slot in slots {
             let agent = &self.arena.agents[*slot];
             let (Some(pedestrian), Appearance::Person { model, .. }) =

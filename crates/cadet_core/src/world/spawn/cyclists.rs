@@ -9,7 +9,7 @@ use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId, LaneKind};
-use crate::world::arena::Newcomer;
+use crate::world::arena::AgentSpec;
 use crate::world::body::stand_up;
 use crate::world::control::Cyclist;
 use crate::world::footprint::Footprint;
@@ -41,7 +41,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         let model = Arc::new(CyclistModel::generate(stream.next_u64()));
         if stream.chance(COMPANY_SHARE)
             && let Some((lane, s_m)) = self.last_cyclist(slot)
@@ -89,7 +89,7 @@ impl Spawner<'_> {
         (lane, s_m): (LaneId, f64),
         headway_m: f64,
         stream: &mut Stream,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         let roads = &self.arena.streets.roads;
         let seed = self.key.indexed("cyclist route", stream.next_u64());
         let mut habits = Stream::from_seed("cyclist habits", stream.next_u64());

@@ -13,7 +13,7 @@ use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
-use crate::world::arena::Newcomer;
+use crate::world::arena::AgentSpec;
 use crate::world::body::{Chassis, settle};
 use crate::world::control::{IdmParameters, SIDE_STANDING_M};
 use crate::world::footprint::Footprint;
@@ -96,7 +96,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
         let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
             Some(model) => model,
@@ -125,7 +125,7 @@ impl Spawner<'_> {
         model: Arc<VehicleModel>,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         let needs = Needs::of_truck(model.size_lwh);
         self.place_car(slot, stream, model, needs, ring_m, entry)
     }
@@ -139,7 +139,7 @@ impl Spawner<'_> {
         needs: Needs,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         if self.is_fast() {
             return self.place_fast(slot, stream, model, needs, ring_m, entry);
         }

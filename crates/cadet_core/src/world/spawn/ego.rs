@@ -13,7 +13,7 @@ use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec3, Vec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, LaneKind, Town};
-use crate::world::arena::{Arena, Newcomer};
+use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Chassis, settle};
 use crate::world::control::IdmParameters;
 use crate::world::roads::Roads;
@@ -98,7 +98,7 @@ impl EgoStarts {
 ///
 /// # Errors
 /// [`Error::Scene`] for a ground on which it finds no place.
-pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Result<Newcomer> {
+pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Result<AgentSpec> {
     let model = Arc::new(ego_model());
     let mut stream = key.stream("ego place");
     let Arena { physics, streets, .. } = arena;

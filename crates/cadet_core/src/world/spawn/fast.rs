@@ -10,7 +10,7 @@ use crate::assets::vehicle::VehicleModel;
 use crate::math::DVec3;
 use crate::rng::Stream;
 use crate::town::LaneId;
-use crate::world::arena::Newcomer;
+use crate::world::arena::AgentSpec;
 use crate::world::body::Body;
 use crate::world::control::{Driver, IdmParameters, LaneView};
 use crate::world::room::Needs;
@@ -43,9 +43,9 @@ impl Spawner<'_> {
     }
 
     /// Writes down anew who is where, for those who are placed next.
-    pub(super) fn survey(&mut self) {
+    pub(super) fn refresh_traffic_state(&mut self) {
         if self.is_fast() {
-            self.arena.survey_places();
+            self.arena.refresh_places();
         }
     }
 
@@ -75,7 +75,7 @@ impl Spawner<'_> {
         needs: Needs,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
         let mut idm = IdmParameters::draw(stream);

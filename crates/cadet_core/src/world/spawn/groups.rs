@@ -8,7 +8,7 @@ use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::world::body::Body;
-use crate::world::control::{Company, Motion, Pedestrian, nearness};
+use crate::world::control::{GroupPlace, Motion, Pedestrian, nearness};
 use crate::world::slot::Slot;
 
 /// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
@@ -80,7 +80,7 @@ impl Spawner<'_> {
         let lead_m = self.pedestrian(leader).lateral_m;
         let has_room_for_two = room > apart_m / 2.0;
         let is_aside = has_room_for_two && size % 2 == 1;
-        let companies: Vec<Company> = self.members(leader).filter_map(|p| p.company).collect();
+        let companies: Vec<GroupPlace> = self.members(leader).filter_map(|p| p.company).collect();
         // The first of a column is beside the one who leads.
         let column = companies.iter().filter(|c| (c.aside_m != 0.0) == is_aside).map(|c| c.behind_m + row_m);
         let behind_m = column.fold(if is_aside { 0.0 } else { row_m }, f64::max);
@@ -104,7 +104,7 @@ impl Spawner<'_> {
             }
         }
         let mut walker = self.walker_on(stream, Arc::clone(model), (walkway, s_m, direction), lateral_m)?;
-        walker.pedestrian.company = Some(Company { leader, aside_m, behind_m });
+        walker.pedestrian.company = Some(GroupPlace { leader, aside_m, behind_m });
         Some(walker)
     }
 
@@ -132,7 +132,7 @@ impl Spawner<'_> {
         }
         let yaw_rad = math::wrap_angle(bearing + math::PI);
         let mut walker = self.posed_walker(stream, Arc::clone(model), at, yaw_rad)?;
-        walker.pedestrian.company = Some(Company { leader, aside_m: 0.0, behind_m: 0.0 });
+        walker.pedestrian.company = Some(GroupPlace { leader, aside_m: 0.0, behind_m: 0.0 });
         Some(walker)
     }
 

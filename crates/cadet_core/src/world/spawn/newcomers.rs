@@ -10,16 +10,16 @@ use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::world::appearance::Appearance;
-use crate::world::arena::{Arena, Newcomer};
+use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Body, Chassis, Cycle, Fixed, Guided, Upright, settle};
 use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted, TramCar};
 use crate::world::ride::Ride;
 use crate::world::route::Route;
 
 /// A vehicle with somebody at the wheel.
-pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmParameters) -> Newcomer {
+pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmParameters) -> AgentSpec {
     let model = Arc::clone(&chassis.model);
-    Newcomer {
+    AgentSpec {
         class: model.class,
         body: Body::Sprung(Box::new(chassis)),
         controller: Box::new(Driver::new(route, idm)),
@@ -38,10 +38,10 @@ pub(super) fn parked_vehicle(
     x_m: f64,
     y_m: f64,
     yaw_rad: f64,
-) -> Result<Newcomer> {
+) -> Result<AgentSpec> {
     let settled = settle(&arena.physics, &model, x_m, y_m, yaw_rad)?;
     let id = arena.next_id();
-    Ok(Newcomer {
+    Ok(AgentSpec {
         class: model.class,
         body: Body::Fixed(Box::new(Fixed::new(&mut arena.physics, &model, &settled, id))),
         controller: Box::new(Parked),
@@ -54,11 +54,11 @@ pub(super) fn parked_vehicle(
 ///
 /// # Errors
 /// As [`settle`].
-pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script: Scripted) -> Result<Newcomer> {
+pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script: Scripted) -> Result<AgentSpec> {
     let (at, yaw_rad, velocity) = script.start();
     let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
     let body = Guided::new(&mut arena.physics, Arc::clone(&model), settled, yaw_rad, velocity);
-    Ok(Newcomer {
+    Ok(AgentSpec {
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(script),
@@ -77,12 +77,12 @@ pub(super) fn tram_car(
     (at, heading): (DVec2, DVec2),
     speed_mps: f64,
     controller: TramCar,
-) -> Result<Newcomer> {
+) -> Result<AgentSpec> {
     let yaw_rad = math::atan2(heading.y, heading.x);
     let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
     let velocity = heading * speed_mps;
     let body = Guided::new(&mut arena.physics, Arc::clone(&model), settled, yaw_rad, velocity);
-    Ok(Newcomer {
+    Ok(AgentSpec {
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(controller),
@@ -99,9 +99,9 @@ pub(super) fn ridden_bicycle(
     velocity: DVec2,
     controller: Box<dyn Controller>,
     turn: f64,
-) -> Newcomer {
+) -> AgentSpec {
     let body = Cycle::new(&mut arena.physics, &model, world_from_box, yaw_rad, velocity);
-    Newcomer {
+    AgentSpec {
         class: ObjectClass::Cyclist,
         body: Body::Cycle(Box::new(body)),
         controller,
@@ -145,17 +145,17 @@ impl Person {
     }
 
     /// Somebody who follows a script.
-    pub fn led_by(self, script: Scripted) -> Newcomer {
+    pub fn led_by(self, script: Scripted) -> AgentSpec {
         let velocity_world = script.start().2.extend(0.0);
         let body = Body::Upright(Upright { velocity_world, ..self.body });
         let appearance = Appearance::Person { model: self.model, phase: self.phase };
-        Newcomer { class: ObjectClass::Pedestrian, body, controller: Box::new(script), appearance, is_placed: false }
+        AgentSpec { class: ObjectClass::Pedestrian, body, controller: Box::new(script), appearance, is_placed: false }
     }
 
     /// Somebody who decides for themselves.
-    pub fn into_newcomer(self) -> Newcomer {
+    pub fn into_newcomer(self) -> AgentSpec {
         let Self { model, body, phase, pedestrian } = self;
-        Newcomer {
+        AgentSpec {
             class: ObjectClass::Pedestrian,
             body: Body::Upright(body),
             controller: Box::new(pedestrian),

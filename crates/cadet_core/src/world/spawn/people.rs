@@ -8,7 +8,7 @@ use super::spawner::{EGO_WAY_M, Spawner};
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::world::arena::Newcomer;
+use crate::world::arena::AgentSpec;
 use crate::world::control::Motion;
 use crate::world::slot::Slot;
 
@@ -29,7 +29,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Newcomer> {
+    ) -> Option<AgentSpec> {
         let ((ego, view), is_newcomer) = (self.arena.ego_place(), entry != Entry::Anywhere);
         let model = Arc::new(PersonModel::generate(stream.next_u64()));
         let walks = model.walking_speed_mps > 0.0;

@@ -12,7 +12,7 @@ use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
-use crate::world::arena::{Arena, Newcomer};
+use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{settle, stand_up};
 use crate::world::control::{Controller, PERSON_HALF_CHORD_M, Parked, Scripted, TimedPath};
 use crate::world::course::{
@@ -179,7 +179,7 @@ fn scripted(
     Ok(Some(Scripted::new(TimedPath::new(&points), half_chord_m)))
 }
 
-fn put(arena: &mut Arena, newcomer: Newcomer) -> i32 {
-    let slot = arena.put(Newcomer { is_placed: true, ..newcomer });
+fn put(arena: &mut Arena, newcomer: AgentSpec) -> i32 {
+    let slot = arena.put(AgentSpec { is_placed: true, ..newcomer });
     arena.agents[slot].id
 }

@@ -13,7 +13,7 @@ use crate::math::{DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::Town;
 use crate::world::appearance::Appearance;
-use crate::world::arena::{Arena, Newcomer};
+use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Body, Upright};
 use crate::world::control::{BODY_M, Parked};
 use crate::world::course::{Course, Overlap};
@@ -57,8 +57,8 @@ impl Seated {
         self.body.at()
     }
 
-    fn into_newcomer(self) -> Newcomer {
-        Newcomer {
+    fn into_newcomer(self) -> AgentSpec {
+        AgentSpec {
             class: ObjectClass::PersonSitting,
             body: Body::Upright(self.body),
             controller: Box::new(Parked),
@@ -94,6 +94,6 @@ pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, ov
     check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at), overlap)?;
     let model = Arc::new(PersonModel::sitting(model_seed, CHAIR_SEAT_M));
     let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
-    let slot = arena.put(Newcomer { is_placed: true, ..Seated { model, body }.into_newcomer() });
+    let slot = arena.put(AgentSpec { is_placed: true, ..Seated { model, body }.into_newcomer() });
     Ok(arena.agents[slot].id)
 }

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::rng::Stream;
 use crate::town::Town;
 use crate::world::agent::Agent;
-use crate::world::arena::{Arena, Newcomer};
+use crate::world::arena::{AgentSpec, Arena};
 use crate::world::control::{Cause, Cyclist, Driver, Pedestrian};
 use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
@@ -50,12 +50,12 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     let (car_m, walker_m, cyclist_m) = (config.car_radius_m, config.pedestrian_radius_m, config.cyclist_radius_m);
     spawner.roll_ego();
     let car_m = car_m * if spawner.is_fast() { fast::FARTHER } else { 1.0 };
-    spawner.survey();
+    spawner.refresh_traffic_state();
     add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
     add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
     add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
     let people: Vec<Slot> = spawner.arena.controlled_by::<Pedestrian>().map(|(slot, ..)| slot).collect();
-    spawner.hand_out(&people);
+    spawner.assign_belongings(&people);
     spawner.seat_people(town);
     spawner.fill_tracks();
     Ok(())
@@ -78,7 +78,7 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
     replace(spawner, "newcomers", respawns, &gone, (appears_m, Entry::Unseen), Spawner::new_car);
     let gone = gone_walkers(spawner);
     replace(spawner, "new people", respawns, &gone, (WALKER_APPEARS_M, Entry::Unseen), Spawner::new_walker);
-    spawner.hand_out(&gone);
+    spawner.assign_belongings(&gone);
     let gone = gone_cyclists(spawner);
     let appears_m = CYCLIST_APPEARS_M;
     replace(spawner, "new cyclists", respawns, &gone, (appears_m, Entry::Unseen), Spawner::new_cyclist);
@@ -91,7 +91,7 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
 }
 
 /// Makes somebody for a slot, between two distances from the ego; `None` where there is no place.
-type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<Newcomer>;
+type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<AgentSpec>;
 
 fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) {
     let mut stream = spawner.key.stream(name);
@@ -99,7 +99,7 @@ fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: 
         let slot = spawner.arena.agents.len();
         if let Some(newcomer) = make(spawner, slot, &mut stream, ring_m, Entry::Anywhere) {
             spawner.arena.put(newcomer);
-            spawner.survey();
+            spawner.refresh_traffic_state();
         }
     }
 }
@@ -117,7 +117,7 @@ fn replace<'s>(
         *respawns += 1;
         if let Some(newcomer) = make(spawner, *slot, &mut stream, ring_m, entry) {
             spawner.arena.replace(*slot, newcomer);
-            spawner.survey();
+            spawner.refresh_traffic_state();
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::assets::vehicle::tram::{num_cars_of, train_of_traffic};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
-use crate::world::arena::Newcomer;
+use crate::world::arena::AgentSpec;
 use crate::world::control::{Cause, Coupled, Train, TramCar};
 use crate::world::footprint::Footprint;
 use crate::world::physics::DT_S;
@@ -95,7 +95,7 @@ impl Spawner<'_> {
         ring_m: (f64, f64),
         entry: Entry,
         but: &[Slot],
-    ) -> Option<Vec<Newcomer>> {
+    ) -> Option<Vec<AgentSpec>> {
         let models = train_of_traffic(seed);
         let length_m: f64 = models.iter().map(|m| m.size_lwh.x).sum();
         let tracks = self.arena.streets.roads.lanes().iter();
@@ -119,7 +119,7 @@ impl Spawner<'_> {
         (lane, s_m): (LaneId, f64),
         stream: &mut Stream,
         but: &[Slot],
-    ) -> Option<Vec<Newcomer>> {
+    ) -> Option<Vec<AgentSpec>> {
         let roads = &self.arena.streets.roads;
         let track = Track::through(lane, roads);
         let front_m = track.start_of(lane)? + s_m + length_m / 2.0;

@@ -98,7 +98,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
 }
 
 fn asked(car: crate::world::slot::Slot, has_priority: bool, lanes: &[LaneId], exit: LaneId) -> Request<'_> {
-    Request { car, lanes, exit, room_m: 1.0, exit_taken_by: None, lets_pass: false, has_priority }
+    Request { car, lanes, exit, room_m: 1.0, exit_blocked_by: None, yields_to_oncoming: false, has_priority }
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub(super) struct PersonAt {
 }
 
 /// The blackboard that all agents share.
-pub(super) struct Surroundings {
+pub(super) struct TrafficState {
     /// Vehicles and things that stand for good.
     pub standing: Vec<Footprint>,
     /// Those of them in or near a lane, which drivers have to reckon with.
@@ -63,7 +63,7 @@ pub(super) struct Surroundings {
     claims: Vec<Option<Claim>>,
 }
 
-impl Surroundings {
+impl TrafficState {
     pub fn new(roads: &Roads) -> Self {
         Self {
             standing: Vec::new(),

@@ -10,7 +10,7 @@ use crate::world::junctions::Refusal;
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::{EGO, Slot};
-use crate::world::surroundings::Surroundings;
+use crate::world::traffic_state::TrafficState;
 
 /// How far a driver looks.
 const SIGHT_M: f64 = 60.0;
@@ -24,9 +24,9 @@ const FAST_SIGHT_M: f64 = 260.0;
 pub(crate) const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
 /// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
-const SIDE_SQUEEZING_M: f64 = 0.08;
+const SIDE_MOVING_REDUCED_M: f64 = 0.08;
 /// And beside a post or what else stands.
-const STANDING_SQUEEZING_M: f64 = 0.04;
+const SIDE_STANDING_REDUCED_M: f64 = 0.04;
 /// What is kept in front of all of a vehicle that turns, usually and then.
 const SWEPT_M: (f64, f64) = (0.1, 0.03);
 
@@ -58,7 +58,7 @@ pub(super) struct OnRoute<'a> {
     /// All of a train whose first car this is.
     pub train_m: Option<f64>,
     /// Whether it makes do with little room beside others, having waited.
-    pub squeezes: bool,
+    pub reduced_clearance: bool,
 }
 
 /// The places ahead on a route, from the vehicle's middle on, that matter at a speed.
@@ -81,7 +81,7 @@ pub(super) fn traffic_aside(
     on_route: &OnRoute<'_>,
     aside_m: f64,
     ahead: &[Ahead],
-    around: &Surroundings,
+    around: &TrafficState,
 ) -> (f64, Cause) {
     let OnRoute { slot, footprint: own, idm, .. } = *on_route;
     let speed = own.velocity.dot(own.heading);
@@ -94,24 +94,24 @@ pub(super) fn traffic_aside(
         .filter_map(|(other, o)| {
             let (gap_m, leader_mps) =
                 gap_along(&aside, SAMPLE_M, own.half_length_m, own.half_width_m + SIDE_MOVING_M, o)?;
-            Some((idm.interaction(speed, gap_m, leader_mps), Cause::Vehicle(other)))
+            Some((idm.interaction_accel(speed, gap_m, leader_mps), Cause::Vehicle(other)))
         })
         .fold((0.0, Cause::Nothing), |worst, one| if one.0 < worst.0 { one } else { worst })
 }
 
 /// What asks for the hardest braking, given the places ahead on the route: the acceleration that it takes off the free
 /// road's, and what it is.
-pub(super) fn worst_hazard(
+pub(super) fn tightest_constraint(
     on_route: &OnRoute<'_>,
     ahead: &[Ahead],
-    around: &mut Surroundings,
+    around: &mut TrafficState,
     roads: &Roads,
     step: u64,
 ) -> (f64, Cause) {
-    let OnRoute { slot, footprint: own, route, idm, axles, train_m, squeezes } = *on_route;
+    let OnRoute { slot, footprint: own, route, idm, axles, train_m, reduced_clearance } = *on_route;
     let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
     let (side_standing_m, side_moving_m, swept_m) =
-        if squeezes { (STANDING_SQUEEZING_M, SIDE_SQUEEZING_M, SWEPT_M.1) } else { usual_m };
+        if reduced_clearance { (SIDE_STANDING_REDUCED_M, SIDE_MOVING_REDUCED_M, SWEPT_M.1) } else { usual_m };
     let speed = own.velocity.dot(own.heading);
     let (low, high) =
         ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
@@ -134,7 +134,7 @@ pub(super) fn worst_hazard(
             && let Some((gap_m, leader_mps)) =
                 gap_along(ahead, SAMPLE_M, own.half_length_m, own.half_width_m + side_m, o)
         {
-            brake_for(idm.interaction(speed, gap_m, leader_mps), cause);
+            brake_for(idm.interaction_accel(speed, gap_m, leader_mps), cause);
         }
     });
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
@@ -147,19 +147,19 @@ pub(super) fn worst_hazard(
                 && swept.overlaps(o)
         };
         if let Some((cause, ..)) = standing().chain(moving()).find(|(_, _, o)| meets(o)) {
-            brake_for(idm.interaction(speed, reach_m - 0.6, 0.0), cause);
+            brake_for(idm.interaction_accel(speed, reach_m - 0.6, 0.0), cause);
             break;
         }
     }
     // The end of the road. Where it is the map's, all but the ego drive on and leave the world.
     let stays = slot == EGO || train_m.is_some() || !route.leads_off_map(SIGHT_M, roads);
     if let Some(end_m) = route.ends_in_m(roads).map(|m| m - own.half_length_m).filter(|m| stays && *m < SIGHT_M) {
-        brake_for(idm.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
+        brake_for(idm.interaction_accel(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
     }
     let length_m = train_m.unwrap_or(2.0 * own.half_length_m);
     let crossing = Crossing { slot, route, footprint: own, axles, length_m, is_tram: train_m.is_some() };
     if let Some((gap_m, refusal)) = stop_line(&crossing, around, roads, step) {
-        brake_for(idm.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
+        brake_for(idm.interaction_accel(speed, gap_m, 0.0), Cause::Junction(refusal));
     }
     worst
 }
