@@ -138,7 +138,8 @@ impl Junctions {
         let Request { car, lanes, exit, room_m, exit_blocked_by, yields_to_oncoming, has_priority } = *asked;
         let Some(&first) = lanes.first() else { return Ok(()) };
         if let Some(other) = exit_blocked_by {
-            self.waiting.retain(|w| w.car != car);
+            // It keeps its place, but nobody waits for it meanwhile.
+            self.queue(car, first, yields_to_oncoming, (step, false));
             return Err(Refusal::ExitFull(other));
         }
         let taken = self.held.iter().find(|r| {

@@ -237,8 +237,9 @@ fn curvatures(lane: &Lane) -> Vec<f64> {
 fn reaches(network: &RoadNetwork) -> Vec<f64> {
     let mut reach: Vec<f64> = network.lanes.iter().map(Lane::length_m).collect();
     // Sweeps until nothing grows; on a ring everything reaches the cap.
-    for _ in 0..200 {
-        let mut grew = false;
+    let mut grew = true;
+    while grew {
+        grew = false;
         for lane in
             network.lanes.iter().filter(|l| matches!(l.kind, LaneKind::Driving | LaneKind::Tram | LaneKind::Biking))
         {
@@ -246,9 +247,6 @@ fn reaches(network: &RoadNetwork) -> Vec<f64> {
             let now = (lane.length_m() + onward).min(REACH_CAP_M.max(lane.length_m()));
             grew |= now > reach[lane.id.0] + 1e-9;
             reach[lane.id.0] = now;
-        }
-        if !grew {
-            break;
         }
     }
     reach

@@ -193,7 +193,7 @@ impl Route {
 
     fn extend_to(&mut self, ahead_m: f64, roads: &Roads) {
         let mut ahead: f64 = self.lanes.iter().map(|l| roads.lane(*l).length_m()).sum::<f64>() - self.s_m;
-        while ahead < ahead_m && self.lanes.len() < 64 {
+        while ahead < ahead_m {
             let last = roads.lane(*self.lanes.back().expect("a route has a lane"));
             let Some(next) = self.choose(last, roads) else { break };
             ahead += roads.lane(next).length_m();

@@ -69,10 +69,14 @@ pub(super) fn in_sight(
     roads: &Roads,
 ) -> impl Iterator<Item = Ahead> {
     let most_m = if roads.is_fast(route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
-    let near_m = NEAR_M.max(half_length_m + BEFORE_FRONT_M);
-    let sight_m = (speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + near_m).min(most_m);
-    let count = (sight_m / SAMPLE_M) as usize;
+    let count = (sight_m(speed_mps, half_length_m).min(most_m) / SAMPLE_M) as usize;
     (0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads))
+}
+
+/// How far ahead of a vehicle's middle it matters at a speed what stands: where it stops comfortably, and two seconds more.
+fn sight_m(speed_mps: f64, half_length_m: f64) -> f64 {
+    let near_m = NEAR_M.max(half_length_m + BEFORE_FRONT_M);
+    speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + near_m
 }
 
 /// What of the traffic on the line so far to the left of the route's takes off the acceleration, and what it is: in the
@@ -152,8 +156,9 @@ pub(super) fn tightest_constraint(
         }
     }
     // The end of the road. Where it is the map's, all but the ego drive on and leave the world.
-    let stays = slot == EGO || train_m.is_some() || !route.leads_off_map(SIGHT_M, roads);
-    if let Some(end_m) = route.ends_in_m(roads).map(|m| m - own.half_length_m).filter(|m| stays && *m < SIGHT_M) {
+    let sight_m = sight_m(speed, own.half_length_m);
+    let stays = slot == EGO || train_m.is_some() || !route.leads_off_map(sight_m, roads);
+    if let Some(end_m) = route.ends_in_m(roads).filter(|m| stays && *m < sight_m).map(|m| m - own.half_length_m) {
         brake_for(idm.interaction_accel(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
     }
     let length_m = train_m.unwrap_or(2.0 * own.half_length_m);
@@ -162,4 +167,34 @@ pub(super) fn tightest_constraint(
         brake_for(idm.interaction_accel(speed, gap_m, 0.0), Cause::Junction(refusal));
     }
     worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Stream;
+    use crate::world::tests::towns::{ground, lane, line, town};
+
+    #[test]
+    fn a_dead_end_is_seen_where_one_can_still_stop_comfortably() {
+        let mut network = crate::town::RoadNetwork::default();
+        lane(&mut network, &line(DVec2::ZERO, DVec2::new(400.0, 0.0)), None, &|_, _| 0.0);
+        let roads = Roads::new(town(network, ground(450.0, 10.0, &|_, _| 0.0), Vec::new()));
+        let idm = IdmParameters::draw(&mut Stream::from_seed("idm", 1));
+        for speed_mps in [5.0, 14.0, 25.0, 36.0] {
+            let stops_m = speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2);
+            let route = Route::along([crate::town::LaneId(0)].into(), 400.0 - 2.2 - stops_m);
+            let at = route.ahead(0.0, &roads);
+            let (half_length_m, half_width_m) = (2.2, 0.9);
+            let velocity = at.tangent * speed_mps;
+            let own = Footprint { center: at.at, heading: at.tangent, half_length_m, half_width_m, velocity };
+            let (axles, train_m, reduced_clearance) = (None, None, false);
+            let route = &route;
+            let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };
+            let mut around = TrafficState::new(&roads);
+            let ahead: Vec<Ahead> = in_sight(route, speed_mps, half_length_m, &roads).collect();
+            let (_, cause) = tightest_constraint(&rider, &ahead, &mut around, &roads, 0);
+            assert_eq!(cause, Cause::RoadEnd, "{speed_mps} m/s, {stops_m} m before the end");
+        }
+    }
 }

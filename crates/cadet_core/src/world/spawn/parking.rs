@@ -133,8 +133,8 @@ impl Spawner<'_> {
             // Who has a drive of their own keeps the car there, however full the street.
             return draw.chance(beside_ego_way(config.parking_occupancy));
         }
-        // One row: one side of one road; each has its own occupancy.
-        let row = lane.map_or(u64::MAX, |(lane, _)| u64::from(lane.road) * 2 + u64::from(lane.id.0 % 2 == 0));
+        // One row: the curb of one lane; each has its own occupancy.
+        let row = lane.map_or(u64::MAX, |(lane, _)| lane.id.0 as u64);
         let mut street = self.key.indexed("parking row", row);
         if lane.is_some_and(|(l, _)| !on_way.contains(&l.road)) {
             return draw.chance((beside_ego_way(config.parking_occupancy) + street.range(-0.15, 0.15)).min(0.95));

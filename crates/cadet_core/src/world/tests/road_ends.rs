@@ -2,10 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::towns::{ground, lane, line, town};
+use super::towns::{ground, join, lane, line, town};
 use super::*;
+use crate::rng::Stream;
 use crate::town::{LaneId, RoadNetwork};
 use crate::world::control::Cyclist;
+use crate::world::route::Route;
 use crate::world::slot::EGO;
 
 const HALF_M: f64 = 150.0;
@@ -141,4 +143,16 @@ fn the_inner_lane_is_the_one_at_the_middle_of_the_road() {
         assert_eq!((roads.inner_of(outer), roads.inner_of(inner)), (Some(inner), None));
         assert_eq!((roads.outer_of(inner), roads.outer_of(outer)), (Some(outer), None));
     }
+}
+
+#[test]
+fn a_road_in_short_pieces_is_as_long_as_in_one() {
+    let mut network = RoadNetwork::default();
+    let at = |k: u32| DVec2::new(0.5 * f64::from(k) - 200.0, 0.0);
+    let pieces: Vec<LaneId> = (0..800).map(|k| lane(&mut network, &[at(k), at(k + 1)], None, &|_, _| 0.0)).collect();
+    pieces.windows(2).for_each(|pair| join(&mut network, pair[0], pair[1]));
+    let roads = Roads::new(town(network, ground(250.0, 10.0, &|_, _| 0.0), Vec::new()));
+    assert!((roads.reach_m(pieces[0]) - 400.0).abs() < 1e-6, "{} m", roads.reach_m(pieces[0]));
+    let route = Route::new(pieces[0], 0.0, 0.0, 1.0, Stream::from_seed("way", 1), &roads);
+    assert!(route.remaining_m(&roads) > 100.0, "{} m of 400 are known", route.remaining_m(&roads));
 }

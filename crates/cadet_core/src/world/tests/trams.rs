@@ -123,6 +123,27 @@ fn a_tram_goes_first_where_a_car_waits_too() {
 }
 
 #[test]
+fn who_waits_for_room_behind_a_junction_keeps_its_place() {
+    let (_, town) = towns_with_tracks(1).remove(0);
+    let roads = Roads::new(Arc::clone(&town));
+    let mut junctions = Junctions::new(&roads);
+    let is_road = |l: &LaneId| roads.lane(*l).kind == LaneKind::Driving;
+    let (ours, theirs) = (roads.lanes().iter())
+        .filter(|l| l.kind == LaneKind::Driving && l.junction.is_some())
+        .find_map(|l| Some((l.id, junctions.conflicts_of(l.id).into_iter().find(is_road)?)))
+        .expect("two ways that cross");
+    let (early, late, third) = (1, 2, 3);
+    junctions.request(&asked(third, false, &[ours], ours), 0).unwrap();
+    let lanes = [ours];
+    let blocked = Request { exit_blocked_by: Some(9), ..asked(early, false, &lanes, ours) };
+    assert_eq!(junctions.request(&blocked, 1), Err(Refusal::ExitFull(9)));
+    assert_eq!(junctions.request(&asked(late, false, &[theirs], theirs), 5), Err(Refusal::Taken(third)));
+    junctions.forget(third);
+    // Once its exit is free, who came first goes first.
+    assert_eq!(junctions.request(&asked(early, false, &[ours], ours), 10), Ok(()));
+}
+
+#[test]
 fn a_car_that_waits_longer_than_a_tram_still_lets_it_go() {
     let (_, town) = towns_with_tracks(1).remove(0);
     let roads = Roads::new(Arc::clone(&town));
