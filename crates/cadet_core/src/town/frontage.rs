@@ -1,7 +1,7 @@
 //! Frontages: the outer edges of the streets, along which plots lie.
 
 use super::occupancy::Site;
-use super::{Lane, LaneKind, RoadNetwork};
+use super::{Lane, LaneId, LaneKind, RoadNetwork};
 use crate::math::DVec2;
 
 /// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to
@@ -20,12 +20,12 @@ pub(super) struct Frontage {
     pub speed_limit_mps: f64,
     /// Whether the road has a median or two lanes a direction.
     pub is_main_road: bool,
-    /// Whether the traffic beside it comes to a roundabout at its end.
-    pub ends_at_roundabout: bool,
+    /// The lane that ends where it does; `None` where it runs against the traffic.
+    pub lane: Option<LaneId>,
 }
 
 impl Frontage {
-    fn new(network: &RoadNetwork, lane: &Lane, is_main_road: bool, mut edge: Vec<(DVec2, f64)>) -> Self {
+    fn new(lane: &Lane, runs_along: bool, is_main_road: bool, mut edge: Vec<(DVec2, f64)>) -> Self {
         edge.dedup_by(|b, a| (b.0 - a.0).length() < 0.3);
         let mut s_m = Vec::with_capacity(edge.len());
         let mut s = 0.0;
@@ -43,7 +43,7 @@ impl Frontage {
             s_m,
             speed_limit_mps: lane.speed_limit_mps,
             is_main_road,
-            ends_at_roundabout: network.ends_at_roundabout(lane),
+            lane: runs_along.then_some(lane.id),
         }
     }
 
@@ -157,7 +157,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
         sides[1].reverse();
         for (side, edge) in sides.into_iter().enumerate() {
             if inner[side] * 2 <= count {
-                let frontage = Frontage::new(network, lane, is_main_road, edge);
+                let frontage = Frontage::new(lane, side == 0, is_main_road, edge);
                 if frontage.points.len() > 3 {
                     frontages.push(frontage);
                 }

@@ -48,6 +48,7 @@ mod props;
 mod rails;
 mod relief;
 mod repairs;
+mod right_of_way;
 mod road_marking;
 mod roadside;
 mod roughness;

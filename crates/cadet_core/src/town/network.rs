@@ -300,15 +300,6 @@ impl RoadNetwork {
         self.is_rural() && self.lanes.iter().any(|l| l.kind == LaneKind::Median)
     }
 
-    /// Whether the traffic of a lane gives way at its end: out of town to every faster road of the junction.
-    #[must_use]
-    pub fn gives_way(&self, lane: &Lane) -> bool {
-        let Some(junction) = lane.successors.iter().find_map(|n| self.lane(*n).junction) else { return false };
-        let arrives = |o: &&Lane| o.successors.iter().any(|n| self.lane(*n).junction == Some(junction));
-        let faster_mps = lane.speed_limit_mps + 0.1;
-        self.driving().filter(|o| o.junction.is_none()).filter(arrives).any(|o| o.speed_limit_mps > faster_mps)
-    }
-
     /// Whether a lane leads through a roundabout.
     #[must_use]
     pub fn is_in_roundabout(&self, lane: &Lane) -> bool {

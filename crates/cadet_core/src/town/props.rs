@@ -7,6 +7,7 @@ use super::lots::Lots;
 use super::occupancy::Site;
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
+use super::right_of_way::RightOfWay;
 use super::street_style::StreetStyle;
 use super::street_things::{self, Lined, StreetThings};
 use super::{
@@ -62,7 +63,10 @@ pub(super) fn place_props(
                 lined.push(Lined { plot: plot.clone(), frontage: i, is_cleared: false });
             }
         }
-        streetside::furnish(frontage, style, &mut stream("streetside", i), &mut placer);
+        // Roundabouts have signs of their own.
+        let lane = frontage.lane.map(|id| network.lane(id)).filter(|lane| !network.ends_at_roundabout(lane));
+        let right_of_way = lane.and_then(|lane| RightOfWay::of(lane, network, signals));
+        streetside::furnish(frontage, right_of_way, style, &mut stream("streetside", i), &mut placer);
     }
     let mut paving = Paving::new(lined.iter().map(|l| &l.plot));
     for (frontage, _) in frontages.iter().zip(&styles).filter(|(_, style)| style.city.is_some()) {
@@ -99,7 +103,7 @@ pub(super) fn place_in_country(
 #[cfg(test)]
 #[allow(clippy::print_stderr)]
 mod tests {
-    use super::super::{GroundKind, SuburbConfig, generate_suburb, parking_spots, walkways};
+    use super::super::{GroundKind, Lane, SuburbConfig, generate_suburb, parking_spots, walkways};
     use super::*;
     use crate::assets::scenery::{HouseKind, ThingKind};
     use crate::math::DVec3;
@@ -171,6 +175,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn give_way_signs_stand_where_lanes_yield() {
+        let (mut num_lanes, mut num_signs) = (0, 0);
+        for seed in 0..6 {
+            let key = StreamKey::scene(seed);
+            let config = SuburbConfig { main_share: 1.0, blocks: (3, 3), ..Default::default() };
+            let network = generate_suburb(&key, &config).unwrap().network;
+            let ground = Ground::new(&network).unwrap();
+            let props = place(&key, &network, &ground, &PropConfig::default());
+            let does_yield = |l: &&Lane| {
+                let right_of_way = RightOfWay::of(l, &network, &Signals::default());
+                l.junction.is_none() && right_of_way == Some(RightOfWay::Yield) && !network.ends_at_roundabout(l)
+            };
+            let ends: Vec<DVec3> =
+                network.driving().filter(does_yield).filter_map(|l| l.center.last().copied()).collect();
+            for sign in props.standing.iter().filter(|s| s.name.starts_with("triangle-sign")) {
+                let apart_m = ends.iter().map(|end| (end.truncate() - sign.rect.center).length());
+                assert!(apart_m.fold(f64::INFINITY, f64::min) < 10.0, "seed {seed}: {sign:?} where nobody yields");
+                num_signs += 1;
+            }
+            num_lanes += ends.len();
+        }
+        assert!(num_lanes > 10 && 3 * num_signs > 2 * num_lanes, "{num_signs} signs for {num_lanes} lanes");
     }
 
     #[test]

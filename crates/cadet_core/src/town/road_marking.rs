@@ -1,21 +1,18 @@
 //! Paint on the carriageway: the lines of the map, stop lines and give-way lines where nothing else rules, as thin
 //! quadrilaterals.
 
-use std::collections::BTreeMap;
-
-use super::network::{Lane, PaintedQuad, RoadNetwork};
+use super::network::{PaintedQuad, RoadNetwork};
 use super::paint::{Paint, STOP_LINE_DEPTH_M};
+use super::right_of_way::RightOfWay;
 use super::signals::Signals;
 use super::{cycle_paint, junction_paint};
 
-/// Streets at most this fast have no priority at junctions.
-const ZONE_30_MPS: f64 = 8.5;
 /// A give-way line: dash and gap across the lane, depth along it.
 const GIVE_WAY_M: (f64, f64, f64) = (0.5, 0.25, 0.35);
 /// Lines across a lane lie this far before its end.
 const BEFORE_JUNCTION_M: f64 = 0.8;
 /// Lines across have numbers beyond those of the map's lines.
-const ACROSS: u32 = 1 << 29;
+pub(super) const ACROSS: u32 = 1 << 29;
 
 /// The quadrilaterals, counter-clockwise from above, laid on a ground that is so high at (x, y) and a road there or not.
 pub(super) fn draw(
@@ -25,35 +22,24 @@ pub(super) fn draw(
 ) -> Vec<PaintedQuad> {
     let mut paint = Paint::new(ground_height, false);
     network.lane_marks.iter().for_each(|mark| paint.along(mark));
-    let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none()).collect();
-    let is_rural = network.is_rural();
-    let is_fast = |l: &Lane| l.speed_limit_mps > ZONE_30_MPS;
-    for lane in &streets {
-        let Some(junction) = lane.successors.iter().find_map(|n| network.lane(*n).junction) else { continue };
-        // By street: of two lanes that arrive side by side, neither goes through because of the other.
-        let arriving: BTreeMap<u32, bool> = streets
-            .iter()
-            .filter(|o| o.successors.iter().any(|n| network.lane(*n).junction == Some(junction)))
-            .map(|o| (o.road, is_fast(o)))
-            .collect();
-        let fast = arriving.values().filter(|fast| **fast).count();
+    for lane in network.driving().filter(|l| l.junction.is_none()) {
+        // The lines of lights and zebra crossings are drawn with them.
+        if signals.has_zebra(lane.id) {
+            continue;
+        }
         let (at, side) = lane.middle_and_left(lane.length_m() - BEFORE_JUNCTION_M);
         let half = lane.width_at(lane.length_m()) / 2.0;
         let line = lane.id.0 as u32 + ACROSS;
-        if signals.arm_of(lane.id).is_some() || signals.has_zebra(lane.id) {
-            continue;
-        }
-        // A fast street goes through; where one only ends, nobody has to give way to it.
-        let gives_way = network.ends_at_roundabout(lane)
-            || if is_rural { network.gives_way(lane) } else { fast > 1 && !is_fast(lane) };
-        if fast == arriving.len() && !is_rural && !network.ends_at_roundabout(lane) {
-            paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_DEPTH_M, line);
-        } else if gives_way {
-            let mut t = -half + 0.1;
-            while t + GIVE_WAY_M.0 < half {
-                paint.across(at, side, (t, t + GIVE_WAY_M.0), GIVE_WAY_M.2, line);
-                t += GIVE_WAY_M.0 + GIVE_WAY_M.1;
+        match RightOfWay::of(lane, network, signals) {
+            Some(RightOfWay::Stop) => paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_DEPTH_M, line),
+            Some(RightOfWay::Yield) => {
+                let mut t = -half + 0.1;
+                while t + GIVE_WAY_M.0 < half {
+                    paint.across(at, side, (t, t + GIVE_WAY_M.0), GIVE_WAY_M.2, line);
+                    t += GIVE_WAY_M.0 + GIVE_WAY_M.1;
+                }
             }
+            _ => {}
         }
     }
     paint.is_on_roads = true;
@@ -66,7 +52,7 @@ pub(super) fn draw(
 mod tests {
     use super::*;
     use crate::math::{self, DVec3};
-    use crate::town::{LaneId, LaneKind, LaneSurface};
+    use crate::town::{Lane, LaneId, LaneKind, LaneSurface};
 
     /// Lanes that end at the origin, one beside the other if they are of one road, and a lane that leads on.
     fn junction_of(arriving: &[(u32, f64)]) -> RoadNetwork {

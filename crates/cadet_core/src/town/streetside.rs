@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::frontage::{Frontage, right_of};
 use super::placer::Placer;
+use super::right_of_way::RightOfWay;
 use super::street_style::StreetStyle;
 use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole, tree};
 use crate::math::DVec2;
@@ -12,14 +13,23 @@ use crate::rng::Stream;
 /// Lamps and signs stand this far inside the sidewalk's outer edge.
 const POLE_INSET_M: f64 = 0.22;
 
+/// Share of the approaches with priority that say so once more.
+const PRIORITY_SIGN_SHARE: f64 = 0.55;
+
 /// Whether a place is on a lot's bay or before a door of a closed row; elsewhere doors lie behind gardens.
 fn is_before_door(placer: &Placer, style: &StreetStyle, place: DVec2, margin_m: f64) -> bool {
     let is_way = style.city.is_some() && placer.ways.iter().rev().take(400).any(|way| way.contains(place, margin_m));
     is_way || placer.is_bay(place, margin_m)
 }
 
-/// Furnishes one frontage.
-pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, placer: &mut Placer) {
+/// Furnishes one frontage; `right_of_way` is that of the traffic beside it at its end.
+pub(super) fn furnish(
+    frontage: &Frontage,
+    right_of_way: Option<RightOfWay>,
+    style: &StreetStyle,
+    s: &mut Stream,
+    placer: &mut Placer,
+) {
     let length = frontage.length_m();
     let put_pole = |placer: &mut Placer, kind: PoleKind, variant: usize, at_s: f64, against_traffic: bool| {
         let (along, at) = (frontage.along(at_s), frontage.at(at_s));
@@ -42,17 +52,21 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
         put_pole(placer, kind, variant, at, false);
         at += spacing * s.range(0.93, 1.07);
     }
+    let repeats_priority = s.chance(PRIORITY_SIGN_SHARE);
+    let sign = match right_of_way {
+        Some(RightOfWay::Yield) => Some(PoleKind::TriangleSign),
+        Some(RightOfWay::Priority) if repeats_priority => Some(PoleKind::DiamondSign),
+        _ => None,
+    };
+    if let Some(sign) = sign {
+        put_pole(placer, sign, s.below(3), (length - 2.5).max(length / 2.0), true);
+    }
     if length > 25.0 {
         let fast = frontage.speed_limit_mps > 10.0;
         // Aisles and campuses are no zones of 30 km/h.
         if s.chance(0.6) && frontage.speed_limit_mps > 6.0 {
             let kind = if fast { PoleKind::RoundSign } else { PoleKind::ZoneSign };
             put_pole(placer, kind, s.below(3), 3.0, true);
-        }
-        // Roundabouts have signs of their own.
-        if s.chance(0.55) && !frontage.ends_at_roundabout {
-            let end = if fast { PoleKind::DiamondSign } else { PoleKind::TriangleSign };
-            put_pole(placer, end, s.below(3), length - 2.5, true);
         }
         if s.chance(0.5) {
             put_pole(placer, PoleKind::NameSign, 0, length - 1.2, true);

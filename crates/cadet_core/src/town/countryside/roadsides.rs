@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use super::super::RoadNetwork;
 use super::super::fields::Land;
 use super::super::frontage::{Frontage, right_of};
 use super::super::occupancy::Occupancy;
 use super::super::placer::Placer;
+use super::super::right_of_way::RightOfWay;
+use super::super::signals::Signals;
 use super::super::street_style::Boundary;
-use super::super::{Lane, RoadNetwork};
 use crate::assets::scenery::materials::{guard_rail_palette, herbs_palette};
 use crate::assets::scenery::{CROP_VARIANTS, FenceKind, HERBS_M, PoleKind, TreeKind, herbs, num_variants, pole, tree};
 use crate::math::{DVec2, wrap_angle};
@@ -30,8 +32,6 @@ const RAIL_LEAST_PIECES: usize = 4;
 const STRETCH_M: (f64, f64) = (35.0, 120.0);
 /// Signs stand so far from the carriageway.
 const SIGN_OFF_M: f64 = 1.5;
-/// Share of the roads that give way with a sign that says so.
-const GIVE_WAY_SIGN_SHARE: f64 = 0.9;
 
 /// Furnishes one side of a road.
 pub(super) fn furnish(
@@ -43,7 +43,8 @@ pub(super) fn furnish(
     taken: &Occupancy,
     placer: &mut Placer,
 ) {
-    let gives_way = lane_beside(network, frontage).is_some_and(|lane| network.gives_way(lane));
+    let lane = frontage.lane.map(|id| network.lane(id));
+    let right_of_way = lane.and_then(|lane| RightOfWay::of(lane, network, &Signals::default()));
     // Both sides of a road agree on what it has.
     let mut road = key.indexed("country/road", u64::from(frontage.road));
     let (has_delineators, has_rails) = (road.chance(DELINEATOR_SHARE), road.chance(RAIL_SHARE));
@@ -53,17 +54,9 @@ pub(super) fn furnish(
     if has_rails {
         rails(s, frontage, taken, placer);
     }
-    signs(s, frontage, gives_way, placer);
+    signs(s, frontage, right_of_way, placer);
     herbs_along(s, frontage, land, greenery, taken, placer);
     green(s, frontage, land, greenery, taken, placer);
-}
-
-/// The lane whose traffic has this side on its right.
-fn lane_beside<'a>(network: &'a RoadNetwork, frontage: &Frontage) -> Option<&'a Lane> {
-    let end = *frontage.points.last()?;
-    let from_end = |l: &&Lane| l.center.last().map_or(f64::INFINITY, |p| (p.truncate() - end).length_squared());
-    let lanes = network.driving().filter(|l| l.road == frontage.road);
-    lanes.min_by(|a, b| from_end(a).total_cmp(&from_end(b)))
 }
 
 /// The place so far from the carriageway beside a distance along the frontage.
@@ -121,7 +114,7 @@ fn rails(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Pl
     }
 }
 
-fn signs(s: &mut Stream, frontage: &Frontage, gives_way: bool, placer: &mut Placer) {
+fn signs(s: &mut Stream, frontage: &Frontage, right_of_way: Option<RightOfWay>, placer: &mut Placer) {
     let length_m = frontage.length_m();
     let mut put = |kind: PoleKind, variant: usize, at_m: f64| {
         let place = beside(frontage, at_m, SIGN_OFF_M);
@@ -130,11 +123,11 @@ fn signs(s: &mut Stream, frontage: &Frontage, gives_way: bool, placer: &mut Plac
             placer.put(&model, Arc::clone(&model.palette), place, -frontage.along(at_m));
         }
     };
-    let (before, after, between) = (s.chance(GIVE_WAY_SIGN_SHARE), s.chance(0.5), s.chance(0.2));
+    let (after, between) = (s.chance(0.5), s.chance(0.2));
     let (variant, at_m) = (s.below(3), s.range(0.3, 0.7) * length_m);
-    if gives_way && before {
+    if right_of_way == Some(RightOfWay::Yield) {
         put(PoleKind::TriangleSign, variant, length_m - 3.0);
-    } else if after && length_m > 60.0 {
+    } else if right_of_way == Some(RightOfWay::Priority) && after && length_m > 60.0 {
         put(PoleKind::DiamondSign, variant, 20.0);
     }
     if between && length_m > 100.0 {
