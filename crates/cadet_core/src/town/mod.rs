@@ -223,7 +223,7 @@ impl Town {
         let mut props = match &land {
             Some(land) => {
                 scenery.push(countryside::hills(key, &ground));
-                props::place_in_country(key, &network, land, &ground, config)
+                props::place_in_country(key, (&network, &signals), land, &ground, config)
             }
             None => props::place_props(key, (&network, &mut signals), &ground, (&parking, &walkways, &lots), config),
         };

@@ -88,7 +88,7 @@ pub(super) fn place_props(
 /// Places what stands in open country.
 pub(super) fn place_in_country(
     key: &StreamKey,
-    network: &RoadNetwork,
+    (network, signals): (&RoadNetwork, &Signals),
     land: &Land,
     ground: &Ground,
     config: &PropConfig,
@@ -96,7 +96,7 @@ pub(super) fn place_in_country(
     let site = Site::new(ground);
     let mut placer = Placer::new(&site);
     let frontages = frontages(network, &site);
-    let drives = countryside::furnish(key, (network, land), &frontages, config, &mut placer);
+    let drives = countryside::furnish(key, (network, signals, land), &frontages, config, &mut placer);
     Props { instances: placer.instances, drives, things: StreetThings::default(), standing: placer.standing }
 }
 

@@ -12,7 +12,6 @@ use crate::rng::Stream;
 
 /// Lamps and signs stand this far inside the sidewalk's outer edge.
 const POLE_INSET_M: f64 = 0.22;
-
 /// Share of the approaches with priority that say so once more.
 const PRIORITY_SIGN_SHARE: f64 = 0.55;
 

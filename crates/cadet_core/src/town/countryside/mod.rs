@@ -16,6 +16,7 @@ use super::frontage::Frontage;
 use super::occupancy::Occupancy;
 use super::placer::Placer;
 use super::prop_config::PropConfig;
+use super::signals::Signals;
 use super::{ParkingSpot, RoadNetwork};
 use crate::rng::StreamKey;
 
@@ -25,7 +26,7 @@ const SEEN_M: f64 = 150.0;
 /// Furnishes the land about all roads; drives of farms become places to park.
 pub(super) fn furnish(
     key: &StreamKey,
-    (network, land): (&RoadNetwork, &Land),
+    (network, signals, land): (&RoadNetwork, &Signals, &Land),
     frontages: &[Frontage],
     config: &PropConfig,
     placer: &mut Placer,
@@ -44,7 +45,7 @@ pub(super) fn furnish(
     }
     for (i, frontage) in frontages.iter().enumerate() {
         let s = &mut key.indexed("country/roadside", i as u64);
-        roadsides::furnish((key, network), s, frontage, land, config.greenery, &taken, placer);
+        roadsides::furnish((key, network, signals), s, frontage, land, config.greenery, &taken, placer);
     }
     growth::grow(key, &streets, config.greenery, &taken, placer);
     drives

@@ -35,7 +35,7 @@ const SIGN_OFF_M: f64 = 1.5;
 
 /// Furnishes one side of a road.
 pub(super) fn furnish(
-    (key, network): (&StreamKey, &RoadNetwork),
+    (key, network, signals): (&StreamKey, &RoadNetwork, &Signals),
     s: &mut Stream,
     frontage: &Frontage,
     land: &Land,
@@ -44,7 +44,7 @@ pub(super) fn furnish(
     placer: &mut Placer,
 ) {
     let lane = frontage.lane.map(|id| network.lane(id));
-    let right_of_way = lane.and_then(|lane| RightOfWay::of(lane, network, &Signals::default()));
+    let right_of_way = lane.and_then(|lane| RightOfWay::of(lane, network, signals));
     // Both sides of a road agree on what it has.
     let mut road = key.indexed("country/road", u64::from(frontage.road));
     let (has_delineators, has_rails) = (road.chance(DELINEATOR_SHARE), road.chance(RAIL_SHARE));

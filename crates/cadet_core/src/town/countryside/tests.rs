@@ -41,7 +41,13 @@ impl Country {
     }
 
     fn props(&self) -> Props {
-        place_in_country(&self.key, &self.network, &self.land, &self.ground, &PropConfig::default())
+        place_in_country(
+            &self.key,
+            (&self.network, &Signals::default()),
+            &self.land,
+            &self.ground,
+            &PropConfig::default(),
+        )
     }
 
     fn road_edges(&self) -> DistanceFrom {
