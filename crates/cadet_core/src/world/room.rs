@@ -52,11 +52,6 @@ impl Needs {
         *self != Self::default()
     }
 
-    /// What is clear at least beside the middle of every lane that it takes, where it needs that.
-    pub fn clear_m(&self) -> Option<f64> {
-        self.keeps_in_lane.then_some(self.width_m / 2.0 + ROOM_BESIDE_M)
-    }
-
     /// How far from the line that its middle follows its outer front corner gets in a bend: the rear axle follows on
     /// a tighter circle about the same center.
     fn outside_m(&self, radius_m: f64) -> f64 {

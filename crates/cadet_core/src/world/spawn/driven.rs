@@ -145,9 +145,9 @@ impl Spawner<'_> {
         }
         let roads = &self.arena.streets.roads;
         let half_m = model.size_lwh.x / 2.0;
-        // Who kept farther off the middle would not get past what stands beside it.
-        let beside_m = needs.clear_m().unwrap_or(OFF_LANES_M);
-        let most_m = (beside_m - model.size_lwh.y / 2.0 - SIDE_STANDING_M).max(0.0);
+        // Who kept farther off the middle would not get past what stands beside it; a truck's corners need all of its room.
+        let beside_m = OFF_LANES_M - model.size_lwh.y / 2.0 - SIDE_STANDING_M;
+        let most_m = if needs.keeps_in_lane { 0.0 } else { beside_m.max(0.0) };
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let lanes = roads.open_lanes().filter(|l| !needs.is_some() || roads.fits(l.id, needs));
         let places = self.places_on(lanes, half_m, ring_m, entry);
