@@ -79,6 +79,7 @@ pub use ground_kind::GroundKind;
 pub use network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork};
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use prop_config::PropConfig;
+pub(crate) use right_of_way::RightOfWay;
 pub use roughness::Roughness;
 pub use signals::{Arm, Aspect, Head, Over, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
 pub use street_things::{Obstacle, Seat};

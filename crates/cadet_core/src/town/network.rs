@@ -1,7 +1,7 @@
 //! Lanes as polylines, and how they follow each other.
 
 use crate::frames;
-use crate::math::{DPose3, DVec2, DVec3};
+use crate::math::{self, DPose3, DVec2, DVec3};
 
 /// Index of a lane in its network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -114,6 +114,26 @@ impl Lane {
     #[must_use]
     pub fn curb_side(&self) -> f64 {
         if self.keeps_left { 1.0 } else { -1.0 }
+    }
+
+    /// Unit vector along the lane at its start, in the plane.
+    #[must_use]
+    pub fn start_tangent(&self) -> DVec2 {
+        (self.center[1] - self.center[0]).truncate().normalize_or(DVec2::X)
+    }
+
+    /// Unit vector along the lane at its end, in the plane.
+    #[must_use]
+    pub fn end_tangent(&self) -> DVec2 {
+        let n = self.center.len();
+        (self.center[n - 1] - self.center[n - 2]).truncate().normalize_or(DVec2::X)
+    }
+
+    /// The angle from its direction at the start to that at the end: above 0 where it turns left.
+    #[must_use]
+    pub fn turn_rad(&self) -> f64 {
+        let (a, b) = (self.start_tangent(), self.end_tangent());
+        math::atan2(a.perp_dot(b), a.dot(b))
     }
 
     /// Length along the middle.

@@ -10,7 +10,7 @@ const ZONE_30_MPS: f64 = 8.5;
 
 /// What traffic does at the junction at the end of its lane, as the German StVO has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum RightOfWay {
+pub(crate) enum RightOfWay {
     /// As the light says (§ 37).
     Signal,
     /// It goes first (sign 306).

@@ -33,8 +33,9 @@ pub(super) struct Arena {
     pub physics: Physics,
     pub streets: Streets,
     pub around: TrafficState,
-    /// Slots of those that may move, rising.
+    /// Slots of those that may move, rising, and from the oldest agent to the youngest.
     active: Vec<Slot>,
+    by_age: Vec<Slot>,
     /// Slots of those who have left the world.
     vacant: Vec<Slot>,
     next_id: i32,
@@ -53,7 +54,16 @@ impl Arena {
                 Footprint { center: o.center, heading: o.axis, half_length_m, half_width_m, velocity: DVec2::ZERO };
             around.stand(footprint, &streets.roads);
         }
-        Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), vacant: Vec::new(), next_id: 0 })
+        Ok(Self {
+            agents: Vec::new(),
+            physics,
+            streets,
+            around,
+            active: Vec::new(),
+            by_age: Vec::new(),
+            vacant: Vec::new(),
+            next_id: 0,
+        })
     }
 
     /// The id that the next newcomer gets; the ego's is 0.
@@ -70,6 +80,7 @@ impl Arena {
             self.around.stand(footprint, &self.streets.roads);
         } else {
             self.active.push(slot);
+            self.by_age.push(slot);
         }
         self.around.add_slot();
         self.agents.push(agent);
@@ -84,6 +95,8 @@ impl Arena {
             self.active.insert(self.active.partition_point(|slot| *slot < gone), gone);
         }
         self.clear(gone);
+        self.by_age.retain(|slot| *slot != gone);
+        self.by_age.push(gone);
         self.agents[gone] = agent;
     }
 
@@ -91,6 +104,7 @@ impl Arena {
     pub fn remove(&mut self, gone: Slot) {
         self.clear(gone);
         self.active.retain(|slot| *slot != gone);
+        self.by_age.retain(|slot| *slot != gone);
         self.vacant.push(gone);
         // What has no body in rapier's world has no place either.
         self.agents[gone].body = Body::Upright(Upright::standing(DVec3::ZERO, 0.0));
@@ -165,10 +179,12 @@ impl Arena {
     /// All look around.
     pub fn look(&mut self, step: u64) {
         self.refresh_traffic_state();
+        let mut outlooks = Vec::with_capacity(self.active.len());
         for slot in &self.active {
             let (controller, own) = self.agents[*slot].parts_mut(*slot);
-            controller.look(own, &mut self.around, &self.streets, step);
+            outlooks.push((*slot, controller.look(own, &self.around, &self.streets, step)));
         }
+        self.around.publish(outlooks, &self.streets.roads, step);
     }
 
     /// One physics step, with what all do before it and after it.
@@ -179,7 +195,7 @@ impl Arena {
         }
         self.physics.step();
         self.refresh_places();
-        for slot in &self.active {
+        for slot in &self.by_age {
             let (controller, own) = self.agents[*slot].parts_mut(*slot);
             controller.track(own, &self.physics, &mut self.around, &self.streets);
         }
@@ -226,5 +242,31 @@ impl Arena {
                 }
             }
         }
+    }
+
+    /// Gives all but the ego other slots.
+    #[cfg(test)]
+    pub fn shuffle(&mut self, stream: &mut crate::rng::Stream) {
+        use super::control::Pedestrian;
+        let mut order: Vec<Slot> = (1..self.agents.len()).collect();
+        for i in (1..order.len()).rev() {
+            order.swap(i, stream.below(i + 1));
+        }
+        order.insert(0, EGO);
+        let mut new_slot = vec![0; order.len()];
+        for (new, old) in order.iter().enumerate() {
+            new_slot[*old] = new;
+        }
+        let mut agents: Vec<Option<Agent>> = std::mem::take(&mut self.agents).into_iter().map(Some).collect();
+        self.agents = order.iter().map(|old| agents[*old].take().expect("each once")).collect();
+        for agent in &mut self.agents {
+            if let Some(company) = agent.controlled_by_mut::<Pedestrian>().and_then(|p| p.company.as_mut()) {
+                company.leader = new_slot[company.leader];
+            }
+        }
+        for slots in [&mut self.active, &mut self.by_age, &mut self.vacant] {
+            slots.iter_mut().for_each(|slot| *slot = new_slot[*slot]);
+        }
+        self.active.sort_unstable();
     }
 }

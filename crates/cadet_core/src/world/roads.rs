@@ -6,7 +6,7 @@ use super::abreast;
 use super::footprint::Footprint;
 use super::room::{Needs, Room};
 use crate::math::{self, DVec2, DVec3};
-use crate::town::{GroundKind, Lane, LaneId, LaneKind, RoadNetwork, Signals, Town};
+use crate::town::{GroundKind, Lane, LaneId, LaneKind, RightOfWay, RoadNetwork, Signals, Town};
 
 /// Lateral acceleration that drivers accept in bends.
 const LATERAL_MPS2: f64 = 2.0;
@@ -15,6 +15,8 @@ const REACH_CAP_M: f64 = 600.0;
 
 /// Lanes with a higher limit (90 km/h) are fast: drivers look farther there.
 const FAST_MPS: f64 = 25.0;
+/// Cosine of the greatest angle between a cycle lane and the lane for cars that it goes along.
+const GOES_ALONG: f64 = 0.8;
 /// Half the width of the widest lanes for bicycles.
 const WIDE_M: f64 = 3.0;
 
@@ -30,6 +32,7 @@ pub(super) struct Roads {
     room: Room,
     /// The lanes abreast of each, toward the middle of the road and toward the curb.
     beside: Vec<[Option<LaneId>; 2]>,
+    right_of_way: Vec<Option<RightOfWay>>,
 }
 
 impl Roads {
@@ -53,7 +56,8 @@ impl Roads {
             .collect();
         let reach_m = reaches(&town.network);
         let beside = abreast::neighbors(lanes);
-        Self { town, allowed_mps, reach_m, bounds, room, beside }
+        let right_of_way = rights_of_way(&town);
+        Self { town, allowed_mps, reach_m, bounds, room, beside, right_of_way }
     }
 
     /// Whether a lane is a motorway's, or as fast.
@@ -112,6 +116,11 @@ impl Roads {
     /// Whether a lane leads through a roundabout.
     pub fn is_in_roundabout(&self, id: LaneId) -> bool {
         self.town.network.is_in_roundabout(self.lane(id))
+    }
+
+    /// What traffic does at the junction at the end of a lane; `None` where there is none.
+    pub fn right_of_way(&self, id: LaneId) -> Option<RightOfWay> {
+        self.right_of_way[id.0]
     }
 
     /// The traffic lights.
@@ -232,6 +241,26 @@ fn curvatures(lane: &Lane) -> Vec<f64> {
             if span > 0.5 { turn / span } else { 0.0 }
         })
         .collect()
+}
+
+/// The right of way at each lane's end. A cycle lane has that of the lane for cars beside it.
+fn rights_of_way(town: &Town) -> Vec<Option<RightOfWay>> {
+    let network = &town.network;
+    let of = |lane: &Lane| RightOfWay::of(lane, network, &town.signals);
+    let beside = |lane: &Lane| {
+        let arrives_with = |o: &&Lane| {
+            let goes_along = o.end_tangent().dot(lane.end_tangent()) > GOES_ALONG;
+            o.road == lane.road && o.junction.is_none() && goes_along
+        };
+        network.driving().filter(arrives_with).find_map(of)
+    };
+    let one = |lane: &Lane| match lane.kind {
+        _ if lane.junction.is_some() => None,
+        LaneKind::Driving | LaneKind::Tram => of(lane),
+        LaneKind::Biking => beside(lane).or_else(|| of(lane)),
+        _ => None,
+    };
+    network.lanes.iter().map(one).collect()
 }
 
 fn reaches(network: &RoadNetwork) -> Vec<f64> {

@@ -99,8 +99,8 @@ fn brakes_for(arena: &Arena, agent: &Agent) -> Option<BrakesFor> {
         Cause::RoadEnd => Some(BrakesFor::RoadEnd),
         Cause::Junction(Refusal::Light) => Some(BrakesFor::Light),
         Cause::Junction(
-            Refusal::Earlier(slot) | Refusal::Taken(slot) | Refusal::InSweep(slot) | Refusal::ExitFull(slot),
+            Refusal::Yields(slot) | Refusal::Taken(slot) | Refusal::InSweep(slot) | Refusal::ExitFull(slot),
         ) => Some(BrakesFor::Junction(Some(id(slot)))),
-        Cause::Junction(Refusal::NotFirst) => Some(BrakesFor::Junction(None)),
+        Cause::Junction(Refusal::Undecided) => Some(BrakesFor::Junction(None)),
     }
 }

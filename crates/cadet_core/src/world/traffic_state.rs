@@ -1,6 +1,6 @@
 //! What agents know of each other: controllers read it, and write what others may know of them.
 
-use super::control::Walk;
+use super::control::{Outlook, Walk};
 use super::footprint::Footprint;
 use super::junctions::Junctions;
 use super::lane_use::LaneUse;
@@ -131,14 +131,16 @@ impl TrafficState {
         &self.ways_ahead[agent]
     }
 
-    /// A driver's new way, to be filled in.
-    pub fn way_ahead_mut(&mut self, agent: Slot) -> &mut Vec<Ahead> {
-        &mut self.ways_ahead[agent]
-    }
-
-    /// Lets others know of a lane change, or that it is over.
-    pub fn set_claim(&mut self, agent: Slot, claim: Option<Claim>) {
-        self.claims[agent] = claim;
+    /// Lets all know what all have found at a look, and decides who may cross junctions.
+    pub fn publish(&mut self, outlooks: Vec<(Slot, Outlook)>, roads: &Roads, step: u64) {
+        let mut requests = Vec::new();
+        for (slot, outlook) in outlooks {
+            self.ways_ahead[slot] = outlook.way_ahead;
+            self.claims[slot] = outlook.claim;
+            self.walks[slot] = outlook.walk;
+            requests.extend(outlook.request);
+        }
+        self.junctions.resolve(&requests, &self.lane_use, roads, step);
     }
 
     /// The places that somebody is changing to, by rising slot.
@@ -161,10 +163,5 @@ impl TrafficState {
     /// What a pedestrian was about at the last look.
     pub fn walk_of(&self, agent: Slot) -> Option<Walk> {
         self.walks[agent]
-    }
-
-    /// Lets others know what a pedestrian is about.
-    pub fn set_walk(&mut self, agent: Slot, walk: Walk) {
-        self.walks[agent] = Some(walk);
     }
 }

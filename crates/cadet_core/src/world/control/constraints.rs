@@ -1,12 +1,11 @@
 //! What who drives or rides along a route has to brake for: traffic, people, junctions, the end of the road.
 
-use super::approach::Crossing;
 use super::idm::{COMFORTABLE_MPS2, IdmParameters, gap_along};
+use super::junction_ahead::look_at_junction;
 use super::pursuit::Axles;
-use super::stop_line::stop_line;
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
-use crate::world::junctions::Refusal;
+use crate::world::junctions::{Refusal, Request};
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::{EGO, Slot};
@@ -30,6 +29,9 @@ const SIDE_STANDING_REDUCED_M: f64 = 0.04;
 /// What is kept in front of all of a vehicle that turns, usually and then.
 const SWEPT_M: (f64, f64) = (0.1, 0.03);
 
+/// Where the front stops before the end of a road.
+const BEFORE_END_M: f64 = 1.0;
+
 /// What a driver brakes for most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cause {
@@ -47,6 +49,22 @@ pub(crate) enum Cause {
     Junction(Refusal),
 }
 
+/// Something to keep a gap to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Constraint {
+    /// From the front bumper.
+    pub gap_m: f64,
+    /// Its speed along the route.
+    pub speed_mps: f64,
+    pub cause: Cause,
+}
+
+/// What who follows a route finds ahead, and asks of the next junction.
+pub(super) struct Perceived {
+    pub constraints: Vec<Constraint>,
+    pub request: Option<Request>,
+}
+
 /// Who goes along a route.
 pub(super) struct OnRoute<'a> {
     pub slot: Slot,
@@ -59,6 +77,38 @@ pub(super) struct OnRoute<'a> {
     pub train_m: Option<f64>,
     /// Whether it makes do with little room beside others, having waited.
     pub reduced_clearance: bool,
+}
+
+impl OnRoute<'_> {
+    /// Its speed ahead.
+    pub fn speed_mps(&self) -> f64 {
+        self.footprint.velocity.dot(self.footprint.heading)
+    }
+
+    pub fn length_m(&self) -> f64 {
+        self.train_m.unwrap_or(2.0 * self.footprint.half_length_m)
+    }
+
+    /// The constraint by which its front comes to a stand after so much.
+    pub fn stop_in(&self, front_m: f64, cause: Cause) -> Constraint {
+        Constraint { gap_m: front_m + self.idm.minimum_gap_m, speed_mps: 0.0, cause }
+    }
+
+    /// The gap to what is in the way along the places ahead, if it comes nearer than `side_m` to the vehicle's sides.
+    fn gap_to(&self, o: &Footprint, side_m: f64, ahead: &[Ahead], cause: Cause) -> Option<Constraint> {
+        let Footprint { half_length_m, half_width_m, .. } = *self.footprint;
+        let (gap_m, speed_mps) = gap_along(ahead, SAMPLE_M, half_length_m, half_width_m + side_m, o)?;
+        Some(Constraint { gap_m, speed_mps, cause })
+    }
+
+    /// The constraint that takes most off the acceleration, and how much that is.
+    pub fn tightest(&self, constraints: &[Constraint]) -> (f64, Cause) {
+        let speed_mps = self.speed_mps();
+        constraints
+            .iter()
+            .map(|c| (self.idm.interaction_accel(speed_mps, c.gap_m, c.speed_mps), c.cause))
+            .fold((0.0, Cause::Nothing), |worst, one| if one.0 < worst.0 { one } else { worst })
+    }
 }
 
 /// The places ahead on a route, from the vehicle's middle on, that matter at a speed.
@@ -79,94 +129,82 @@ fn sight_m(speed_mps: f64, half_length_m: f64) -> f64 {
     speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + near_m
 }
 
-/// What of the traffic on the line so far to the left of the route's takes off the acceleration, and what it is: in the
-/// lane that one is changing to.
-pub(super) fn traffic_aside(
-    on_route: &OnRoute<'_>,
+/// The traffic on the line so far to the left of the route's: in the lane that one is changing to.
+pub(super) fn traffic_aside<'a>(
+    own: &'a OnRoute<'_>,
     aside_m: f64,
     ahead: &[Ahead],
-    around: &TrafficState,
-) -> (f64, Cause) {
-    let OnRoute { slot, footprint: own, idm, .. } = *on_route;
-    let speed = own.velocity.dot(own.heading);
+    around: &'a TrafficState,
+) -> impl Iterator<Item = Constraint> + 'a {
     let aside: Vec<Ahead> = ahead.iter().map(|a| Ahead { at: a.at + a.tangent.perp() * aside_m, ..*a }).collect();
     let others = around.vehicles.iter().map(|v| (v.agent, &v.footprint));
     let claimed = around.claims().map(|(other, claim)| (other, &claim.footprint));
     others
         .chain(claimed)
-        .filter(|(other, _)| *other != slot)
-        .filter_map(|(other, o)| {
-            let (gap_m, leader_mps) =
-                gap_along(&aside, SAMPLE_M, own.half_length_m, own.half_width_m + SIDE_MOVING_M, o)?;
-            Some((idm.interaction_accel(speed, gap_m, leader_mps), Cause::Vehicle(other)))
-        })
-        .fold((0.0, Cause::Nothing), |worst, one| if one.0 < worst.0 { one } else { worst })
+        .filter(|(other, _)| *other != own.slot)
+        .filter_map(move |(other, o)| own.gap_to(o, SIDE_MOVING_M, &aside, Cause::Vehicle(other)))
 }
 
-/// What asks for the hardest braking, given the places ahead on the route: the acceleration that it takes off the free
-/// road's, and what it is.
-pub(super) fn tightest_constraint(
-    on_route: &OnRoute<'_>,
+/// All that one has to brake for, given the places ahead on the route.
+pub(super) fn perceive(
+    own: &OnRoute<'_>,
     ahead: &[Ahead],
-    around: &mut TrafficState,
+    around: &TrafficState,
     roads: &Roads,
     step: u64,
-) -> (f64, Cause) {
-    let OnRoute { slot, footprint: own, route, idm, axles, train_m, reduced_clearance } = *on_route;
+) -> Perceived {
+    let junction = look_at_junction(own, around, roads, step);
+    let constraints =
+        traffic_ahead(own, ahead, around, roads).into_iter().chain(road_end(own, roads)).chain(junction.stop);
+    Perceived { constraints: constraints.collect(), request: junction.request }
+}
+
+/// Vehicles and people on the route, or where the vehicle is about to sweep.
+fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, roads: &Roads) -> Vec<Constraint> {
+    let footprint = own.footprint;
     let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
     let (side_standing_m, side_moving_m, swept_m) =
-        if reduced_clearance { (SIDE_STANDING_REDUCED_M, SIDE_MOVING_REDUCED_M, SWEPT_M.1) } else { usual_m };
-    let speed = own.velocity.dot(own.heading);
+        if own.reduced_clearance { (SIDE_STANDING_REDUCED_M, SIDE_MOVING_REDUCED_M, SWEPT_M.1) } else { usual_m };
     let (low, high) =
         ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
-    let mut worst = (0.0_f64, Cause::Nothing);
-    let mut brake_for = |interaction: f64, cause: Cause| {
-        if interaction < worst.0 {
-            worst = (interaction, cause);
-        }
-    };
     let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, side_standing_m, o));
     // Of two side by side, the one whose front is farther on goes first: else each would wait for the other.
-    let others = || around.vehicles.iter().filter(|v| v.agent != slot && !own.leads(&v.footprint));
+    let others = || around.vehicles.iter().filter(|v| v.agent != own.slot && !footprint.leads(&v.footprint));
     let moving = || others().map(|v| (Cause::Vehicle(v.agent), side_moving_m, &v.footprint));
     let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
-    let claims = around.claims().filter(|(other, _)| *other != slot);
+    let claims = around.claims().filter(|(other, _)| *other != own.slot);
     let claimed = claims.map(|(other, claim)| (Cause::Vehicle(other), SIDE_MOVING_M, &claim.footprint));
-    standing().chain(moving()).chain(claimed).chain(people).for_each(|(cause, side_m, o)| {
-        let reach_m = o.half_length_m + o.half_width_m + own.half_width_m + side_m;
-        if (o.center - o.center.clamp(low, high)).length() < reach_m
-            && let Some((gap_m, leader_mps)) =
-                gap_along(ahead, SAMPLE_M, own.half_length_m, own.half_width_m + side_m, o)
-        {
-            brake_for(idm.interaction_accel(speed, gap_m, leader_mps), cause);
-        }
-    });
+    let mut constraints: Vec<Constraint> = standing()
+        .chain(moving())
+        .chain(claimed)
+        .chain(people)
+        .filter(|(_, side_m, o)| {
+            let reach_m = o.half_length_m + o.half_width_m + footprint.half_width_m + side_m;
+            (o.center - o.center.clamp(low, high)).length() < reach_m
+        })
+        .filter_map(|(cause, side_m, o)| own.gap_to(o, side_m, ahead, cause))
+        .collect();
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
-    for reach_m in [0.8, 1.6, 2.6] {
-        let there = route.ahead(reach_m, roads);
-        let swept = Footprint { center: there.at, heading: there.tangent, ..*own }.grown(swept_m);
+    let swept = [0.8, 1.6, 2.6].into_iter().find_map(|reach_m| {
+        let there = own.route.ahead(reach_m, roads);
+        let swept = Footprint { center: there.at, heading: there.tangent, ..*footprint }.grown(swept_m);
         let meets = |o: &Footprint| {
-            (o.center - own.center).length() < 14.0
-                && (o.center - own.center).dot(own.heading) > 0.0
-                && swept.overlaps(o)
+            let to = o.center - footprint.center;
+            to.length() < 14.0 && to.dot(footprint.heading) > 0.0 && swept.overlaps(o)
         };
-        if let Some((cause, ..)) = standing().chain(moving()).find(|(_, _, o)| meets(o)) {
-            brake_for(idm.interaction_accel(speed, reach_m - 0.6, 0.0), cause);
-            break;
-        }
-    }
-    // The end of the road. Where it is the map's, all but the ego drive on and leave the world.
-    let sight_m = sight_m(speed, own.half_length_m);
-    let stays = slot == EGO || train_m.is_some() || !route.leads_off_map(sight_m, roads);
-    if let Some(end_m) = route.ends_in_m(roads).filter(|m| stays && *m < sight_m).map(|m| m - own.half_length_m) {
-        brake_for(idm.interaction_accel(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
-    }
-    let length_m = train_m.unwrap_or(2.0 * own.half_length_m);
-    let crossing = Crossing { slot, route, footprint: own, axles, length_m, is_tram: train_m.is_some() };
-    if let Some((gap_m, refusal)) = stop_line(&crossing, around, roads, step) {
-        brake_for(idm.interaction_accel(speed, gap_m, 0.0), Cause::Junction(refusal));
-    }
-    worst
+        let (cause, ..) = standing().chain(moving()).find(|(_, _, o)| meets(o))?;
+        Some(Constraint { gap_m: reach_m - 0.6, speed_mps: 0.0, cause })
+    });
+    constraints.extend(swept);
+    constraints
+}
+
+/// The end of the road. Where it is the map's, all but the ego drive on and leave the world.
+fn road_end(own: &OnRoute<'_>, roads: &Roads) -> Option<Constraint> {
+    let sight_m = sight_m(own.speed_mps(), own.footprint.half_length_m);
+    let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, roads);
+    let end_m = own.route.ends_in_m(roads).filter(|m| stays && *m < sight_m)?;
+    Some(own.stop_in(end_m - own.footprint.half_length_m - BEFORE_END_M, Cause::RoadEnd))
 }
 
 #[cfg(test)]
@@ -191,9 +229,9 @@ mod tests {
             let (axles, train_m, reduced_clearance) = (None, None, false);
             let route = &route;
             let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };
-            let mut around = TrafficState::new(&roads);
+            let around = TrafficState::new(&roads);
             let ahead: Vec<Ahead> = in_sight(route, speed_mps, half_length_m, &roads).collect();
-            let (_, cause) = tightest_constraint(&rider, &ahead, &mut around, &roads, 0);
+            let (_, cause) = rider.tightest(&perceive(&rider, &ahead, &around, &roads, 0).constraints);
             assert_eq!(cause, Cause::RoadEnd, "{speed_mps} m/s, {stops_m} m before the end");
         }
     }

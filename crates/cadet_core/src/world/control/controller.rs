@@ -3,15 +3,18 @@
 use std::any::Any;
 
 use super::constraints::Cause;
+use super::motion::Walk;
 use crate::town::LaneId;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
+use crate::world::junctions::Request;
 use crate::world::physics::Physics;
 use crate::world::roads::Roads;
+use crate::world::route::Ahead;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::traffic_state::TrafficState;
+use crate::world::traffic_state::{Claim, TrafficState};
 
 /// What a controller steers.
 pub(crate) struct AgentParts<'a> {
@@ -20,10 +23,26 @@ pub(crate) struct AgentParts<'a> {
     pub appearance: &'a mut Appearance,
 }
 
-/// Decides what an agent does. All agents are called in the order of their slots.
+/// What an agent lets others know from one look to the next.
+#[derive(Default)]
+pub(crate) struct Outlook {
+    /// The way that a driver has looked at.
+    pub way_ahead: Vec<Ahead>,
+    /// What it wants of the next junction.
+    pub request: Option<Request>,
+    /// Where it is changing lanes to.
+    pub claim: Option<Claim>,
+    /// What a pedestrian is about.
+    pub walk: Option<Walk>,
+}
+
+/// Decides what an agent does.
 pub(crate) trait Controller: Any + Send + Sync {
-    /// Looks around; what it finds holds until the next look, a few steps later.
-    fn look(&mut self, _own: AgentParts<'_>, _around: &mut TrafficState, _streets: &Streets, _step: u64) {}
+    /// Looks around; what it finds holds until the next look, a few steps later. All look at the same state, and none
+    /// sees what another finds in the same look: the order does not matter.
+    fn look(&mut self, _own: AgentParts<'_>, _around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
+        Outlook::default()
+    }
 
     /// Before the physics step: gives the body its commands.
     fn act(&mut self, _own: AgentParts<'_>, _physics: &mut Physics, _streets: &Streets) {}

@@ -1,9 +1,9 @@
 //! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
 
-use super::constraints::{Cause, OnRoute, in_sight, tightest_constraint};
-use super::controller::{AgentParts, Controller};
+use super::constraints::{Cause, OnRoute, in_sight, perceive};
+use super::controller::{AgentParts, Controller, Outlook};
 use super::idm::{IdmParameters, pedals};
-use super::stop_line::leave_junctions;
+use super::junction_ahead::leave_junctions;
 use super::turning::turn_ahead;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
@@ -13,7 +13,7 @@ use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
-use crate::world::route::Route;
+use crate::world::route::{Ahead, Route};
 use crate::world::streets::Streets;
 use crate::world::traffic_state::TrafficState;
 use crate::world::turn_signal::TurnSignal;
@@ -48,7 +48,6 @@ pub(crate) struct Cyclist {
     pub route: Route,
     pub standing_steps: u64,
     idm: IdmParameters,
-    cruise_mps: f64,
     speed_mps: f64,
     desired_mps: f64,
     interaction_mps2: f64,
@@ -64,13 +63,13 @@ impl Cyclist {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
         // A look ahead that takes nothing: who is made later keeps their draws.
         let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
-        let (time_gap_s, top_speed_mps) = (habits.range(0.8, 1.3), f64::INFINITY);
+        let time_gap_s = habits.range(0.8, 1.3);
+        let top_speed_mps = cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1);
         let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s, minimum_gap_m: 1.3, top_speed_mps };
         Self {
             route: route(habits.range(KEEPS_M.0, KEEPS_M.1)),
             standing_steps: 0,
             idm,
-            cruise_mps: cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1),
             speed_mps: 0.0,
             desired_mps: 0.0,
             interaction_mps2: 0.0,
@@ -115,30 +114,29 @@ impl Cyclist {
 }
 
 impl Controller for Cyclist {
-    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let roads = &streets.roads;
-        let Some(footprint) = around.vehicle(own.slot).copied() else { return };
-        let offset_m = self.free_offset_m(&footprint, around, roads);
+        let Some(footprint) = around.vehicle(own.slot) else { return Outlook::default() };
+        let offset_m = self.free_offset_m(footprint, around, roads);
         self.route.offset_m += (offset_m - self.route.offset_m).clamp(-SHIFT_M, SHIFT_M);
-        self.desired_mps = self.cruise_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
-        let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
-        ahead.clear();
-        ahead.extend(in_sight(&self.route, self.speed_mps, footprint.half_length_m, roads));
+        self.desired_mps = self.idm.top_speed_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
+        let ahead: Vec<Ahead> = in_sight(&self.route, self.speed_mps, footprint.half_length_m, roads).collect();
         let rider = OnRoute {
             slot: own.slot,
-            footprint: &footprint,
+            footprint,
             route: &self.route,
             idm: &self.idm,
             axles: None,
             train_m: None,
             reduced_clearance: false,
         };
-        (self.interaction_mps2, self.cause) = tightest_constraint(&rider, &ahead, around, roads, step);
-        *around.way_ahead_mut(own.slot) = ahead;
+        let perceived = perceive(&rider, &ahead, around, roads, step);
+        (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         // In the bend both hands are needed.
         let turn = turn_ahead(&self.route, roads).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));
         let is_shown = self.points && self.speed_mps > POINTS_MPS;
         self.pointing = turn.filter(|_| is_shown).map_or(TurnSignal::Off, |(_, side)| side);
+        Outlook { way_ahead: ahead, request: perceived.request, ..Outlook::default() }
     }
 
     fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {

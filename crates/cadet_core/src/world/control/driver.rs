@@ -1,12 +1,12 @@
 //! Who drives a car along a route: bends, traffic, junctions.
 
-use super::constraints::{Cause, OnRoute, in_sight, tightest_constraint, traffic_aside};
-use super::controller::{AgentParts, Controller};
+use super::constraints::{Cause, OnRoute, in_sight, perceive, traffic_aside};
+use super::controller::{AgentParts, Controller, Outlook};
 use super::idm::{IdmParameters, pedals};
+use super::junction_ahead::leave_junctions;
 use super::lane_change::{Decider, LaneChoice};
 use super::overtaking::{OVERTAKE_SPEED_FACTOR, Overtaking};
 use super::pursuit::{Axles, pursue};
-use super::stop_line::leave_junctions;
 use super::turning::signal_for;
 use crate::math::DVec3;
 use crate::town::LaneId;
@@ -16,7 +16,7 @@ use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
-use crate::world::route::Route;
+use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
 use crate::world::traffic_state::{Claim, TrafficState};
@@ -174,21 +174,21 @@ impl Driver {
 
     /// Takes another way where somebody has long stood in the one that it would swing into: of two who wait for each
     /// other to get out of an arm that is too narrow for both, neither would ever move.
-    fn give_up(&mut self, slot: Slot, around: &mut TrafficState, roads: &Roads, step: u64) {
+    fn give_up(&mut self, roads: &Roads, step: u64) {
         let is_barred = matches!(self.cause, Cause::Junction(Refusal::InSweep(_))) && self.command.is_none();
         if !is_barred || self.standing_steps < GIVES_UP_STEPS || step < self.patient_until {
             return;
         }
         self.patient_until = step + GIVES_UP_STEPS;
-        if self.route.as_mut().is_some_and(|route| route.turn_elsewhere(roads)) {
-            around.junctions.release(slot, &[]);
+        if let Some(route) = &mut self.route {
+            route.turn_elsewhere(roads);
         }
     }
 
     /// What others have to know of a lane change.
-    fn claim(&self, own: Option<&Footprint>, roads: &Roads) -> Option<Claim> {
+    fn claim(&self, own: &Footprint, roads: &Roads) -> Option<Claim> {
         let (change, route) = (self.lanes.change.as_ref()?, self.route.as_ref()?);
-        Some(change.claim(own?, route, roads))
+        Some(change.claim(own, route, roads))
     }
 
     /// Whether the driver is on the way past a cyclist.
@@ -215,35 +215,32 @@ pub(super) fn axles_of(chassis: &Chassis) -> Axles {
 }
 
 impl Controller for Driver {
-    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let roads = &streets.roads;
-        // The list is taken off the blackboard and put back, so that what it holds is not allocated anew.
-        let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
-        ahead.clear();
+        let mut outlook = Outlook::default();
         self.cause = Cause::Nothing;
         if let Some(route) = self.route.as_ref().filter(|_| self.drives)
-            && let Some(footprint) = around.vehicle(own.slot).copied()
+            && let Some(footprint) = around.vehicle(own.slot)
         {
             let speed = footprint.velocity.dot(footprint.heading);
             self.desired_mps =
                 (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
-            ahead.extend(in_sight(route, speed, footprint.half_length_m, roads));
+            let ahead: Vec<Ahead> = in_sight(route, speed, footprint.half_length_m, roads).collect();
             if self.standing_steps >= WAITED_STEPS {
                 self.reduced_clearance_until = step + REDUCED_CLEARANCE_STEPS;
             }
-            let reduced_clearance = step < self.reduced_clearance_until;
-            let axles = if let Body::Sprung(chassis) = &*own.body { Some(axles_of(chassis)) } else { None };
             let rider = OnRoute {
                 slot: own.slot,
-                footprint: &footprint,
+                footprint,
                 route,
                 idm: &self.idm,
-                axles,
+                axles: if let Body::Sprung(chassis) = &*own.body { Some(axles_of(chassis)) } else { None },
                 train_m: None,
-                reduced_clearance,
+                reduced_clearance: step < self.reduced_clearance_until,
             };
-            (self.interaction_mps2, self.cause) = tightest_constraint(&rider, &ahead, around, roads, step);
-            self.overtaking = match (self.overtaking, self.cause) {
+            let mut perceived = perceive(&rider, &ahead, around, roads, step);
+            let (_, cause) = rider.tightest(&perceived.constraints);
+            self.overtaking = match (self.overtaking, cause) {
                 (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
                 (None, Cause::Vehicle(slot)) if self.command.is_none() => {
                     Overtaking::begin(&rider, slot, self.desired_mps, around, roads)
@@ -253,26 +250,29 @@ impl Controller for Driver {
             if let Some(change) = &self.lanes.change {
                 // Until one is there, both lanes are one's own.
                 let aside_m = change.left_m(route.offset_m);
-                let aside = traffic_aside(&rider, aside_m, &ahead, around);
-                if aside.0 < self.interaction_mps2 {
-                    (self.interaction_mps2, self.cause) = aside;
-                }
+                perceived.constraints.extend(traffic_aside(&rider, aside_m, &ahead, around));
             }
+            (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
             let may_change = self.command.is_none() && roads.allows_changes(route.lanes[0]);
             if self.overtaking.is_some() {
                 self.remember_offset();
             } else if may_change {
-                self.choose_lane(own.slot, &footprint, around, roads, step);
+                self.choose_lane(own.slot, footprint, around, roads, step);
                 self.interaction_mps2 = self.interaction_mps2.min(self.lanes.stays_behind_mps2);
             }
+            self.give_up(roads, step);
+            self.signal = self.intent(speed, roads);
+            outlook = Outlook {
+                way_ahead: ahead,
+                request: perceived.request,
+                claim: self.claim(footprint, roads),
+                walk: None,
+            };
+        } else {
+            self.signal = TurnSignal::Off;
         }
-        self.give_up(own.slot, around, roads, step);
-        let claim = self.claim(around.vehicle(own.slot), roads);
-        around.set_claim(own.slot, claim);
-        *around.way_ahead_mut(own.slot) = ahead;
-        let speed_mps = around.vehicle(own.slot).map_or(0.0, |f| f.velocity.dot(f.heading));
-        self.signal = self.intent(speed_mps, roads);
         own.appearance.indicate(self.signal);
+        outlook
     }
 
     fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {

@@ -58,17 +58,35 @@ impl IdmParameters {
 
     /// What a gap to something ahead takes off the free road's acceleration.
     pub fn interaction_accel(&self, speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
+        let ratio = self.wanted_gap_m(speed_mps, leader_mps) / gap_m.max(0.2);
+        -ACCELERATION_MPS2 * ratio * ratio
+    }
+
+    fn wanted_gap_m(&self, speed_mps: f64, leader_mps: f64) -> f64 {
         let v = speed_mps.max(0.0);
         let closing = v * (v - leader_mps) / (2.0 * (ACCELERATION_MPS2 * COMFORTABLE_MPS2).sqrt());
-        let wanted = self.minimum_gap_m + (v * self.time_gap_s + closing).max(0.0);
-        let ratio = wanted / gap_m.max(0.2);
-        -ACCELERATION_MPS2 * ratio * ratio
+        self.minimum_gap_m + (v * self.time_gap_s + closing).max(0.0)
+    }
+
+    /// How far before a line it takes a comfortable deceleration to stop there.
+    pub fn comfortable_stop_m(&self, speed_mps: f64) -> f64 {
+        let gap_m = self.wanted_gap_m(speed_mps, 0.0) * (ACCELERATION_MPS2 / COMFORTABLE_MPS2).sqrt();
+        (gap_m - self.minimum_gap_m).max(0.0)
     }
 }
 
 /// The pedals: free road and the worst of the gaps, within what brakes can do.
 pub(crate) fn pedals(free_mps2: f64, worst_interaction_mps2: f64) -> f64 {
     (free_mps2 + worst_interaction_mps2).clamp(HARDEST_BRAKING_MPS2, ACCELERATION_MPS2 * 1.2)
+}
+
+/// How long it takes to go a distance from a speed on, as fast as drivers accelerate and no faster than `most_mps`.
+pub(crate) fn time_to_go(distance_m: f64, speed_mps: f64, most_mps: f64) -> f64 {
+    let most_mps = most_mps.max(speed_mps).max(0.5);
+    let reached_m = (most_mps * most_mps - speed_mps * speed_mps) / (2.0 * ACCELERATION_MPS2);
+    let accelerates_m = distance_m.clamp(0.0, reached_m);
+    let then_mps = (speed_mps * speed_mps + 2.0 * ACCELERATION_MPS2 * accelerates_m).sqrt();
+    (then_mps - speed_mps) / ACCELERATION_MPS2 + (distance_m - accelerates_m).max(0.0) / most_mps
 }
 
 /// The gap from the front bumper to the first contact with an obstacle along the route, and the obstacle's speed along

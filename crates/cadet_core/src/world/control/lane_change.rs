@@ -2,8 +2,8 @@
 //! passing), and the way across.
 
 use super::idm::IdmParameters;
+use super::junction_ahead::next_junction;
 use super::lane_view::{LaneView, Neighbor};
-use super::stop_line::next_junction;
 use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
@@ -141,10 +141,12 @@ impl LaneChoice {
     /// Looks at both neighbors of a lane that allows changes now and then, and begins a change where it is worth it and safe: then the route
     /// leads along the new lane.
     pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &TrafficState, roads: &Roads, step: u64) {
-        if !(step / STEPS_A_LOOK + by.slot as u64).is_multiple_of(LOOKS) {
+        // From the two lanes beside one, nobody decides at the same look.
+        let lane = route.lanes[0];
+        let from_curb = std::iter::successors(Some(lane), |id| roads.outer_of(*id)).count() as u64 % 3;
+        if !(step / STEPS_A_LOOK + 2 * from_curb).is_multiple_of(LOOKS) {
             return;
         }
-        let lane = route.lanes[0];
         let (inner, outer) = (roads.inner_of(lane), roads.outer_of(lane));
         self.stays_behind_mps2 = 0.0;
         let Decider { slot, own, idm, .. } = *by;
@@ -370,7 +372,9 @@ mod tests {
             let change = Some(LaneChange { is_inward: true, from_m, to_m: 0.0, share, returns: false });
             let mut choice = LaneChoice { change, ..LaneChoice::default() };
             let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };
-            choice.decide(&decider, &mut route, &TrafficState::new(&roads), &roads, 0);
+            for step in 0..LOOKS * STEPS_A_LOOK {
+                choice.decide(&decider, &mut route, &TrafficState::new(&roads), &roads, step);
+            }
             let is_back = route.lanes[0] == old.id;
             assert!(choice.change.is_none_or(|change| change.is_inward != is_back && change.returns == is_back));
             // The line does not jump.

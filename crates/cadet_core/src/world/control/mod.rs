@@ -1,15 +1,14 @@
 //! Who decides what an agent does: drivers, pedestrians, scripts, nobody.
 
-mod approach;
 mod avoidance;
 mod constraints;
 mod controller;
 mod crossing;
 mod cyclist;
 mod driver;
-mod exit_room;
 mod footing;
 mod idm;
+mod junction_ahead;
 mod lane_change;
 mod lane_view;
 mod motion;
@@ -21,17 +20,18 @@ mod pedestrian;
 mod predicted_way;
 mod pursuit;
 mod scripted;
-mod stop_line;
 mod swing_out;
 mod tram;
 mod turning;
 
 pub(super) use constraints::{Cause, SIDE_STANDING_M};
-pub(super) use controller::{AgentParts, Controller};
+pub(super) use controller::{AgentParts, Controller, Outlook};
 pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
 pub(super) use footing::{BODY_M, nearness};
 pub(super) use idm::IdmParameters;
+#[cfg(test)]
+pub(super) use junction_ahead::line_m;
 pub(super) use lane_view::LaneView;
 pub(super) use motion::{GroupPlace, Motion, Walk};
 pub(super) use parked::Parked;

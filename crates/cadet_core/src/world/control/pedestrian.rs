@@ -1,7 +1,7 @@
 //! People on foot: they walk along sidewalks, keep out of each other's way, and cross the road when it is free.
 
 use super::avoidance::{OnWalkway, free_line, pace_behind};
-use super::controller::{AgentParts, Controller};
+use super::controller::{AgentParts, Controller, Outlook};
 use super::crossing::{CROSSING_MPS, may_start, way_across};
 use super::footing::Nearby;
 use super::motion::{GroupPlace, Motion, Walk};
@@ -199,8 +199,10 @@ impl Pedestrian {
 }
 
 impl Controller for Pedestrian {
-    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
-        let (Body::Upright(body), Appearance::Person { model, .. }) = (own.body, own.appearance) else { return };
+    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
+        let (Body::Upright(body), Appearance::Person { model, .. }) = (own.body, own.appearance) else {
+            return Outlook::default();
+        };
         self.nearby.look(own.slot, body.at(), &around.people, &around.standing);
         match self.motion {
             Motion::Stands => {}
@@ -229,7 +231,8 @@ impl Controller for Pedestrian {
                 self.pace = if is_blocked { 0.0 } else { 1.0 };
             }
         }
-        around.set_walk(own.slot, Walk { motion: self.motion, pace: self.pace, wanted_m: self.wanted_m });
+        let walk = Walk { motion: self.motion, pace: self.pace, wanted_m: self.wanted_m };
+        Outlook { walk: Some(walk), ..Outlook::default() }
     }
 
     /// One step on foot: one person after the other, so that two never take the same place.

@@ -58,7 +58,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::super::driver::{Driver, axles_of};
-    use super::super::stop_line::next_junction;
+    use super::super::junction_ahead::next_junction;
     use super::*;
     use crate::rng::StreamKey;
     use crate::town::LaneId;

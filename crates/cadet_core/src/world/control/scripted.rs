@@ -1,6 +1,6 @@
 //! A user's script: an agent goes along a path whatever the others do.
 
-use super::controller::{AgentParts, Controller};
+use super::controller::{AgentParts, Controller, Outlook};
 use super::on_road::{is_on_road, keep_off};
 use super::path::TimedPath;
 use crate::math::{self, DVec2};
@@ -54,9 +54,9 @@ impl Scripted {
 }
 
 impl Controller for Scripted {
-    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, _streets: &Streets, _step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, _around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
         if !matches!(own.body, Body::Guided(_) | Body::Cycle(_)) {
-            return;
+            return Outlook::default();
         }
         let count = ((self.path.length_m() - self.s_m).min(SEEN_AHEAD_M) / SAMPLE_M) as usize;
         let way = (0..count).filter_map(|k| {
@@ -64,9 +64,7 @@ impl Controller for Scripted {
             let tangent = self.path.heading(self.s_m + distance_m, SAMPLE_M / 2.0)?;
             Some(Ahead { distance_m, at: self.path.at_distance(self.s_m + distance_m), tangent })
         });
-        let ahead = around.way_ahead_mut(own.slot);
-        ahead.clear();
-        ahead.extend(way);
+        Outlook { way_ahead: way.collect(), ..Outlook::default() }
     }
 
     fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, _streets: &Streets) {

@@ -2,17 +2,16 @@
 
 use std::collections::VecDeque;
 
-use super::approach::{Crossing, line_m};
+use super::constraints::OnRoute;
+use super::junction_ahead::line_m;
 use super::predicted_way::PredictedWay;
 use crate::math::DVec2;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
-use crate::world::junctions::Junctions;
-use crate::world::lane_use::LaneUse;
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
-use crate::world::traffic_state::VehicleAt;
+use crate::world::traffic_state::{TrafficState, VehicleAt};
 
 /// Who is slower than this stands in the way of those who turn, and the room they need beside it.
 const STANDS_MPS: f64 = 0.5;
@@ -31,14 +30,13 @@ const BESIDE_M: f64 = 4.0;
 /// Who stands, or is about to stop, where a vehicle would swing into the oncoming lane: at the line of an arm that it
 /// turns into, or on the way there. Nose to nose, neither would get past the other. Cyclists swing nowhere.
 pub(super) fn vehicle_in_swept_path(
-    own: &Crossing<'_>,
+    own: &OnRoute<'_>,
     chain: &[LaneId],
     start_m: f64,
-    (vehicles, lane_use): (&[VehicleAt], &LaneUse),
-    junctions: &Junctions,
+    around: &TrafficState,
     roads: &Roads,
 ) -> Option<Slot> {
-    if own.axles.is_none() && !own.is_tram {
+    if own.axles.is_none() && own.train_m.is_none() {
         return None;
     }
     let length_m = 2.0 * own.footprint.half_length_m;
@@ -48,13 +46,14 @@ pub(super) fn vehicle_in_swept_path(
     let reach_m = STOPS_SOON_M + across_m + length_m;
     let stands_or_stops = |v: &VehicleAt| {
         let stands = v.footprint.velocity.length() < STANDS_MPS;
-        if stands { Some(v.footprint) } else { at_its_line(v, chain[0], lane_use, junctions, roads) }
+        if stands { Some(v.footprint) } else { at_its_line(v, chain[0], around, roads) }
     };
     let is_beside = |o: &Footprint| {
         let near_m = o.half_length_m + own.footprint.half_length_m + BESIDE_M;
         line.iter().any(|a| o.heading.dot(a.tangent) < 0.0 && (o.center - a.at).length() < near_m)
     };
-    let others: Vec<(Slot, Footprint)> = vehicles
+    let others: Vec<(Slot, Footprint)> = around
+        .vehicles
         .iter()
         .filter(|v| v.agent != own.slot && (v.footprint.center - line[0].at).length() < reach_m)
         .filter_map(|v| Some((v.agent, stands_or_stops(v).filter(is_beside)?)))
@@ -80,14 +79,8 @@ pub(super) fn vehicle_in_swept_path(
 }
 
 /// Where who comes toward the junction of a lane will stand, if it has no right to enter it.
-fn at_its_line(
-    other: &VehicleAt,
-    lane: LaneId,
-    lane_use: &LaneUse,
-    junctions: &Junctions,
-    roads: &Roads,
-) -> Option<Footprint> {
-    let on = lane_use.of(other.agent).filter(|on| roads.lane(on.lane).junction.is_none())?;
+fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, roads: &Roads) -> Option<Footprint> {
+    let on = around.lane_use.of(other.agent).filter(|on| roads.lane(on.lane).junction.is_none())?;
     let mut to_junction_m = roads.lane(on.lane).length_m() - on.s_m;
     let mut lanes = VecDeque::from([on.lane]);
     let mut next = roads.lane(on.lane).successors.first()?;
@@ -101,7 +94,7 @@ fn at_its_line(
     }
     let goes_m = to_junction_m - line_m(lanes[lanes.len() - 1], roads) - on.half_length_m;
     let is_ours = roads.lane(*next).junction == roads.lane(lane).junction;
-    if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || junctions.holds_any(other.agent) {
+    if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || around.junctions.holds_any(other.agent) {
         return None;
     }
     let line = Route::along(lanes, on.s_m).ahead(goes_m, roads);
@@ -110,13 +103,14 @@ fn at_its_line(
 
 #[cfg(test)]
 mod tests {
-    use super::super::approach::STOP_LINE_M;
+    use super::super::idm::IdmParameters;
+    use super::super::junction_ahead::STOP_LINE_M;
     use super::super::pursuit::Axles;
     use super::*;
     use crate::math::{self, DVec3};
     use crate::rng::Stream;
     use crate::world::junctions::Request;
-    use crate::world::lane_use::OnLane;
+    use crate::world::lane_use::{LaneUse, OnLane};
     use crate::world::room::Needs;
     use crate::world::tests::towns::crossing;
 
@@ -166,29 +160,19 @@ mod tests {
         let beside = exit.at + exit.tangent.perp() * comes.apart_m;
         let oncoming = rectangle(beside, -exit.tangent, comes.size_lwh, oncoming_mps);
         let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
-        let vehicles = [vehicle(1, footprint), vehicle(2, oncoming)];
         let heading_rad = math::atan2(oncoming.heading.y, oncoming.heading.x);
         let (lane, s_m, _) = roads.nearest(oncoming.center.extend(0.0), Some(heading_rad), 1.0).unwrap();
-        let mut lane_use = LaneUse::default();
-        lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
-        let mut junctions = Junctions::new(&roads);
+        let mut around = TrafficState::new(&roads);
+        around.vehicles = vec![vehicle(1, footprint), vehicle(2, oncoming)];
+        around.lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
         if comes.holds {
-            let (exit, exit_blocked_by) = (lane, None);
-            let asked = Request {
-                car: 2,
-                lanes: &chain,
-                exit,
-                room_m: 0.0,
-                exit_blocked_by,
-                yields_to_oncoming: false,
-                has_priority: false,
-            };
-            junctions.request(&asked, 0).unwrap();
+            around.junctions.resolve(&[Request::of_car(2, &chain)], &LaneUse::default(), &roads, 0);
         }
         let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
-        let own =
-            Crossing { slot: 1, route: &route, footprint: &footprint, axles, length_m: size_lwh.x, is_tram: false };
-        vehicle_in_swept_path(&own, &chain, 12.0, (&vehicles, &lane_use), &junctions, &roads)
+        let idm = IdmParameters::draw(&mut Stream::from_seed("idm", 1));
+        let (route, footprint) = (&route, &footprint);
+        let own = OnRoute { slot: 1, route, footprint, idm: &idm, axles, train_m: None, reduced_clearance: false };
+        vehicle_in_swept_path(&own, &chain, 12.0, &around, &roads)
     }
 
     #[test]

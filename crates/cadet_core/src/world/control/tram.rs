@@ -2,16 +2,16 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::constraints::{Cause, OnRoute, in_sight, tightest_constraint};
-use super::controller::{AgentParts, Controller};
+use super::constraints::{Cause, OnRoute, in_sight, perceive};
+use super::controller::{AgentParts, Controller, Outlook};
 use super::idm::{IdmParameters, pedals};
-use super::stop_line::leave_junctions;
+use super::junction_ahead::leave_junctions;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::LaneId;
 use crate::world::body::{Body, Step};
 use crate::world::physics::{DT_S, Physics};
-use crate::world::route::Route;
+use crate::world::route::{Ahead, Route};
 use crate::world::streets::Streets;
 use crate::world::track::Track;
 use crate::world::traffic_state::TrafficState;
@@ -130,37 +130,34 @@ impl TramDriver {
 }
 
 impl Controller for TramCar {
-    fn look(&mut self, own: AgentParts<'_>, around: &mut TrafficState, streets: &Streets, step: u64) {
+    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let mut train = self.train.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some(driver) = &mut self.driver else { return };
-        let Some(footprint) = around.vehicle(own.slot).copied() else { return };
+        let Some(driver) = &mut self.driver else { return Outlook::default() };
+        let Some(footprint) = around.vehicle(own.slot) else { return Outlook::default() };
         let roads = &streets.roads;
         let end_m = train.track.length_m() - train.front_m - BEFORE_END_M;
         let for_end_mps = (2.0 * GENTLE_MPS2 * end_m.max(0.0)).sqrt();
         driver.desired_mps = (driver.idm.desired_speed_factor
             * driver.route.speed_for_bends(train.speed_mps, GENTLE_MPS2, roads))
         .min(for_end_mps);
-        let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
-        ahead.clear();
-        ahead.extend(in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads));
-        let train_m = Some(train.length_m);
-        let (route, idm) = (&driver.route, &driver.idm);
+        let ahead: Vec<Ahead> = in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads).collect();
         let rider = OnRoute {
             slot: own.slot,
-            footprint: &footprint,
-            route,
-            idm,
+            footprint,
+            route: &driver.route,
+            idm: &driver.idm,
             axles: None,
-            train_m,
+            train_m: Some(train.length_m),
             reduced_clearance: false,
         };
-        (driver.interaction_mps2, train.cause) = tightest_constraint(&rider, &ahead, around, roads, step);
+        let perceived = perceive(&rider, &ahead, around, roads, step);
+        (driver.interaction_mps2, train.cause) = rider.tightest(&perceived.constraints);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.
             driver.interaction_mps2 = HARDEST_MPS2;
             train.cause = Cause::RoadEnd;
         }
-        *around.way_ahead_mut(own.slot) = ahead;
+        Outlook { way_ahead: ahead, request: perceived.request, ..Outlook::default() }
     }
 
     fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, _streets: &Streets) {

@@ -1,13 +1,11 @@
 //! Where a route turns off, and what who follows it shows of that beforehand.
 
 use crate::math::{self, DVec2};
-use crate::town::Lane;
+use crate::world::junctions::TURNS_RAD;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::turn_signal::TurnSignal;
 
-/// A way through a junction that changes direction by less goes straight on.
-const TURNS_RAD: f64 = 0.5;
 /// Leaving a roundabout begins so far before its lane's end.
 const LEAVING_M: f64 = 14.0;
 /// Drivers signal so long before a junction, from within these distances of it.
@@ -26,8 +24,8 @@ pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSigna
             return (leaves_in_m <= 0.0).then_some((leaves_in_m, TurnSignal::toward(lane.curb_side())));
         }
         match (&mut through, lane.junction) {
-            (None, Some(_)) => through = Some((start_m, end_tangent(lane, false), end_tangent(lane, true))),
-            (Some((.., out)), Some(_)) => *out = end_tangent(lane, true),
+            (None, Some(_)) => through = Some((start_m, lane.start_tangent(), lane.end_tangent())),
+            (Some((.., out)), Some(_)) => *out = lane.end_tangent(),
             (None, None) if start_m + lane.length_m() > AHEAD_M.1 => return None,
             (None, None) => {}
             (Some(_), None) => break,
@@ -44,11 +42,4 @@ pub(super) fn signal_for(route: &Route, speed_mps: f64, shown: TurnSignal, roads
     let Some((distance_m, side)) = turn_ahead(route, roads) else { return TurnSignal::Off };
     let from_m = if shown == side { AHEAD_M.1 } else { (AHEAD_S * speed_mps).clamp(AHEAD_M.0, AHEAD_M.1) };
     if distance_m < from_m { side } else { TurnSignal::Off }
-}
-
-/// The direction of a lane at its start or its end.
-fn end_tangent(lane: &Lane, is_end: bool) -> DVec2 {
-    let n = lane.center.len();
-    let (a, b) = if is_end { (n - 2, n - 1) } else { (0, 1) };
-    (lane.center[b] - lane.center[a]).truncate().normalize_or(DVec2::X)
 }

@@ -45,7 +45,7 @@ fn jams_dissolve() {
         }
     }
     let share = f64::from(standing) / (num_worlds as f64 * f64::from(num_views));
-    assert!(share <= 0.1, "the ego stands at {share:.3} of the views; somebody stood for {longest_s:.0} s");
+    assert!(share <= 0.15, "the ego stands at {share:.3} of the views; somebody stood for {longest_s:.0} s");
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
         for (agent, cyclist) in &riders {
             let stands_s = cyclist.standing_steps as f64 * DT_S;
             seen.longest_stand_s = seen.longest_stand_s.max(stands_s);
-            if stands_s >= 60.0 {
+            if stands_s >= longest_s {
                 seen.wrong.push(format!("{name}, tick {tick}: stands: {}", tell(world, agent)));
             }
             let (here, lane) = (place(world, agent), roads.lane(cyclist.route.lanes[0]));

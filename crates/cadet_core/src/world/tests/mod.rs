@@ -13,6 +13,7 @@ mod openings;
 mod overtaking;
 mod placed;
 mod places;
+mod right_of_way;
 mod road_ends;
 mod roundabouts;
 mod scripted;

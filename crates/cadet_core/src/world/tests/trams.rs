@@ -5,6 +5,7 @@ use super::*;
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::DT_S;
 use crate::world::control::{Train, TramCar};
+use crate::world::lane_use::LaneUse;
 
 fn tram_cars(world: &World) -> Vec<(&Agent, &TramCar)> {
     world.arena.controlled_by::<TramCar>().map(|(_, agent, car)| (agent, car)).collect()
@@ -97,100 +98,33 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
     assert!(gone_m > 1000.0 && crossed > 10, "{gone_m} m in all, {crossed} looks in junctions, {longest_s} s stood");
 }
 
-fn asked(car: crate::world::slot::Slot, has_priority: bool, lanes: &[LaneId], exit: LaneId) -> Request<'_> {
-    Request { car, lanes, exit, room_m: 1.0, exit_blocked_by: None, yields_to_oncoming: false, has_priority }
+/// A track across a junction, and a way for cars that crosses it.
+fn crossing_of_a_track(roads: &Roads) -> (LaneId, LaneId) {
+    let junctions = Junctions::new(roads);
+    let track = roads.lanes().iter().find(|l| l.kind == LaneKind::Tram && l.junction.is_some()).expect("a crossing");
+    let is_road = |l: &LaneId| roads.lane(*l).kind == LaneKind::Driving;
+    (track.id, junctions.conflicts_of(track.id).into_iter().find(is_road).expect("a way across"))
 }
 
 #[test]
-fn a_tram_goes_first_where_a_car_waits_too() {
+fn a_tram_goes_first_where_a_car_has_waited_longer() {
     let (_, town) = towns_with_tracks(1).remove(0);
     let roads = Roads::new(Arc::clone(&town));
-    let junctions = Junctions::new(&roads);
-    let track = roads.lanes().iter().find(|l| l.kind == LaneKind::Tram && l.junction.is_some()).expect("a crossing");
-    let crossed = junctions.conflicts_of(track.id);
-    let crossing: Vec<LaneId> =
-        crossed.into_iter().filter(|l| town.network.lane(*l).kind == LaneKind::Driving).collect();
-    assert!(!crossing.is_empty());
+    let (track, crossing) = crossing_of_a_track(&roads);
     let mut junctions = Junctions::new(&roads);
     let (first, car, tram) = (1, 2, 3);
-    // Somebody crosses; a car waits for the other way, then the tram comes.
-    junctions.request(&asked(first, false, &[crossing[0]], track.id), 0).unwrap();
-    assert_eq!(junctions.request(&asked(tram, true, &[track.id], track.id), 10), Err(Refusal::Taken(first)));
+    let waits = Request::of_car(car, &[crossing]);
+    let comes = |slot| Request { is_tram: true, ..Request::of_car(slot, &[track]) };
+    junctions.resolve(&[comes(first)], &LaneUse::default(), &roads, 0);
+    for step in (3..3000).step_by(3) {
+        junctions.resolve(std::slice::from_ref(&waits), &LaneUse::default(), &roads, step);
+        assert_eq!(junctions.refusal(car), Refusal::Taken(first));
+    }
+    // The car has waited for long, but the next tram asks now.
     junctions.forget(first);
-    assert_eq!(junctions.request(&asked(car, false, &[crossing[0]], track.id), 12), Err(Refusal::Earlier(tram)));
-    junctions.request(&asked(tram, true, &[track.id], track.id), 13).unwrap();
-    assert_eq!(junctions.request(&asked(car, false, &[crossing[0]], track.id), 14), Err(Refusal::Taken(tram)));
-}
-
-#[test]
-fn who_waits_for_room_behind_a_junction_keeps_its_place() {
-    let (_, town) = towns_with_tracks(1).remove(0);
-    let roads = Roads::new(Arc::clone(&town));
-    let mut junctions = Junctions::new(&roads);
-    let is_road = |l: &LaneId| roads.lane(*l).kind == LaneKind::Driving;
-    let (ours, theirs) = (roads.lanes().iter())
-        .filter(|l| l.kind == LaneKind::Driving && l.junction.is_some())
-        .find_map(|l| Some((l.id, junctions.conflicts_of(l.id).into_iter().find(is_road)?)))
-        .expect("two ways that cross");
-    let (early, late, third) = (1, 2, 3);
-    junctions.request(&asked(third, false, &[ours], ours), 0).unwrap();
-    let lanes = [ours];
-    let blocked = Request { exit_blocked_by: Some(9), ..asked(early, false, &lanes, ours) };
-    assert_eq!(junctions.request(&blocked, 1), Err(Refusal::ExitFull(9)));
-    assert_eq!(junctions.request(&asked(late, false, &[theirs], theirs), 5), Err(Refusal::Taken(third)));
-    junctions.forget(third);
-    // Once its exit is free, who came first goes first.
-    assert_eq!(junctions.request(&asked(early, false, &[ours], ours), 10), Ok(()));
-}
-
-#[test]
-fn a_car_that_waits_longer_than_a_tram_still_lets_it_go() {
-    let (_, town) = towns_with_tracks(1).remove(0);
-    let roads = Roads::new(Arc::clone(&town));
-    let mut junctions = Junctions::new(&roads);
-    let track = roads.lanes().iter().find(|l| l.kind == LaneKind::Tram && l.junction.is_some()).expect("a crossing");
-    let is_road = |l: &LaneId| town.network.lane(*l).kind == LaneKind::Driving;
-    let crossing = junctions.conflicts_of(track.id).into_iter().find(is_road).expect("a way across");
-    let other = junctions.conflicts_of(crossing).into_iter().find(|l| is_road(l)).expect("another way");
-    junctions.request(&asked(9, false, &[other], track.id), 0).unwrap();
-    assert!(junctions.request(&asked(2, false, &[crossing], track.id), 1).is_err());
-    junctions.forget(9);
-    // The car came first, but the tram asks now.
-    assert_eq!(junctions.request(&asked(3, true, &[track.id], track.id), 2), Ok(()));
-}
-
-#[test]
-fn who_waits_for_a_tram_holds_up_nobody_whose_way_is_free() {
-    let (_, town) = towns_with_tracks(1).remove(0);
-    let roads = Roads::new(Arc::clone(&town));
-    let mut junctions = Junctions::new(&roads);
-    let is_road = |l: &LaneId| town.network.lane(*l).kind == LaneKind::Driving;
-    let of = |junctions: &Junctions, lane: LaneId| -> Vec<LaneId> { junctions.conflicts_of(lane) };
-    // A track, a way that crosses it, and one that crosses that way but not the track.
-    let (track, blocked, free) = roads
-        .lanes()
-        .iter()
-        .filter(|l| l.kind == LaneKind::Tram && l.junction.is_some())
-        .find_map(|track| {
-            let across = of(&junctions, track.id);
-            let (blocked, free) = across.iter().filter(|l| is_road(l)).find_map(|blocked| {
-                let free = of(&junctions, *blocked).into_iter().find(|l| is_road(l) && !across.contains(l))?;
-                Some((*blocked, free))
-            })?;
-            Some((track.id, blocked, free))
-        })
-        .expect("a junction with such ways");
-    let (tram, waiting, third) = (1, 2, 3);
-    junctions.request(&asked(tram, true, &[track], track), 0).unwrap();
-    assert_eq!(junctions.request(&asked(waiting, false, &[blocked], track), 1), Err(Refusal::Taken(tram)));
-    assert_eq!(junctions.request(&asked(third, false, &[free], track), 2), Ok(()));
-    // Once the tram is over, who came first goes first.
-    junctions.forget(third);
-    junctions.forget(tram);
-    junctions.request(&asked(9, false, &[free], track), 3).unwrap();
-    assert_eq!(junctions.request(&asked(waiting, false, &[blocked], track), 4), Err(Refusal::Taken(9)));
-    junctions.forget(9);
-    assert_eq!(junctions.request(&asked(third, false, &[free], track), 5), Err(Refusal::Earlier(waiting)));
+    junctions.resolve(&[waits, comes(tram)], &LaneUse::default(), &roads, 3000);
+    assert!(junctions.holds(tram, track));
+    assert_eq!(junctions.refusal(car), Refusal::Taken(tram));
 }
 
 #[test]

@@ -1,0 +1,170 @@
+//! Who goes first: all who want to cross a junction are looked at together, whatever the order of their slots.
+
+use super::exit_room::exit_blocked_by;
+use super::{Junctions, Refusal, Request, Reservation, Stage};
+use crate::town::LaneId;
+use crate::world::lane_use::LaneUse;
+use crate::world::roads::Roads;
+use crate::world::slot::Slot;
+
+/// Who yields goes if it has crossed so long before the other arrives: with the time that it needs to cross, this makes
+/// the critical headways of 4 to 7 s of HCM 2010, exhibit 19-10.
+const MARGIN_S: f64 = 1.0;
+/// Who has let others pass at so many looks, 18 s, goes when its turn comes.
+const PATIENCE_LOOKS: u32 = 18 * 20;
+
+/// A place in the queue before a junction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Queued {
+    pub slot: Slot,
+    /// The first lane across: who chooses another way queues anew.
+    first: LaneId,
+    since_step: u64,
+    /// At how many looks nothing but others has held it up.
+    asked_looks: u32,
+    pub refusal: Refusal,
+}
+
+/// A request with its place in the queue.
+struct Candidate<'a> {
+    request: &'a Request,
+    queued: Queued,
+    /// Whether it waits for a decision, and nobody before it on its lane does.
+    asks: bool,
+}
+
+impl Candidate<'_> {
+    /// What orders requests: the lane parts those who came at the same look.
+    fn came(&self) -> (u64, LaneId) {
+        (self.queued.since_step, self.queued.first)
+    }
+
+    /// Whether it lets another go first whose way crosses its own.
+    fn waits_for(&self, other: &Self) -> bool {
+        let is_patient = |a: &Self| a.queued.asked_looks < PATIENCE_LOOKS;
+        let yields = |a: &Self, b: &Self| a.request.yields_to(b.request) && (is_patient(a) || b.request.is_tram);
+        if yields(self, other) {
+            return other.request.arrives_s < self.request.clears_s + MARGIN_S;
+        }
+        !yields(other, self) && other.asks && other.came() < self.came()
+    }
+}
+
+impl Junctions {
+    /// Decides on all requests of one look. Who may go holds the lanes across from now on; what others hold who have
+    /// not entered yet and have to wait after all is free again.
+    pub fn resolve(&mut self, requests: &[Request], lane_use: &LaneUse, roads: &Roads, step: u64) {
+        for waits in requests.iter().filter(|r| r.stage == Stage::Waits) {
+            self.held.retain(|h| h.slot != waits.slot || !waits.lanes.contains(&h.lane));
+        }
+        self.line_up(requests, step);
+        let is_first = |own: &Request| {
+            let is_ahead = |other: &Request| other.before == own.before && other.front_m < own.front_m;
+            !requests.iter().any(|other| other.stage != Stage::Comes && is_ahead(other))
+        };
+        let mut candidates: Vec<Candidate<'_>> = requests
+            .iter()
+            .zip(&self.queue)
+            .filter(|(request, _)| request.stage != Stage::Waits)
+            .map(|(request, queued)| {
+                let asks = request.stage == Stage::Asks && is_first(request);
+                Candidate { request, queued: *queued, asks }
+            })
+            .collect();
+        // Nobody waits for who has no way out.
+        let blocked = |c: &Candidate<'_>| exit_blocked_by(c.request, lane_use, self, roads).filter(|_| c.asks);
+        let blocked: Vec<(Slot, Slot)> =
+            candidates.iter().filter_map(|c| Some((c.request.slot, blocked(c)?))).collect();
+        for (slot, by) in blocked {
+            self.refuse(slot, Refusal::ExitFull(by));
+            candidates.retain(|c| c.request.slot != slot);
+        }
+        candidates.sort_by_key(|c| (!c.request.is_tram, c.came()));
+        for own in candidates.iter().filter(|c| c.asks) {
+            let decision = match self.hindrance(own, lane_use, roads) {
+                Some(refusal) => Err(refusal),
+                None => self.first_before(own, &candidates).map_or(Ok(()), |by| Err(Refusal::Yields(by))),
+            };
+            match decision {
+                Ok(()) => self.grant(own.request),
+                Err(refusal) => self.refuse(own.request.slot, refusal),
+            }
+        }
+        self.break_circles(&candidates, lane_use, roads);
+    }
+
+    /// Gives every request its place in the queue, in the order of the requests; who asks no more loses it.
+    fn line_up(&mut self, requests: &[Request], step: u64) {
+        let queue = requests.iter().map(|request| {
+            let Request { slot, stage, .. } = *request;
+            let first = request.lanes[0];
+            let before = self.queue.iter().find(|q| q.slot == slot && q.first == first);
+            let since_step = before.filter(|_| stage != Stage::Comes).map_or(step, |q| q.since_step);
+            let asked_looks = before.map_or(0, |q| q.asked_looks) + u32::from(stage == Stage::Asks);
+            Queued { slot, first, since_step, asked_looks, refusal: Refusal::Undecided }
+        });
+        self.queue = queue.collect();
+    }
+
+    /// What is in the way of a request whoever goes first.
+    fn hindrance(&self, own: &Candidate<'_>, lane_use: &LaneUse, roads: &Roads) -> Option<Refusal> {
+        if let Some(by) = exit_blocked_by(own.request, lane_use, self, roads) {
+            return Some(Refusal::ExitFull(by));
+        }
+        let is_in_the_way = |r: &&Reservation| {
+            let crosses = |(lane, until_m): &(LaneId, f64)| r.tail_m < *until_m && own.request.lanes.contains(lane);
+            r.slot != own.request.slot && self.conflicts.with(r.lane).iter().any(crosses)
+        };
+        self.held.iter().find(is_in_the_way).map(|r| Refusal::Taken(r.slot))
+    }
+
+    /// The first of those whom a request lets go first.
+    fn first_before(&self, own: &Candidate<'_>, candidates: &[Candidate<'_>]) -> Option<Slot> {
+        let goes_first = |other: &&Candidate<'_>| {
+            other.request.slot != own.request.slot
+                && !self.holds(other.request.slot, other.request.lanes[0])
+                && self.conflicts.cross([&own.request.lanes, &other.request.lanes])
+                && own.waits_for(other)
+        };
+        candidates.iter().find(goes_first).map(|other| other.request.slot)
+    }
+
+    fn refuse(&mut self, slot: Slot, refusal: Refusal) {
+        if let Some(q) = self.queue.iter_mut().find(|q| q.slot == slot) {
+            q.refusal = refusal;
+        }
+    }
+
+    fn grant(&mut self, request: &Request) {
+        self.queue.retain(|q| q.slot != request.slot);
+        let exit = request.exits.first().copied().unwrap_or(request.lanes[request.lanes.len() - 1]);
+        self.held.extend(request.lanes.iter().map(|lane| Reservation {
+            slot: request.slot,
+            lane: *lane,
+            exit,
+            room_m: request.room_m,
+            tail_m: f64::NEG_INFINITY,
+            clear_at_m: None,
+        }));
+    }
+
+    /// Where each of some waits for another of them, who came first goes: four who come from each other's right.
+    fn break_circles(&mut self, candidates: &[Candidate<'_>], lane_use: &LaneUse, roads: &Roads) {
+        for own in candidates.iter().filter(|c| c.asks) {
+            let waits_for = |slot: Slot| match self.refusal(slot) {
+                Refusal::Yields(by) => Some(by),
+                _ => None,
+            };
+            let mut circle = vec![own.request.slot];
+            while let Some(next) = waits_for(circle[circle.len() - 1]).filter(|next| !circle.contains(next)) {
+                circle.push(next);
+            }
+            // The candidates stand in their order: the first of a circle is the first to be looked at.
+            if waits_for(circle[circle.len() - 1]) == Some(own.request.slot)
+                && self.hindrance(own, lane_use, roads).is_none()
+            {
+                self.grant(own.request);
+            }
+        }
+    }
+}
