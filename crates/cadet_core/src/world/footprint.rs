@@ -1,9 +1,7 @@
 //! Rectangles in the plane: what agents cover, and what others have to keep off.
 
+use super::params::SAME_WAY;
 use crate::math::{DPose3, DVec2, DVec3};
-
-/// Cosine of the greatest angle between two that go the same way.
-const SAME_WAY: f64 = 0.8;
 
 /// A rectangle on the ground, and how it moves.
 #[derive(Debug, Clone, Copy)]

@@ -37,10 +37,10 @@ impl LaneUse {
         self.0.push(agent);
     }
 
-    /// Who stands or crawls nearest to the start of a lane, leaving one agent out; where everybody comes to a stand
-    /// (`is_end`), who moves counts too.
-    pub fn last_on(&self, lane: LaneId, but: Slot, is_end: bool) -> Option<&OnLane> {
-        let others = self.on(lane).filter(|a| a.agent != but && (is_end || a.speed_mps < SLOW_MPS));
+    /// Who stands or crawls nearest to the start of a lane, leaving one agent out; who moves counts too
+    /// for trams.
+    pub fn last_on(&self, lane: LaneId, but: Slot, is_tram: bool) -> Option<&OnLane> {
+        let others = self.on(lane).filter(|a| a.agent != but && (is_tram || a.speed_mps < SLOW_MPS));
         others.min_by(|a, b| a.tail_m().total_cmp(&b.tail_m()))
     }
 

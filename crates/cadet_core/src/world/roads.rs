@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::abreast;
 use super::footprint::Footprint;
+use super::params::SAME_WAY;
 use super::room::{Needs, Room};
 use crate::math::{self, DVec2, DVec3};
 use crate::town::{GroundKind, Lane, LaneId, LaneKind, RightOfWay, RoadNetwork, Signals, Town};
@@ -15,8 +16,6 @@ const REACH_CAP_M: f64 = 600.0;
 
 /// Lanes with a higher limit (90 km/h) are fast: drivers look farther there.
 const FAST_MPS: f64 = 25.0;
-/// Cosine of the greatest angle between a cycle lane and the lane for cars that it goes along.
-const GOES_ALONG: f64 = 0.8;
 /// Half the width of the widest lanes for bicycles.
 const WIDE_M: f64 = 3.0;
 
@@ -249,7 +248,7 @@ fn rights_of_way(town: &Town) -> Vec<Option<RightOfWay>> {
     let of = |lane: &Lane| RightOfWay::of(lane, network, &town.signals);
     let beside = |lane: &Lane| {
         let arrives_with = |o: &&Lane| {
-            let goes_along = o.end_tangent().dot(lane.end_tangent()) > GOES_ALONG;
+            let goes_along = o.end_tangent().dot(lane.end_tangent()) > SAME_WAY;
             o.road == lane.road && o.junction.is_none() && goes_along
         };
         network.driving().filter(arrives_with).find_map(of)

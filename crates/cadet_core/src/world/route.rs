@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::params::TURNS_RAD;
 use super::roads::Roads;
 use super::room::Needs;
 use crate::math::{self, DVec2, DVec3};
@@ -221,7 +222,7 @@ impl Route {
                 let c = &roads.lane(*s).center;
                 let out = c[c.len() - 1] - c[c.len() - 2];
                 let turn = math::atan2(end.x * out.y - end.y * out.x, end.x * out.x + end.y * out.y).abs();
-                let weight = match (turn < 0.6, turn < 2.5) {
+                let weight = match (turn < TURNS_RAD, turn < 2.5) {
                     (true, _) => self.straight,
                     (false, true) => 1.0,
                     // Turning round is for dead ends.

@@ -1,6 +1,6 @@
 //! What who drives or rides along a route has to brake for: traffic, people, junctions, the end of the road.
 
-use super::idm::{COMFORTABLE_MPS2, IdmParameters, gap_along};
+use super::idm::{IdmParameters, gap_along};
 use super::junction_ahead::look_at_junction;
 use super::pursuit::Axles;
 use crate::math::DVec2;
@@ -89,6 +89,20 @@ impl OnRoute<'_> {
         self.train_m.unwrap_or(2.0 * self.footprint.half_length_m)
     }
 
+    /// The places ahead on its route, from its middle on, that matter at its speed.
+    pub fn in_sight(&self, roads: &Roads) -> Vec<Ahead> {
+        let most_m = if roads.is_fast(self.route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
+        let count = (self.sight_m().min(most_m) / SAMPLE_M) as usize;
+        (0..count).map(|k| self.route.ahead(k as f64 * SAMPLE_M, roads)).collect()
+    }
+
+    /// How far ahead of its middle it matters what stands: where it stops comfortably, and two seconds more.
+    fn sight_m(&self) -> f64 {
+        let speed_mps = self.speed_mps().max(0.0);
+        let near_m = NEAR_M.max(self.footprint.half_length_m + BEFORE_FRONT_M);
+        speed_mps * speed_mps / (2.0 * self.idm.comfortable_mps2) + 2.0 * speed_mps + near_m
+    }
+
     /// The constraint by which its front comes to a stand after so much.
     pub fn stop_in(&self, front_m: f64, cause: Cause) -> Constraint {
         Constraint { gap_m: front_m + self.idm.minimum_gap_m, speed_mps: 0.0, cause }
@@ -109,24 +123,6 @@ impl OnRoute<'_> {
             .map(|c| (self.idm.interaction_accel(speed_mps, c.gap_m, c.speed_mps), c.cause))
             .fold((0.0, Cause::Nothing), |worst, one| if one.0 < worst.0 { one } else { worst })
     }
-}
-
-/// The places ahead on a route, from the vehicle's middle on, that matter at a speed.
-pub(super) fn in_sight(
-    route: &Route,
-    speed_mps: f64,
-    half_length_m: f64,
-    roads: &Roads,
-) -> impl Iterator<Item = Ahead> {
-    let most_m = if roads.is_fast(route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
-    let count = (sight_m(speed_mps, half_length_m).min(most_m) / SAMPLE_M) as usize;
-    (0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads))
-}
-
-/// How far ahead of a vehicle's middle it matters at a speed what stands: where it stops comfortably, and two seconds more.
-fn sight_m(speed_mps: f64, half_length_m: f64) -> f64 {
-    let near_m = NEAR_M.max(half_length_m + BEFORE_FRONT_M);
-    speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + near_m
 }
 
 /// The traffic on the line so far to the left of the route's: in the lane that one is changing to.
@@ -201,7 +197,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, road
 
 /// The end of the road. Where it is the map's, all but the ego drive on and leave the world.
 fn road_end(own: &OnRoute<'_>, roads: &Roads) -> Option<Constraint> {
-    let sight_m = sight_m(own.speed_mps(), own.footprint.half_length_m);
+    let sight_m = own.sight_m();
     let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, roads);
     let end_m = own.route.ends_in_m(roads).filter(|m| stays && *m < sight_m)?;
     Some(own.stop_in(end_m - own.footprint.half_length_m - BEFORE_END_M, Cause::RoadEnd))
@@ -211,6 +207,7 @@ fn road_end(own: &OnRoute<'_>, roads: &Roads) -> Option<Constraint> {
 mod tests {
     use super::*;
     use crate::rng::Stream;
+    use crate::world::params::CAR;
     use crate::world::tests::towns::{ground, lane, line, town};
 
     #[test]
@@ -218,9 +215,9 @@ mod tests {
         let mut network = crate::town::RoadNetwork::default();
         lane(&mut network, &line(DVec2::ZERO, DVec2::new(400.0, 0.0)), None, &|_, _| 0.0);
         let roads = Roads::new(town(network, ground(450.0, 10.0, &|_, _| 0.0), Vec::new()));
-        let idm = IdmParameters::draw(&mut Stream::from_seed("idm", 1));
+        let idm = CAR.draw(&mut Stream::from_seed("idm", 1));
         for speed_mps in [5.0, 14.0, 25.0, 36.0] {
-            let stops_m = speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2);
+            let stops_m = speed_mps * speed_mps / (2.0 * idm.comfortable_mps2);
             let route = Route::along([crate::town::LaneId(0)].into(), 400.0 - 2.2 - stops_m);
             let at = route.ahead(0.0, &roads);
             let (half_length_m, half_width_m) = (2.2, 0.9);
@@ -230,7 +227,7 @@ mod tests {
             let route = &route;
             let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };
             let around = TrafficState::new(&roads);
-            let ahead: Vec<Ahead> = in_sight(route, speed_mps, half_length_m, &roads).collect();
+            let ahead = rider.in_sight(&roads);
             let (_, cause) = rider.tightest(&perceive(&rider, &ahead, &around, &roads, 0).constraints);
             assert_eq!(cause, Cause::RoadEnd, "{speed_mps} m/s, {stops_m} m before the end");
         }

@@ -4,6 +4,7 @@ use super::avoidance::SHOULDER_M;
 use super::motion::Motion;
 use crate::math::{DVec2, DVec3};
 use crate::town::Over;
+use crate::world::params::CRAWLS_MPS;
 use crate::world::physics::DT_S;
 use crate::world::streets::Streets;
 use crate::world::traffic_state::TrafficState;
@@ -11,9 +12,8 @@ use crate::world::traffic_state::TrafficState;
 /// Gap in traffic, in seconds before the car arrives, that people accept beyond the time they need.
 const MARGIN_S: f64 = 2.0;
 pub(super) const CROSSING_MPS: f64 = 1.5;
-/// Vehicles farther away do not matter on a ford; slower ones stand, or let pass; others stop so hard after so long.
+/// Vehicles farther away do not matter on a ford; who crawls lets pass; others stop so hard after so long.
 const FAR_M: f64 = 40.0;
-const SLOW_MPS: f64 = 0.3;
 const FIRM_MPS2: f64 = 3.0;
 const REACTION_S: f64 = 0.6;
 
@@ -77,7 +77,7 @@ fn is_let_over(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
         let stops_m = speed * REACTION_S + speed * speed / (2.0 * FIRM_MPS2);
         let ahead = around.way_ahead(vehicle.agent).iter();
         let onto = ahead.filter(|a| distance_to_way(a.at) < footprint.half_width_m + 0.6);
-        speed < SLOW_MPS || onto.into_iter().all(|a| a.distance_m - footprint.half_length_m > stops_m)
+        speed < CRAWLS_MPS || onto.into_iter().all(|a| a.distance_m - footprint.half_length_m > stops_m)
     })
 }
 
@@ -88,7 +88,7 @@ fn is_free_to_cross(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
     around.vehicles.iter().all(|vehicle| {
         let footprint = &vehicle.footprint;
         let speed = footprint.velocity.length();
-        let standing = speed < 0.2;
+        let standing = speed < CRAWLS_MPS;
         let half_m = footprint.half_length_m;
         if distance_to_way(footprint.center) < half_m + 1.2 {
             return false;

@@ -1,8 +1,8 @@
 //! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
 
-use super::constraints::{Cause, OnRoute, in_sight, perceive};
+use super::constraints::{Cause, OnRoute, perceive};
 use super::controller::{AgentParts, Controller, Outlook};
-use super::idm::{IdmParameters, pedals};
+use super::idm::IdmParameters;
 use super::junction_ahead::leave_junctions;
 use super::turning::turn_ahead;
 use crate::math::{self, DVec2};
@@ -11,9 +11,10 @@ use crate::town::LaneId;
 use crate::world::appearance::Appearance;
 use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
+use crate::world::params::{CYCLIST, STANDS_MPS};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
-use crate::world::route::{Ahead, Route};
+use crate::world::route::Route;
 use crate::world::streets::Streets;
 use crate::world::traffic_state::TrafficState;
 use crate::world::turn_signal::TurnSignal;
@@ -31,13 +32,10 @@ const LOOKS_BACK_M: f64 = 0.6;
 const STEP_M: f64 = 1.25;
 /// How fast one changes sides, meters a look.
 const SHIFT_M: f64 = 0.03;
-/// Strongest acceleration, and braking; the tightest turn.
-const MOST_MPS2: f64 = 0.9;
-const HARDEST_MPS2: f64 = -4.5;
+/// The tightest turn.
 const TIGHTEST_PER_M: f64 = 0.55;
 /// Who slows down by more than this does not pedal.
 const COASTS_MPS2: f64 = -0.3;
-const STANDS_MPS: f64 = 0.1;
 /// Share of cyclists who point where they turn, between which distances of a junction, and from which speed on.
 const POINTS_SHARE: f64 = 0.8;
 const POINTS_M: (f64, f64) = (5.0, 25.0);
@@ -63,9 +61,8 @@ impl Cyclist {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
         // A look ahead that takes nothing: who is made later keeps their draws.
         let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
-        let time_gap_s = habits.range(0.8, 1.3);
         let top_speed_mps = cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1);
-        let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s, minimum_gap_m: 1.3, top_speed_mps };
+        let idm = IdmParameters { top_speed_mps, ..CYCLIST.draw(habits) };
         Self {
             route: route(habits.range(KEEPS_M.0, KEEPS_M.1)),
             standing_steps: 0,
@@ -120,7 +117,6 @@ impl Controller for Cyclist {
         let offset_m = self.free_offset_m(footprint, around, roads);
         self.route.offset_m += (offset_m - self.route.offset_m).clamp(-SHIFT_M, SHIFT_M);
         self.desired_mps = self.idm.top_speed_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
-        let ahead: Vec<Ahead> = in_sight(&self.route, self.speed_mps, footprint.half_length_m, roads).collect();
         let rider = OnRoute {
             slot: own.slot,
             footprint,
@@ -130,6 +126,7 @@ impl Controller for Cyclist {
             train_m: None,
             reduced_clearance: false,
         };
+        let ahead = rider.in_sight(roads);
         let perceived = perceive(&rider, &ahead, around, roads, step);
         (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         // In the bend both hands are needed.
@@ -141,8 +138,7 @@ impl Controller for Cyclist {
 
     fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {
         let (Body::Cycle(body), Appearance::Cyclist { model, ride }) = (own.body, own.appearance) else { return };
-        let wanted = pedals(self.idm.free_road(self.speed_mps, self.desired_mps), self.interaction_mps2);
-        let accel_mps2 = wanted.clamp(HARDEST_MPS2, MOST_MPS2);
+        let accel_mps2 = self.idm.pedals(self.idm.free_road(self.speed_mps, self.desired_mps), self.interaction_mps2);
         self.speed_mps = (self.speed_mps + accel_mps2 * DT_S).max(0.0);
         let moved_m = self.speed_mps * DT_S;
         // Pure pursuit of the route.

@@ -1,8 +1,8 @@
 //! Who drives a car along a route: bends, traffic, junctions.
 
-use super::constraints::{Cause, OnRoute, in_sight, perceive, traffic_aside};
+use super::constraints::{Cause, OnRoute, perceive, traffic_aside};
 use super::controller::{AgentParts, Controller, Outlook};
-use super::idm::{IdmParameters, pedals};
+use super::idm::IdmParameters;
 use super::junction_ahead::leave_junctions;
 use super::lane_change::{Decider, LaneChoice};
 use super::overtaking::{OVERTAKE_SPEED_FACTOR, Overtaking};
@@ -14,16 +14,15 @@ use crate::world::body::{Body, Chassis};
 use crate::world::ego_command::EgoCommand;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
+use crate::world::params::STANDS_MPS;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
-use crate::world::route::{Ahead, Route};
+use crate::world::route::Route;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
 use crate::world::traffic_state::{Claim, TrafficState};
 use crate::world::turn_signal::TurnSignal;
 
-/// A car slower than this stands.
-const STANDS_MPS: f64 = 0.1;
 /// A car that hardly moves is held below this acceleration, and then until it is worth starting: at one limit for both
 /// it would start and stop by turns, a millimeter at a time.
 const STOPS_MPS2: f64 = 0.05;
@@ -123,10 +122,10 @@ impl Driver {
     /// The acceleration that the pedals are to give.
     fn pressed_mps2(&self, speed_mps: f64) -> f64 {
         match self.command {
-            Some(command) => pedals((command.speed_mps - speed_mps) / RESPONSE_S, 0.0),
+            Some(command) => self.idm.pedals((command.speed_mps - speed_mps) / RESPONSE_S, 0.0),
             None => {
                 let hurry = if self.overtaking.is_some() { OVERTAKE_SPEED_FACTOR } else { 1.0 };
-                pedals(self.idm.free_road(speed_mps, hurry * self.desired_mps), self.interaction_mps2)
+                self.idm.pedals(self.idm.free_road(speed_mps, hurry * self.desired_mps), self.interaction_mps2)
             }
         }
     }
@@ -225,7 +224,6 @@ impl Controller for Driver {
             let speed = footprint.velocity.dot(footprint.heading);
             self.desired_mps =
                 (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
-            let ahead: Vec<Ahead> = in_sight(route, speed, footprint.half_length_m, roads).collect();
             if self.standing_steps >= WAITED_STEPS {
                 self.reduced_clearance_until = step + REDUCED_CLEARANCE_STEPS;
             }
@@ -238,6 +236,7 @@ impl Controller for Driver {
                 train_m: None,
                 reduced_clearance: step < self.reduced_clearance_until,
             };
+            let ahead = rider.in_sight(roads);
             let mut perceived = perceive(&rider, &ahead, around, roads, step);
             let (_, cause) = rider.tightest(&perceived.constraints);
             self.overtaking = match (self.overtaking, cause) {

@@ -1,24 +1,12 @@
-//! The pedals: the intelligent driver model (Treiber, Hennecke, Helbing 2000).
+//! Following: the intelligent driver model (Treiber, Hennecke, Helbing 2000).
 
-use crate::rng::Stream;
 use crate::world::footprint::Footprint;
 use crate::world::route::Ahead;
 
-/// Comfortable deceleration.
-pub(crate) const COMFORTABLE_MPS2: f64 = 2.0;
-const ACCELERATION_MPS2: f64 = 1.2;
-/// The room that drivers keep to the car ahead.
-struct GapPolicy {
-    /// Bumper to bumper at a standstill.
-    minimum_gap_m: f64,
-    mean_time_gap_s: f64,
-}
-const TRAFFIC_GAPS: GapPolicy = GapPolicy { minimum_gap_m: 2.0, mean_time_gap_s: 1.2 };
-/// Of KITTI's cars none is ahead in the own lane within 7 m of the camera, and one in a hundred within 20 m.
-const EGO_GAPS: GapPolicy = GapPolicy { minimum_gap_m: 4.5, mean_time_gap_s: 2.2 };
-const HARDEST_BRAKING_MPS2: f64 = -7.0;
+/// The most that a driver slows down by on a free road on which it is too fast.
+const SLOWS_MPS2: f64 = 3.0;
 
-/// One driver's IDM parameters: desired speed and time gap are Gaussian over drivers.
+/// One driver's parameters of the model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct IdmParameters {
     /// Desired speed as a fraction of what limit and bends allow.
@@ -27,66 +15,52 @@ pub(crate) struct IdmParameters {
     pub time_gap_s: f64,
     /// Bumper to bumper at a standstill.
     pub minimum_gap_m: f64,
+    /// Strongest acceleration, the deceleration that is comfortable, and what the brakes can do.
+    pub accel_mps2: f64,
+    pub comfortable_mps2: f64,
+    pub hardest_mps2: f64,
     /// Faster than this the vehicle does not go.
     pub top_speed_mps: f64,
 }
 
 impl IdmParameters {
-    pub fn draw(stream: &mut Stream) -> Self {
-        Self::keeping(&TRAFFIC_GAPS, stream)
-    }
-
-    /// Of the ego's driver, who keeps away from the car ahead.
-    pub fn draw_of_ego(stream: &mut Stream) -> Self {
-        Self::keeping(&EGO_GAPS, stream)
-    }
-
-    fn keeping(gaps: &GapPolicy, stream: &mut Stream) -> Self {
-        Self {
-            desired_speed_factor: stream.clipped_normal(1.0, 0.09),
-            time_gap_s: stream.clipped_normal(gaps.mean_time_gap_s, 0.25),
-            minimum_gap_m: gaps.minimum_gap_m,
-            top_speed_mps: f64::INFINITY,
-        }
-    }
-
     /// Acceleration on a free road.
     pub fn free_road(&self, speed_mps: f64, desired_mps: f64) -> f64 {
         let ratio = (speed_mps.max(0.0) / desired_mps.max(0.5)).min(2.0);
-        (ACCELERATION_MPS2 * (1.0 - ratio * ratio * ratio * ratio)).max(-3.0)
+        (self.accel_mps2 * (1.0 - ratio * ratio * ratio * ratio)).max(-SLOWS_MPS2)
     }
 
     /// What a gap to something ahead takes off the free road's acceleration.
     pub fn interaction_accel(&self, speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
         let ratio = self.wanted_gap_m(speed_mps, leader_mps) / gap_m.max(0.2);
-        -ACCELERATION_MPS2 * ratio * ratio
+        -self.accel_mps2 * ratio * ratio
     }
 
     fn wanted_gap_m(&self, speed_mps: f64, leader_mps: f64) -> f64 {
         let v = speed_mps.max(0.0);
-        let closing = v * (v - leader_mps) / (2.0 * (ACCELERATION_MPS2 * COMFORTABLE_MPS2).sqrt());
+        let closing = v * (v - leader_mps) / (2.0 * (self.accel_mps2 * self.comfortable_mps2).sqrt());
         self.minimum_gap_m + (v * self.time_gap_s + closing).max(0.0)
     }
 
     /// How far before a line it takes a comfortable deceleration to stop there.
     pub fn comfortable_stop_m(&self, speed_mps: f64) -> f64 {
-        let gap_m = self.wanted_gap_m(speed_mps, 0.0) * (ACCELERATION_MPS2 / COMFORTABLE_MPS2).sqrt();
+        let gap_m = self.wanted_gap_m(speed_mps, 0.0) * (self.accel_mps2 / self.comfortable_mps2).sqrt();
         (gap_m - self.minimum_gap_m).max(0.0)
     }
-}
 
-/// The pedals: free road and the worst of the gaps, within what brakes can do.
-pub(crate) fn pedals(free_mps2: f64, worst_interaction_mps2: f64) -> f64 {
-    (free_mps2 + worst_interaction_mps2).clamp(HARDEST_BRAKING_MPS2, ACCELERATION_MPS2 * 1.2)
-}
+    /// How long it takes to go a distance from a speed on, no faster than `most_mps`.
+    pub fn time_to_go(&self, distance_m: f64, speed_mps: f64, most_mps: f64) -> f64 {
+        let most_mps = most_mps.min(self.top_speed_mps).max(speed_mps).max(0.5);
+        let reached_m = (most_mps * most_mps - speed_mps * speed_mps) / (2.0 * self.accel_mps2);
+        let accelerates_m = distance_m.clamp(0.0, reached_m);
+        let then_mps = (speed_mps * speed_mps + 2.0 * self.accel_mps2 * accelerates_m).sqrt();
+        (then_mps - speed_mps) / self.accel_mps2 + (distance_m - accelerates_m).max(0.0) / most_mps
+    }
 
-/// How long it takes to go a distance from a speed on, as fast as drivers accelerate and no faster than `most_mps`.
-pub(crate) fn time_to_go(distance_m: f64, speed_mps: f64, most_mps: f64) -> f64 {
-    let most_mps = most_mps.max(speed_mps).max(0.5);
-    let reached_m = (most_mps * most_mps - speed_mps * speed_mps) / (2.0 * ACCELERATION_MPS2);
-    let accelerates_m = distance_m.clamp(0.0, reached_m);
-    let then_mps = (speed_mps * speed_mps + 2.0 * ACCELERATION_MPS2 * accelerates_m).sqrt();
-    (then_mps - speed_mps) / ACCELERATION_MPS2 + (distance_m - accelerates_m).max(0.0) / most_mps
+    /// What the pedals give: free road and the worst of the gaps, within what brakes can do.
+    pub fn pedals(&self, free_mps2: f64, worst_interaction_mps2: f64) -> f64 {
+        (free_mps2 + worst_interaction_mps2).clamp(-self.hardest_mps2, self.accel_mps2 * 1.2)
+    }
 }
 
 /// The gap from the front bumper to the first contact with an obstacle along the route, and the obstacle's speed along

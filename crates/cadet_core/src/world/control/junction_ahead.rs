@@ -1,11 +1,11 @@
 //! The junction ahead of who follows a route: what is asked of it, and the line to stop at until it may be crossed.
 
 use super::constraints::{Cause, Constraint, OnRoute};
-use super::idm::{COMFORTABLE_MPS2, time_to_go};
 use super::swing_out::vehicle_in_swept_path;
 use crate::math::DVec3;
 use crate::town::{Aspect, LaneId, RightOfWay, STOP_LINE_M as PAINTED_M};
 use crate::world::junctions::{Junctions, Refusal, Request, Stage, Turn};
+use crate::world::params::CRAWLS_MPS;
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
@@ -31,13 +31,10 @@ const EARLY_M: f64 = 6.0;
 const EARLY_S: f64 = 0.3;
 /// What is asked is decided by the next look: it's asked for so long before one would have to brake.
 const DECIDED_S: f64 = 0.1;
-/// Who is slower, so near to a stop sign's line, has stopped at it.
-const STOPPED_MPS: f64 = 0.5;
+/// Who crawls so near to a stop sign's line has stopped at it.
 const AT_LINE_M: f64 = 1.5;
 /// Kept free behind a vehicle that leaves a junction.
 const EXIT_ROOM_M: f64 = 2.5;
-/// Trams that have no more than this of their line before them reckon with others standing at its end.
-const NEAR_LINE_END_M: f64 = 200.0;
 
 /// What a look at the next junction finds.
 #[derive(Default)]
@@ -88,7 +85,7 @@ pub(super) fn look_at_junction(own: &OnRoute<'_>, around: &TrafficState, roads: 
         return JunctionAhead { stop: None, request };
     }
     let has_to_stop = roads.right_of_way(before) == Some(RightOfWay::Stop)
-        && (speed_mps > STOPPED_MPS || front_m > AT_LINE_M)
+        && (speed_mps > CRAWLS_MPS || front_m > AT_LINE_M)
         && front_m > 0.0;
     let in_sweep = vehicle_in_swept_path(own, &across(own.route, k, roads), start_m, around, roads);
     let stage = if has_to_stop || in_sweep.is_some() { Stage::Waits } else { Stage::Asks };
@@ -131,21 +128,20 @@ fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, roads: &
     let front_m = start_m - own.footprint.half_length_m;
     let across_m: f64 = lanes.iter().map(|l| roads.lane(*l).length_m()).sum();
     let allowed = lanes.iter().flat_map(|l| roads.allowed_mps(*l)).copied();
-    let goes_mps = allowed.fold(own.idm.top_speed_mps, f64::min);
+    let goes_mps = allowed.fold(f64::INFINITY, f64::min);
     Request {
         slot: own.slot,
         before: route.lanes[k - 1],
         front_m,
         exits,
         room_m: own.length_m() + EXIT_ROOM_M,
-        ends_there: is_tram && route.remaining_m(roads) < NEAR_LINE_END_M,
         is_tram,
         right_of_way: roads.right_of_way(route.lanes[k - 1]).filter(|_| !roads.is_in_roundabout(lanes[0])),
         heading,
         turn: Turn::of(first.curb_side() * turn_rad),
         curb_side: first.curb_side(),
         arrives_s: front_m.max(0.0) / speed_mps.max(STARTS_MPS),
-        clears_s: time_to_go(front_m + across_m + own.length_m(), speed_mps, goes_mps),
+        clears_s: own.idm.time_to_go(front_m + across_m + own.length_m(), speed_mps, goes_mps),
         stage,
         lanes,
     }
@@ -158,7 +154,7 @@ fn wait_at_light(own: &OnRoute<'_>, junctions: &Junctions, roads: &Roads, step: 
     let aspect = roads.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S)?;
     let front_m = start_m - own.footprint.half_length_m - LIGHT_LINE_M;
     let braking_m = speed_mps * speed_mps / 2.0;
-    let seen_m = braking_m / COMFORTABLE_MPS2 + speed_mps + SEES_LIGHT_M;
+    let seen_m = braking_m / own.idm.comfortable_mps2 + speed_mps + SEES_LIGHT_M;
     if aspect == Aspect::Green || front_m < OVER_LINE_M || front_m > seen_m {
         return None;
     }

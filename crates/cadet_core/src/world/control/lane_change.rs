@@ -7,6 +7,7 @@ use super::lane_view::{LaneView, Neighbor};
 use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
+use crate::world::params::{CRAWLS_MPS, LONG_M};
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
@@ -29,13 +30,8 @@ const STAYS_BEHIND_MPS2: f64 = 2.5;
 const STAY_S: f64 = 4.0;
 /// Slower vehicles don't change.
 const LEAST_MPS: f64 = 4.0;
-/// Who has come to stand in the first half of a change stays in the old lane after all: of two side by side, one who would
-/// cut in and one who brakes for it, neither would move.
-const STUCK_MPS: f64 = 0.3;
 /// Who is no farther off needs no change to return.
 const HARDLY_LEFT_M: f64 = 0.4;
-/// What is longer keeps to the two lanes at the curb, and in towns, where it would stand across two, to its lane.
-const LONG_M: f64 = 6.5;
 /// Looks between two decisions, and steps between two looks.
 const LOOKS: u64 = 6;
 const STEPS_A_LOOK: u64 = 3;
@@ -151,8 +147,10 @@ impl LaneChoice {
         self.stays_behind_mps2 = 0.0;
         let Decider { slot, own, idm, .. } = *by;
         let speed_mps = own.velocity.dot(own.heading).max(0.0);
+        // Of two side by side, one who would cut in and one who brakes for it, neither would move: who has come to stand in
+        // the first half of a change stays in the old lane after all.
         if let Some(change) = self.change
-            && speed_mps < STUCK_MPS
+            && speed_mps < CRAWLS_MPS
             && change.share < 0.5
             && !change.returns
             && let Some(back) = if change.is_inward { outer } else { inner }
@@ -178,6 +176,7 @@ impl LaneChoice {
         if !inner_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
             self.stays_behind_mps2 = inner_mps2.max(-STAYS_BEHIND_MPS2);
         }
+        // What is long keeps to the two lanes at the curb, and in towns, where it would stand across two, to its lane.
         let is_long = 2.0 * own.half_length_m > LONG_M;
         if self.change.is_some()
             || (is_long && !roads.is_fast(lane))
@@ -241,8 +240,15 @@ mod tests {
     use crate::town::Lane;
     use crate::world::tests::towns::long_main_roads;
 
-    const IDM: IdmParameters =
-        IdmParameters { desired_speed_factor: 1.0, time_gap_s: 1.2, minimum_gap_m: 2.0, top_speed_mps: f64::INFINITY };
+    const IDM: IdmParameters = IdmParameters {
+        desired_speed_factor: 1.0,
+        time_gap_s: 1.2,
+        minimum_gap_m: 2.0,
+        accel_mps2: 1.2,
+        comfortable_mps2: 2.0,
+        hardest_mps2: 7.0,
+        top_speed_mps: f64::INFINITY,
+    };
 
     fn neighbor(gap_m: f64, speed_mps: f64) -> Option<Neighbor> {
         Some(Neighbor { gap_m, speed_mps })

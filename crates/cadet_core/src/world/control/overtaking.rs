@@ -5,6 +5,7 @@ use super::junction_ahead::next_junction;
 use crate::math::{DVec2, DVec3};
 use crate::town::LaneKind;
 use crate::world::footprint::Footprint;
+use crate::world::params::{LONG_M, SAME_WAY};
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
@@ -18,9 +19,8 @@ const AFTER_M: f64 = 3.0;
 const RETURN_S: f64 = 1.5;
 /// So much faster than otherwise one drives meanwhile.
 pub(super) const OVERTAKE_SPEED_FACTOR: f64 = 1.15;
-/// The farthest that anybody leaves the middle of the lane, and the longest vehicle that does.
+/// The farthest that anybody leaves the middle of the lane.
 const MOST_ASIDE_M: f64 = 3.0;
-const LONGEST_M: f64 = 6.0;
 /// Slower cyclists are about to stop or to turn; others are worth it if one gets so much faster on.
 const LEAST_RIDER_MPS: f64 = 2.0;
 const LEAST_GAIN_MPS: f64 = 1.5;
@@ -49,8 +49,6 @@ const SIDE_STANDING_M: f64 = 0.3;
 const SIDE_PEOPLE_M: f64 = 1.0;
 /// Room beside other vehicles on the way: what is farther to the side is not on it.
 const SIDE_MOVING_M: f64 = 0.6;
-/// Cosine of the sharpest bend that is straight enough: 35 degrees.
-const STRAIGHT: f64 = 0.82;
 
 /// On the way past a cyclist.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +82,7 @@ impl Overtaking {
         let rider_mps = rider.velocity.dot(own.footprint.heading);
         let is_worth_it =
             rider_mps > LEAST_RIDER_MPS && OVERTAKE_SPEED_FACTOR * desired_mps > rider_mps + LEAST_GAIN_MPS;
-        if !is_worth_it || 2.0 * own.footprint.half_length_m > LONGEST_M {
+        if !is_worth_it || 2.0 * own.footprint.half_length_m > LONG_M {
             return None;
         }
         let way = Way::of(own.route, roads);
@@ -143,7 +141,7 @@ impl Overtaking {
             let inward = |a: &Ahead| a.tangent.perp() * self.inward;
             passed.iter().map(move |a| (a.at + inward(a) * self.inward_m, inward(a)))
         };
-        let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > STRAIGHT);
+        let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > SAME_WAY);
         let is_road = || lines().all(|(at, inward)| is_on_lane(at + inward * half_width_m, roads));
         let keeps_off = |o: &Footprint, side_m: f64| !lines().any(|(at, _)| o.is_within(at, half_width_m + side_m));
         let meets = |o: &Footprint| {
@@ -152,7 +150,7 @@ impl Overtaking {
             if !(-half_width_m - beside_m..self.inward_m + half_width_m + beside_m).contains(&inward_m) {
                 return false;
             }
-            if o.heading.dot(footprint.heading) < STRAIGHT {
+            if o.heading.dot(footprint.heading) < SAME_WAY {
                 let nearer_m = o.velocity.length().max(ONCOMING_MPS) * time_s;
                 return distance_m > -footprint.half_length_m && distance_m < way_m + nearer_m + spare_m;
             }

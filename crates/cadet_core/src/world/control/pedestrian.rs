@@ -11,6 +11,7 @@ use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
+use crate::world::params::CRAWLS_MPS;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::sidewalk::Sidewalks;
@@ -36,8 +37,6 @@ const ROUND_OTHERS_M: f64 = 0.45;
 const HELD_S: f64 = 1.2;
 /// Who found no free line for this long turns back.
 const BLOCKED_S: f64 = 2.5;
-/// A car slower than this stands.
-const STANDS_MPS: f64 = 0.3;
 /// So much of the way over a zebra crossing is kept free ahead of somebody.
 const ZEBRA_LEAD_M: f64 = 6.0;
 /// At the far curb among others one is over the road here.
@@ -226,7 +225,7 @@ impl Controller for Pedestrian {
                     .vehicles
                     .iter()
                     .map(|v| &v.footprint)
-                    .filter(|f| f.velocity.length() > STANDS_MPS)
+                    .filter(|f| f.velocity.length() > CRAWLS_MPS)
                     .any(|f| (f.closest_point(front) - front).length() < 0.4);
                 self.pace = if is_blocked { 0.0 } else { 1.0 };
             }

@@ -8,13 +8,13 @@ use super::predicted_way::PredictedWay;
 use crate::math::DVec2;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
+use crate::world::params::CRAWLS_MPS;
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
 use crate::world::traffic_state::{TrafficState, VehicleAt};
 
-/// Who is slower than this stands in the way of those who turn, and the room they need beside it.
-const STANDS_MPS: f64 = 0.5;
+/// The room that those who turn need beside who crawls or stands.
 const SWEEP_ROOM_M: f64 = 0.06;
 /// The same of trams, whose heading is that of a chord so much longer than they are.
 const TRAM_SWEEP_ROOM_M: f64 = 0.3;
@@ -45,7 +45,7 @@ pub(super) fn vehicle_in_swept_path(
         (0..(across_m + length_m) as u32).map(|k| own.route.ahead(start_m + f64::from(k), roads)).collect();
     let reach_m = STOPS_SOON_M + across_m + length_m;
     let stands_or_stops = |v: &VehicleAt| {
-        let stands = v.footprint.velocity.length() < STANDS_MPS;
+        let stands = v.footprint.velocity.length() < CRAWLS_MPS;
         if stands { Some(v.footprint) } else { at_its_line(v, chain[0], around, roads) }
     };
     let is_beside = |o: &Footprint| {
@@ -103,7 +103,6 @@ fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, roads: &R
 
 #[cfg(test)]
 mod tests {
-    use super::super::idm::IdmParameters;
     use super::super::junction_ahead::STOP_LINE_M;
     use super::super::pursuit::Axles;
     use super::*;
@@ -111,6 +110,7 @@ mod tests {
     use crate::rng::Stream;
     use crate::world::junctions::Request;
     use crate::world::lane_use::{LaneUse, OnLane};
+    use crate::world::params::CAR;
     use crate::world::room::Needs;
     use crate::world::tests::towns::crossing;
 
@@ -169,7 +169,7 @@ mod tests {
             around.junctions.resolve(&[Request::of_car(2, &chain)], &LaneUse::default(), &roads, 0);
         }
         let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
-        let idm = IdmParameters::draw(&mut Stream::from_seed("idm", 1));
+        let idm = CAR.draw(&mut Stream::from_seed("idm", 1));
         let (route, footprint) = (&route, &footprint);
         let own = OnRoute { slot: 1, route, footprint, idm: &idm, axles, train_m: None, reduced_clearance: false };
         vehicle_in_swept_path(&own, &chain, 12.0, &around, &roads)

@@ -2,28 +2,23 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::constraints::{Cause, OnRoute, in_sight, perceive};
+use super::constraints::{Cause, OnRoute, perceive};
 use super::controller::{AgentParts, Controller, Outlook};
-use super::idm::{IdmParameters, pedals};
+use super::idm::IdmParameters;
 use super::junction_ahead::leave_junctions;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::LaneId;
 use crate::world::body::{Body, Step};
+use crate::world::params::{STANDS_MPS, TRAM};
 use crate::world::physics::{DT_S, Physics};
-use crate::world::route::{Ahead, Route};
+use crate::world::route::Route;
 use crate::world::streets::Streets;
 use crate::world::track::Track;
 use crate::world::traffic_state::TrafficState;
 
-/// Strongest acceleration, and braking with all brakes of a tram.
-const MOST_MPS2: f64 = 1.0;
-const HARDEST_MPS2: f64 = -3.2;
-/// At which trams slow down for bends and for the end of the line.
-const GENTLE_MPS2: f64 = 1.0;
 /// Where the first car stops before the end of its track.
 const BEFORE_END_M: f64 = 3.0;
-const STANDS_MPS: f64 = 0.05;
 
 /// Where a car is in its train, in meters behind the train's front.
 #[derive(Debug, Clone, Copy)]
@@ -85,12 +80,7 @@ impl TramCar {
         let middle_m = train.front_m - cars.first().map_or(0.0, |c| c.middle_m);
         let (_, s_m) = train.track.lane_at(middle_m);
         let route = Route::along(train.track.lanes_from(middle_m), s_m);
-        let idm = IdmParameters {
-            desired_speed_factor: habits.range(0.75, 0.95),
-            time_gap_s: habits.range(1.8, 2.6),
-            minimum_gap_m: 3.0,
-            top_speed_mps: f64::INFINITY,
-        };
+        let idm = TRAM.draw(habits);
         let mut driver =
             Some(TramDriver { route, idm, desired_mps: train.speed_mps, interaction_mps2: 0.0, standing_steps: 0 });
         let train = Arc::new(Mutex::new(train));
@@ -121,8 +111,8 @@ impl TramCar {
 impl TramDriver {
     /// Moves the train by a step.
     fn drive(&self, train: &mut Train) {
-        let wanted = pedals(self.idm.free_road(train.speed_mps, self.desired_mps), self.interaction_mps2);
-        train.accel_mps2 = wanted.clamp(HARDEST_MPS2, MOST_MPS2);
+        train.accel_mps2 =
+            self.idm.pedals(self.idm.free_road(train.speed_mps, self.desired_mps), self.interaction_mps2);
         train.speed_mps = (train.speed_mps + train.accel_mps2 * DT_S).max(0.0);
         let end_m = train.track.length_m() - 0.5;
         train.front_m = (train.front_m + train.speed_mps * DT_S).min(end_m.max(train.front_m));
@@ -136,11 +126,10 @@ impl Controller for TramCar {
         let Some(footprint) = around.vehicle(own.slot) else { return Outlook::default() };
         let roads = &streets.roads;
         let end_m = train.track.length_m() - train.front_m - BEFORE_END_M;
-        let for_end_mps = (2.0 * GENTLE_MPS2 * end_m.max(0.0)).sqrt();
+        let for_end_mps = (2.0 * driver.idm.comfortable_mps2 * end_m.max(0.0)).sqrt();
         driver.desired_mps = (driver.idm.desired_speed_factor
-            * driver.route.speed_for_bends(train.speed_mps, GENTLE_MPS2, roads))
+            * driver.route.speed_for_bends(train.speed_mps, driver.idm.comfortable_mps2, roads))
         .min(for_end_mps);
-        let ahead: Vec<Ahead> = in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads).collect();
         let rider = OnRoute {
             slot: own.slot,
             footprint,
@@ -150,11 +139,12 @@ impl Controller for TramCar {
             train_m: Some(train.length_m),
             reduced_clearance: false,
         };
+        let ahead = rider.in_sight(roads);
         let perceived = perceive(&rider, &ahead, around, roads, step);
         (driver.interaction_mps2, train.cause) = rider.tightest(&perceived.constraints);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.
-            driver.interaction_mps2 = HARDEST_MPS2;
+            driver.interaction_mps2 = -driver.idm.hardest_mps2;
             train.cause = Cause::RoadEnd;
         }
         Outlook { way_ahead: ahead, request: perceived.request, ..Outlook::default() }

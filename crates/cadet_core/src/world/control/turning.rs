@@ -1,7 +1,7 @@
 //! Where a route turns off, and what who follows it shows of that beforehand.
 
 use crate::math::{self, DVec2};
-use crate::world::junctions::TURNS_RAD;
+use crate::world::params::TURNS_RAD;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::turn_signal::TurnSignal;

@@ -8,8 +8,8 @@ use crate::world::slot::Slot;
 /// From the middle to the end of the longest vehicle.
 const LONGEST_TAIL_M: f64 = 9.0;
 
-/// Who leaves too little room on the lanes after a junction, up to the next one. At the end of its line a tram stands for
-/// long: the next finds room behind it, or stops before the junction.
+/// Who leaves too little room on the lanes after a junction, up to the next one. Trams stand for long at the ends of
+/// their lines: behind one that moves, too, another finds room or stops before the junction.
 pub(super) fn exit_blocked_by(own: &Request, lane_use: &LaneUse, junctions: &Junctions, roads: &Roads) -> Option<Slot> {
     let exit = *own.exits.first()?;
     let (promised_m, promised_to) = junctions
@@ -18,7 +18,7 @@ pub(super) fn exit_blocked_by(own: &Request, lane_use: &LaneUse, junctions: &Jun
     let needed_m = own.room_m + promised_m;
     let mut from_m = 0.0;
     for lane in &own.exits {
-        if let Some(last) = lane_use.last_on(*lane, own.slot, own.ends_there) {
+        if let Some(last) = lane_use.last_on(*lane, own.slot, own.is_tram) {
             return (from_m + last.tail_m() < needed_m).then_some(last.agent);
         }
         from_m += roads.lane(*lane).length_m();
@@ -26,7 +26,7 @@ pub(super) fn exit_blocked_by(own: &Request, lane_use: &LaneUse, junctions: &Jun
             return None;
         }
     }
-    promised_to.filter(|_| own.ends_there && from_m < needed_m)
+    promised_to.filter(|_| own.is_tram && from_m < needed_m)
 }
 
 #[cfg(test)]
@@ -38,8 +38,8 @@ mod tests {
 
     /// Whether the room of a vehicle of 20 m on these lanes after a junction is taken, if one of 10 m moves or stands with
     /// its tail so far along them.
-    fn taken(roads: &Roads, exits: &[LaneId], ends_there: bool, (tail_m, speed_mps): (f64, f64)) -> bool {
-        let own = Request { room_m: 22.0, exits: exits.to_vec(), ends_there, ..Request::of_car(1, &[]) };
+    fn taken(roads: &Roads, exits: &[LaneId], is_tram: bool, (tail_m, speed_mps): (f64, f64)) -> bool {
+        let own = Request { room_m: 22.0, exits: exits.to_vec(), is_tram, ..Request::of_car(1, &[]) };
         let mut s_m = tail_m + 5.0;
         let mut lanes = exits.iter();
         let mut lane = *lanes.next().unwrap();

@@ -8,7 +8,7 @@ mod resolver;
 #[cfg(test)]
 mod tests;
 
-pub(super) use request::{Request, Stage, TURNS_RAD, Turn};
+pub(super) use request::{Request, Stage, Turn};
 
 use self::conflicts::Conflicts;
 use self::resolver::Queued;
@@ -77,6 +77,11 @@ impl Junctions {
     /// Why somebody who has asked may not go yet.
     pub fn refusal(&self, slot: Slot) -> Refusal {
         self.queue.iter().find(|q| q.slot == slot).map_or(Refusal::Undecided, |q| q.refusal)
+    }
+
+    /// Whether somebody who crosses a junction is about to leave it on a lane.
+    pub fn is_exit(&self, lane: LaneId) -> bool {
+        self.held.iter().any(|r| r.exit == lane)
     }
 
     /// Room on an exit lane that is promised to others than `slot`, once to each, however many lanes it holds.

@@ -2,10 +2,9 @@
 
 use crate::math::DVec2;
 use crate::town::{LaneId, RightOfWay};
+use crate::world::params::TURNS_RAD;
 use crate::world::slot::Slot;
 
-/// Who turns by less than this goes straight on.
-pub(in crate::world) const TURNS_RAD: f64 = 0.6;
 /// Cosine of the greatest angle between two approaches that lie on one line, and sine of the least from which one comes
 /// from the right.
 const ON_ONE_LINE: f64 = 0.75;
@@ -55,8 +54,6 @@ pub(in crate::world) struct Request {
     pub exits: Vec<LaneId>,
     /// The room that it takes behind the junction.
     pub room_m: f64,
-    /// Whether it will stand for long there, at the end of a tram's line.
-    pub ends_there: bool,
     pub is_tram: bool,
     /// That of its approach; `None` at roundabouts, where all who come are alike.
     pub right_of_way: Option<RightOfWay>,
@@ -102,7 +99,6 @@ impl Request {
             lanes: lanes.to_vec(),
             exits: Vec::new(),
             room_m: 1.0,
-            ends_there: false,
             is_tram: false,
             right_of_way: Some(RightOfWay::RightFirst),
             heading: DVec2::X,

@@ -58,10 +58,8 @@ impl Junctions {
             self.held.retain(|h| h.slot != waits.slot || !waits.lanes.contains(&h.lane));
         }
         self.line_up(requests, step);
-        let is_first = |own: &Request| {
-            let is_ahead = |other: &Request| other.before == own.before && other.front_m < own.front_m;
-            !requests.iter().any(|other| other.stage != Stage::Comes && is_ahead(other))
-        };
+        let is_first =
+            |own: &Request| !requests.iter().any(|other| other.before == own.before && other.front_m < own.front_m);
         let mut candidates: Vec<Candidate<'_>> = requests
             .iter()
             .zip(&self.queue)

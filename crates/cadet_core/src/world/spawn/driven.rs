@@ -15,8 +15,9 @@ use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
 use crate::world::arena::AgentSpec;
 use crate::world::body::{Chassis, settle};
-use crate::world::control::{IdmParameters, SIDE_STANDING_M};
+use crate::world::control::SIDE_STANDING_M;
 use crate::world::footprint::Footprint;
+use crate::world::params::{CAR, LONG_M};
 use crate::world::physics::Physics;
 use crate::world::roads::Roads;
 use crate::world::room::Needs;
@@ -148,7 +149,7 @@ impl Spawner<'_> {
         // Who kept farther off the middle would not get past what stands beside it; a truck's corners need all of its room.
         let beside_m = OFF_LANES_M - model.size_lwh.y / 2.0 - SIDE_STANDING_M;
         let most_m = if needs.keeps_in_lane { 0.0 } else { beside_m.max(0.0) };
-        let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
+        let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let lanes = roads.open_lanes().filter(|l| !needs.is_some() || roads.fits(l.id, needs));
         let places = self.places_on(lanes, half_m, ring_m, entry);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
@@ -195,7 +196,7 @@ impl Spawner<'_> {
             let before_m = if is_lit { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
             let stop = (2.0 * 1.5 * (free_m - half_m - before_m).max(0.0)).sqrt();
             let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
-            let mut idm = IdmParameters::draw(stream);
+            let mut idm = CAR.draw(stream);
             if model.class == ObjectClass::Truck {
                 idm.desired_speed_factor *= TRUCKS_SLOWER;
             }

@@ -12,7 +12,8 @@ use crate::rng::Stream;
 use crate::town::LaneId;
 use crate::world::arena::AgentSpec;
 use crate::world::body::Body;
-use crate::world::control::{Driver, IdmParameters, LaneView};
+use crate::world::control::{Driver, LaneView};
+use crate::world::params::{CAR, LONG_M};
 use crate::world::room::Needs;
 use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
 use crate::world::slot::{EGO, Slot};
@@ -78,7 +79,7 @@ impl Spawner<'_> {
     ) -> Option<AgentSpec> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
-        let mut idm = IdmParameters::draw(stream);
+        let mut idm = CAR.draw(stream);
         idm.desired_speed_factor *= CARS_SHARE;
         let limiter_mps = stream.range(TRUCKS_MPS.0, TRUCKS_MPS.1);
         if is_truck {
@@ -120,7 +121,7 @@ impl Spawner<'_> {
             let s_m = (s_m + stream.range(0.0, PLACES_EVERY_M)).min(roads.lane(lane).length_m() - 0.5);
             let offset_m = stream.clipped_normal(0.0, 0.12);
             let seed = self.key.indexed("car route", stream.next_u64());
-            let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
+            let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
             let route = Route::with_needs(lane, s_m, offset_m, straight, needs, seed, roads);
             let wanted_mps =
                 (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, roads)).min(idm.top_speed_mps);

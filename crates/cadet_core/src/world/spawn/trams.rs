@@ -126,6 +126,12 @@ impl Spawner<'_> {
         let free_m = roads.lane(lane).length_m() - s_m - length_m / 2.0;
         let speed_mps =
             stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
+        // Who has been let into the junction behind needs the room.
+        let junctions = &self.arena.around.junctions;
+        let behind = std::iter::successors(Some(lane), |id| roads.lane(*id).predecessors.first().copied());
+        if behind.take_while(|id| roads.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {
+            return None;
+        }
         let is_spaced = self.arena.controlled_by::<TramCar>().all(|(slot, _, car)| {
             let other = car.shared();
             let ahead_m = other.track.start_of(lane).map(|m| other.front_m - m - s_m - length_m / 2.0);

@@ -76,8 +76,8 @@ fn the_ego_seldom_stands_where_views_are_taken() {
     }
     let share = f64::from(standing) / (num_suburbs as f64 * f64::from(num_views));
     assert!(share <= 0.16, "the ego stands at {share:.3} of the views");
-    // Twelve seconds: in dense traffic one may wait for a queue as long as at a red light.
-    assert!(longest.len() <= 6, "the ego stands for {} views in a row: {longest:?}", longest.len());
+    // Twenty seconds: who has to yield loses patience after 18.
+    assert!(longest.len() <= 10, "the ego stands for {} views in a row: {longest:?}", longest.len());
 }
 
 #[test]

@@ -1,0 +1,78 @@
+//! The numbers of the traffic model that several rules share, or that have a source, each said once.
+
+use super::control::IdmParameters;
+use crate::rng::Stream;
+
+/// Slower vehicles stand.
+pub(super) const STANDS_MPS: f64 = 0.1;
+/// Slower vehicles have all but stopped: others reckon with them as if they stood.
+pub(super) const CRAWLS_MPS: f64 = 0.3;
+/// Longer vehicles neither overtake nor change lanes in towns, and go straight on where they can.
+pub(super) const LONG_M: f64 = 6.0;
+/// A way that changes direction by more turns.
+pub(super) const TURNS_RAD: f64 = 0.6;
+/// Cosine of the greatest angle between two that go the same way.
+pub(super) const SAME_WAY: f64 = 0.8;
+
+/// How a kind of vehicle follows others, in the terms of the intelligent driver model.
+pub(super) struct Following {
+    /// Strongest acceleration, the deceleration that is comfortable, and what the brakes can do.
+    accel_mps2: f64,
+    comfortable_mps2: f64,
+    hardest_mps2: f64,
+    /// Bumper to bumper at a standstill.
+    minimum_gap_m: f64,
+    /// Time gap: mean and standard deviation over drivers.
+    time_gap_s: (f64, f64),
+    /// Desired speed as a fraction of what limit and bends allow, likewise.
+    desired_speed_factor: (f64, f64),
+}
+
+/// Treiber and Kesting, Traffic Flow Dynamics (2013), table 11.2: 1.0 to 1.5 and 1.5 m/s², 2 m, 1.0 to 1.5 s.
+pub(super) const CAR: Following = Following {
+    accel_mps2: 1.2,
+    comfortable_mps2: 2.0,
+    hardest_mps2: 7.0,
+    minimum_gap_m: 2.0,
+    time_gap_s: (1.2, 0.25),
+    desired_speed_factor: (1.0, 0.09),
+};
+
+/// Of KITTI's cars none is ahead in the own lane within 7 m of the camera, and one in a hundred within 20 m.
+pub(super) const EGO: Following = Following { minimum_gap_m: 4.5, time_gap_s: (2.2, 0.25), ..CAR };
+
+/// Parkin and Rotheram (2010): bicycles speed up by at most 0.9 m/s² from a standstill; DIN EN ISO 4210-2: brakes give 4.5.
+pub(super) const CYCLIST: Following = Following {
+    accel_mps2: 0.9,
+    hardest_mps2: 4.5,
+    minimum_gap_m: 1.3,
+    time_gap_s: (1.05, 0.14),
+    desired_speed_factor: (1.0, 0.0),
+    ..CAR
+};
+
+/// Passengers stand: 1.0 m/s² either way; all brakes give more than the 2.73 m/s² that BOStrab § 36 asks for.
+pub(super) const TRAM: Following = Following {
+    accel_mps2: 1.0,
+    comfortable_mps2: 1.0,
+    hardest_mps2: 3.2,
+    minimum_gap_m: 3.0,
+    time_gap_s: (2.2, 0.23),
+    desired_speed_factor: (0.85, 0.06),
+};
+
+impl Following {
+    /// One driver's habits.
+    pub fn draw(&self, stream: &mut Stream) -> IdmParameters {
+        let (factor, gap_s) = (self.desired_speed_factor, self.time_gap_s);
+        IdmParameters {
+            desired_speed_factor: stream.clipped_normal(factor.0, factor.1),
+            time_gap_s: stream.clipped_normal(gap_s.0, gap_s.1),
+            minimum_gap_m: self.minimum_gap_m,
+            accel_mps2: self.accel_mps2,
+            comfortable_mps2: self.comfortable_mps2,
+            hardest_mps2: self.hardest_mps2,
+            top_speed_mps: f64::INFINITY,
+        }
+    }
+}
