@@ -193,6 +193,14 @@ impl Arena {
             let (controller, own) = self.agents[*slot].parts_mut(*slot);
             controller.act(own, &mut self.physics, &self.streets);
         }
+        for slot in &self.active {
+            if let Some(leader) = self.agents[*slot].controller.follows()
+                && let Ok([agent, leader]) = self.agents.get_disjoint_mut([*slot, leader])
+            {
+                let (controller, own) = agent.parts_mut(*slot);
+                controller.follow(own, leader, &mut self.physics);
+            }
+        }
         self.physics.step();
         self.refresh_places();
         for slot in &self.by_age {
@@ -247,7 +255,7 @@ impl Arena {
     /// Gives all but the ego other slots.
     #[cfg(test)]
     pub fn shuffle(&mut self, stream: &mut crate::rng::Stream) {
-        use super::control::Pedestrian;
+        use super::control::{Pedestrian, Trailer};
         let mut order: Vec<Slot> = (1..self.agents.len()).collect();
         for i in (1..order.len()).rev() {
             order.swap(i, stream.below(i + 1));
@@ -260,6 +268,9 @@ impl Arena {
         let mut agents: Vec<Option<Agent>> = std::mem::take(&mut self.agents).into_iter().map(Some).collect();
         self.agents = order.iter().map(|old| agents[*old].take().expect("each once")).collect();
         for agent in &mut self.agents {
+            if let Some(trailer) = agent.controlled_by_mut::<Trailer>() {
+                trailer.leader = new_slot[trailer.leader];
+            }
             if let Some(company) = agent.controlled_by_mut::<Pedestrian>().and_then(|p| p.company.as_mut()) {
                 company.leader = new_slot[company.leader];
             }

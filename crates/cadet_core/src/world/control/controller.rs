@@ -5,6 +5,7 @@ use std::any::Any;
 use super::constraints::Cause;
 use super::motion::Walk;
 use crate::town::LaneId;
+use crate::world::agent::Agent;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
@@ -46,6 +47,14 @@ pub(crate) trait Controller: Any + Send + Sync {
 
     /// Before the physics step: gives the body its commands.
     fn act(&mut self, _own: AgentParts<'_>, _physics: &mut Physics, _streets: &Streets) {}
+
+    /// The slot of the agent whose act comes first, and that this one follows.
+    fn follows(&self) -> Option<Slot> {
+        None
+    }
+
+    /// Before the physics step, after all have acted: gives the body its commands by what the leader does.
+    fn follow(&mut self, _own: AgentParts<'_>, _leader: &Agent, _physics: &mut Physics) {}
 
     /// After the physics step: finds out where the body has got to. `around` has everybody's new places.
     fn track(&mut self, _own: AgentParts<'_>, _physics: &Physics, _around: &mut TrafficState, _streets: &Streets) {}

@@ -38,4 +38,4 @@ pub(super) use parked::Parked;
 pub(super) use path::TimedPath;
 pub(super) use pedestrian::Pedestrian;
 pub(super) use scripted::{PERSON_HALF_CHORD_M, Scripted};
-pub(super) use tram::{Coupled, Train, TramCar};
+pub(super) use tram::{Coupled, Trailer, Train, TramDriver};

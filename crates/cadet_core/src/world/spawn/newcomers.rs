@@ -12,7 +12,7 @@ use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Body, Chassis, Cycle, Fixed, Guided, Upright, settle};
-use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted, TramCar};
+use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted};
 use crate::world::ride::Ride;
 use crate::world::route::Route;
 
@@ -76,7 +76,7 @@ pub(super) fn tram_car(
     model: Arc<VehicleModel>,
     (at, heading): (DVec2, DVec2),
     speed_mps: f64,
-    controller: TramCar,
+    controller: Box<dyn Controller>,
 ) -> Result<AgentSpec> {
     let yaw_rad = math::atan2(heading.y, heading.x);
     let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
@@ -85,7 +85,7 @@ pub(super) fn tram_car(
     Ok(AgentSpec {
         class: model.class,
         body: Body::Guided(Box::new(body)),
-        controller: Box::new(controller),
+        controller,
         appearance: Appearance::vehicle(model, true),
         is_placed: false,
     })

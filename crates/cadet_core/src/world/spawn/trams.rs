@@ -10,7 +10,7 @@ use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
 use crate::world::arena::AgentSpec;
-use crate::world::control::{Cause, Coupled, Train, TramCar};
+use crate::world::control::{Controller, Coupled, Trailer, Train, TramDriver};
 use crate::world::footprint::Footprint;
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
@@ -70,13 +70,14 @@ impl Spawner<'_> {
     /// The slots of trams that may go, the first car's first.
     fn gone_trams(&self) -> Vec<Vec<Slot>> {
         let (ego, view) = self.arena.ego_place();
-        let cars: Vec<_> = self.arena.controlled_by::<TramCar>().collect();
-        let leaders = cars.iter().filter(|(_, agent, car)| car.leads() && !agent.is_placed);
+        let leaders = self.arena.controlled_by::<TramDriver>().filter(|(_, agent, _)| !agent.is_placed);
         leaders
-            .filter_map(|(_, _, leader)| {
-                let train: Vec<_> = cars.iter().filter(|(.., car)| car.is_of_train_of(leader)).collect();
-                let is_at_end = leader.shared().is_at_end();
-                let is_gone = train.iter().all(|(_, agent, _)| {
+            .filter_map(|(first, agent, driver)| {
+                let trailers = self.arena.controlled_by::<Trailer>().filter(|(.., car)| car.leader == first);
+                let train: Vec<_> =
+                    std::iter::once((first, agent)).chain(trailers.map(|(slot, agent, _)| (slot, agent))).collect();
+                let is_at_end = driver.train.is_at_end();
+                let is_gone = train.iter().all(|(_, agent)| {
                     let to = agent.body.world_from_box(&self.arena.physics).translation.truncate() - ego;
                     let is_unseen = to.length() > UNSEEN_M || (to.length() > 30.0 && to.dot(view) < 0.0);
                     to.length() > GONE_M || (is_at_end && is_unseen)
@@ -132,15 +133,15 @@ impl Spawner<'_> {
         if behind.take_while(|id| roads.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {
             return None;
         }
-        let is_spaced = self.arena.controlled_by::<TramCar>().all(|(slot, _, car)| {
-            let other = car.shared();
+        let is_spaced = self.arena.controlled_by::<TramDriver>().all(|(slot, _, driver)| {
+            let other = &driver.train;
             let ahead_m = other.track.start_of(lane).map(|m| other.front_m - m - s_m - length_m / 2.0);
             but.contains(&slot) || ahead_m.is_none_or(|m| m.abs() > SPACING_M)
         });
         if !is_spaced {
             return None;
         }
-        let train = Train { track, front_m, length_m, speed_mps, accel_mps2: 0.0, cause: Cause::Nothing };
+        let train = Train { track: Arc::new(track), front_m, length_m, speed_mps, accel_mps2: 0.0 };
         let cars = coupled(models);
         let footprints: Vec<Footprint> = models
             .iter()
@@ -162,8 +163,12 @@ impl Spawner<'_> {
             return None;
         }
         let places: Vec<(DVec2, DVec2)> = cars.iter().map(|car| train.place(car)).collect();
-        let controllers = TramCar::train(train, &cars, stream);
-        let cars = models.iter().zip(places).zip(controllers);
+        // The first car drives, and the others follow it: they get the slots after its own.
+        let first = but.first().copied().unwrap_or(self.arena.agents.len());
+        let trailers = cars[1..].iter().map(|car| Box::new(Trailer::new(first, &train, *car)) as Box<dyn Controller>);
+        let trailers: Vec<Box<dyn Controller>> = trailers.collect();
+        let driver: Box<dyn Controller> = Box::new(TramDriver::new(train, cars[0], stream));
+        let cars = models.iter().zip(places).zip(std::iter::once(driver).chain(trailers));
         cars.map(|((model, place), controller)| {
             tram_car(self.arena, Arc::clone(model), place, speed_mps, controller).ok()
         })

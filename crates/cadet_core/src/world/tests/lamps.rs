@@ -87,7 +87,7 @@ fn all_cars_of_a_tram_show_that_it_brakes() {
             let shining = shining(&world.snapshot().instances);
             let mut after = BTreeMap::new();
             for train in trains(&world) {
-                let (first, speed_mps) = (train[0].0.id, train[0].1.shared().speed_mps);
+                let (first, speed_mps) = (train[0].0.id, train[0].1.train.speed_mps);
                 after.insert(first, speed_mps);
                 let lit: Vec<bool> =
                     train.iter().filter_map(|(a, _)| shining.get(&a.id)).map(|[red, _]| *red > 0).collect();

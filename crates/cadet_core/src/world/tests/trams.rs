@@ -4,18 +4,18 @@ use super::towns::{slope, tram_roads};
 use super::*;
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::DT_S;
-use crate::world::control::{Train, TramCar};
+use crate::world::control::{Trailer, TramDriver};
 use crate::world::lane_use::LaneUse;
 
-fn tram_cars(world: &World) -> Vec<(&Agent, &TramCar)> {
-    world.arena.controlled_by::<TramCar>().map(|(_, agent, car)| (agent, car)).collect()
-}
-
-/// The cars of each tram, the first ahead.
-pub(super) fn trains(world: &World) -> Vec<Vec<(&Agent, &TramCar)>> {
-    let cars = tram_cars(world);
-    let leaders = cars.iter().filter(|(_, car)| car.leads());
-    leaders.map(|(_, leader)| cars.iter().filter(|(_, car)| car.is_of_train_of(leader)).copied().collect()).collect()
+/// The drivers of trams, each with the cars of its train, the first ahead.
+pub(super) fn trains(world: &World) -> Vec<Vec<(&Agent, &TramDriver)>> {
+    let leaders = world.arena.controlled_by::<TramDriver>();
+    leaders
+        .map(|(first, agent, driver)| {
+            let trailers = world.arena.controlled_by::<Trailer>().filter(|(.., car)| car.leader == first);
+            std::iter::once(agent).chain(trailers.map(|(_, agent, _)| agent)).map(|agent| (agent, driver)).collect()
+        })
+        .collect()
 }
 
 /// Towns with tracks: some have their faster streets at the border, where no tram runs.
@@ -50,7 +50,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                 others.map(|(_, a)| a).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
             let trains = trains(&world);
             for (k, train) in trains.iter().enumerate() {
-                for (agent, car) in train {
+                for (agent, _) in train {
                     let (own, at) = (footprint(&world, agent), place(&world, agent));
                     for (id, other) in &others {
                         assert!(!own.overlaps(other), "seed {seed}, tick {tick}: tram {} in {id} at {at}", agent.id);
@@ -70,17 +70,14 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                         assert!(off_m < 0.7, "seed {seed}, tick {tick}: {} is {off_m} m off at {p}", agent.id);
                     }
                     gone_m += own.velocity.length() / 4.0;
-                    if car.leads() {
-                        let cause = car.cause();
-                        let is_at_end = car.shared().is_at_end();
-                        let stood_s = car.standing_steps() as f64 * DT_S;
-                        longest_s = longest_s.max(if is_at_end { 0.0 } else { stood_s });
-                        assert!(is_at_end || stood_s < 60.0, "seed {seed}: {} stands, {cause:?}", agent.id);
-                        let shared = car.shared();
-                        let lane = shared.track.lane_at(shared.front_m).0;
-                        crossed += usize::from(town.network.lane(lane).junction.is_some());
-                    }
                 }
+                let (agent, driver) = train[0];
+                let is_at_end = driver.train.is_at_end();
+                let stood_s = driver.standing_steps as f64 * DT_S;
+                longest_s = longest_s.max(if is_at_end { 0.0 } else { stood_s });
+                assert!(is_at_end || stood_s < 60.0, "seed {seed}: {} stands, {:?}", agent.id, driver.cause());
+                let lane = driver.train.track.lane_at(driver.train.front_m).0;
+                crossed += usize::from(town.network.lane(lane).junction.is_some());
                 for pair in train.windows(2) {
                     let [a, b] = [0, 1].map(|i| footprint(&world, pair[i].0));
                     let gap_m =
@@ -132,10 +129,8 @@ fn trams_come_one_after_the_other() {
     for (seed, town) in towns_with_tracks(3) {
         let mut world = busy(seed, &town);
         let leaders = |world: &World| -> Vec<(i32, f64, LaneId)> {
-            let cars = tram_cars(world);
-            let leaders = cars.iter().filter(|(_, car)| car.leads());
-            let place = |train: &Train| (train.front_m, train.track.lane_at(0.0).0);
-            leaders.map(|(a, car)| (a.id, place(&car.shared()))).map(|(id, (m, lane))| (id, m, lane)).collect()
+            let drivers = world.arena.controlled_by::<TramDriver>();
+            drivers.map(|(_, a, d)| (a.id, d.train.front_m, d.train.track.lane_at(0.0).0)).collect()
         };
         let start = leaders(&world);
         for (k, a) in start.iter().enumerate() {
