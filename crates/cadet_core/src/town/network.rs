@@ -1,5 +1,8 @@
 //! Lanes as polylines, and how they follow each other.
 
+use std::collections::BTreeMap;
+
+use super::right_of_way::RightOfWay;
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
 
@@ -245,6 +248,8 @@ pub struct RoadNetwork {
     pub lane_marks: Vec<PaintedQuad>,
     /// The traffic lights that the map has.
     pub lights: Vec<MapLight>,
+    /// What the map's signs say of who goes first, by lane before a junction.
+    pub(crate) signs: BTreeMap<LaneId, RightOfWay>,
     /// The junctions that are roundabouts, in ascending order.
     pub roundabouts: Vec<u32>,
     /// What places of the network lack of the map's own coordinates, in whole kilometers; 0 for maps near their origin.

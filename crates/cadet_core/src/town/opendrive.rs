@@ -9,7 +9,7 @@ use super::map_warnings::{Said, in_one_line};
 use super::network::{Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use super::xodr_numbers::PassedOver;
 use super::xodr_tags::Tags;
-use super::{map_levels, map_lights, map_offset, map_warnings, xodr_numbers};
+use super::{map_levels, map_offset, map_signals, map_warnings, xodr_numbers};
 use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3, hypot, lerp};
 
@@ -108,13 +108,14 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
     let lane_marks = lane_marks(&map);
-    let lights = map_lights::read(&map, &ids, &lanes);
+    let lights = map_signals::lights(&map, &ids, &lanes);
+    let signs = map_signals::signs(&map, &ids, &lanes);
     let roundabouts = roundabouts(&map);
     let road_name = |road: u32| map.roads().get(road as usize).map_or("", xodr::Road::od_id);
     let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
     said.extend(map_levels::warnings(&lanes, road_name));
     said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
-    let network = RoadNetwork { lanes, lane_marks, lights, roundabouts, offset_m };
+    let network = RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m };
     said.extend(map_warnings::of_travel_direction(xodr_text).filter(|_| !network.is_left_hand()));
     said.extend(network.is_left_hand().then(map_warnings::of_left_hand_traffic));
     said.extend((offset_m != DVec2::ZERO).then(|| map_warnings::of_offset(offset_m)));

@@ -33,10 +33,19 @@ impl RightOfWay {
         if network.ends_at_roundabout(lane) {
             return Some(Self::Yield);
         }
+        if let Some(says) = network.signs.get(&lane.id) {
+            return Some(*says);
+        }
         let arrives = |o: &&Lane| {
             o.junction.is_none() && o.successors.iter().any(|n| network.lane(*n).junction == Some(junction))
         };
         let arriving = || network.driving().filter(arrives);
+        // Beside approaches with signs one without has what theirs leave it.
+        let mut signs = arriving().filter_map(|o| network.signs.get(&o.id)).peekable();
+        if signs.peek().is_some() {
+            let is_minor = |says: &Self| matches!(says, Self::Yield | Self::Stop);
+            return Some(if signs.any(is_minor) { Self::Priority } else { Self::Yield });
+        }
         if network.is_rural() {
             let is_faster = |a: &Lane, b: &Lane| a.speed_limit_mps > b.speed_limit_mps + 0.1;
             return Some(if arriving().any(|o| is_faster(o, lane)) {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::math::{self, DVec3};
+use crate::town::RightOfWay;
 use crate::town::network::Lane;
 use crate::town::{GroundKind, PropConfig, SuburbConfig, Town, generate_suburb, load_map};
 
@@ -144,9 +145,18 @@ fn lights_of_a_hand_written_map_hold_the_lane_before_the_junction() {
     let elsewhere = along.replace("orientation=\"+\"", "orientation=\"-\"");
     let network = load_map("hand", &hand_written(&elsewhere, applied, "")).unwrap();
     assert!(held(&network).contains(&before), "{:?}", network.lights);
-    // A stop sign is no light.
-    let sign = format!("<signals>{}</signals>", LIGHT.replace("TYPE", "206"));
-    assert!(load_map("hand", &hand_written(&sign, "", "")).unwrap().lights.is_empty());
+    // A stop sign is no light, and says who goes first.
+    for (number, says) in [("205", RightOfWay::Yield), ("206", RightOfWay::Stop), ("306", RightOfWay::Priority)] {
+        let sign = format!("<signals>{}</signals>", LIGHT.replace("TYPE", number));
+        let network = load_map("hand", &hand_written(&sign, "", "")).unwrap();
+        assert!(network.lights.is_empty());
+        let of = |lane| RightOfWay::of(network.lane(lane), &network, &Signals::default());
+        assert_eq!(of(before), Some(says), "{number}");
+        // Who comes the other way has no sign: what the sign leaves it.
+        let opposite = network.driving().find(|l| l.id != before && of(l.id).is_some()).map(|l| of(l.id));
+        let left = if says == RightOfWay::Priority { RightOfWay::Yield } else { RightOfWay::Priority };
+        assert!(opposite.is_none_or(|o| o == Some(left)), "{number}: {opposite:?}");
+    }
     // It is red at times, and green at others.
     let network = load_map("hand", &hand_written(&along, "", controllers)).unwrap();
     let signals = Signals::of(&network, &StreamKey::scene(1));
