@@ -85,7 +85,7 @@ def test_an_episode_holds_scan_image_boxes_and_tracks_over_time(
         objects = [
             seen for seen, label in zip(frame.meta["objects"], frame.labels, strict=True) if not label.is_dont_care
         ]
-        assert len(labels) == len(centers) == len(objects) > 0
+        assert len(labels) == len(centers) == len(objects)
         for label, seen, center, half, turn in zip(labels, objects, centers, half_sizes, turns, strict=True):
             height, width, length = label.dimensions_hwl
             np.testing.assert_allclose(2 * half, [length, width, height], atol=1e-5)

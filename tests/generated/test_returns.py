@@ -115,7 +115,7 @@ def test_half_of_a_cars_returns_are_zero_most_of_them_high_up(points: dict[str, 
         band = near[(near[:, 2] >= low) & (near[:, 2] < high), 1]
         shares.append(len(band) / len(near))
         dark.append((band == 0).mean())
-    assert dark[0] < dark[2] < dark[3], dark
+    assert dark[0] < dark[2] + 0.05 < dark[3], dark
     assert dark[0] <= 0.55 and dark[3] >= 0.6, dark
     assert 0.40 <= shares[0] <= 0.58 and 0.05 <= shares[3] <= 0.14, shares
 
