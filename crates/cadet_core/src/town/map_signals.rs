@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::network::RightOfWay;
 use super::network::{Lane, LaneId, LaneKind, MapLight};
-use super::right_of_way::RightOfWay;
 
 /// Traffic lights for vehicles in the catalogs that maps use.
 const LIGHT: &str = "1000001";

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::right_of_way::RightOfWay;
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
 
@@ -237,6 +236,21 @@ pub struct MapLight {
     pub lanes: Vec<LaneId>,
     /// The controller that it belongs to.
     pub controller: Option<usize>,
+}
+
+/// What traffic does at the junction at the end of its lane, as the German StVO has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RightOfWay {
+    /// As the light says (§ 37).
+    Signal,
+    /// It goes first (sign 306).
+    Priority,
+    /// It lets those with priority go first (sign 205): at roundabouts, and where a faster road goes through.
+    Yield,
+    /// It stops before it goes (sign 206): where only fast streets meet.
+    Stop,
+    /// Who comes from the right goes first (§ 8).
+    RightFirst,
 }
 
 /// The lanes of a town.

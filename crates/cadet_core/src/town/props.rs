@@ -4,10 +4,10 @@ use super::city_paving::Paving;
 use super::fields::Land;
 use super::frontage::frontages;
 use super::lots::Lots;
+use super::network::RightOfWay;
 use super::occupancy::Site;
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
-use super::right_of_way::RightOfWay;
 use super::street_style::StreetStyle;
 use super::street_things::{self, Lined, StreetThings};
 use super::{

@@ -2,26 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::network::{Lane, RoadNetwork};
+use super::network::{Lane, RightOfWay, RoadNetwork};
 use super::signals::Signals;
 
 /// Streets at most this fast have no priority over others in towns.
 const ZONE_30_MPS: f64 = 8.5;
-
-/// What traffic does at the junction at the end of its lane, as the German StVO has it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum RightOfWay {
-    /// As the light says (§ 37).
-    Signal,
-    /// It goes first (sign 306).
-    Priority,
-    /// It lets those with priority go first (sign 205): at roundabouts, and where a faster road goes through.
-    Yield,
-    /// It stops before it goes (sign 206): where only fast streets meet.
-    Stop,
-    /// Who comes from the right goes first (§ 8).
-    RightFirst,
-}
 
 impl RightOfWay {
     /// That of a lane; `None` where it ends at no junction.
@@ -62,6 +47,8 @@ impl RightOfWay {
         let num_fast = streets.values().filter(|fast| **fast).count();
         // A fast street goes through; where one only ends, nobody has to give way to it.
         Some(match (is_fast(lane), num_fast) {
+            // Nobody else arrives.
+            _ if streets.len() == 1 => Self::RightFirst,
             _ if num_fast == streets.len() => Self::Stop,
             (true, 2..) => Self::Priority,
             (false, 2..) => Self::Yield,

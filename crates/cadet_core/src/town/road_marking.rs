@@ -1,9 +1,9 @@
 //! Paint on the carriageway: the lines of the map, stop lines and give-way lines where nothing else rules, as thin
 //! quadrilaterals.
 
+use super::network::RightOfWay;
 use super::network::{PaintedQuad, RoadNetwork};
 use super::paint::{Paint, STOP_LINE_DEPTH_M};
-use super::right_of_way::RightOfWay;
 use super::signals::Signals;
 use super::{cycle_paint, junction_paint};
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::frontage::{Frontage, right_of};
+use super::network::RightOfWay;
 use super::placer::Placer;
-use super::right_of_way::RightOfWay;
 use super::street_style::StreetStyle;
 use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole, tree};
 use crate::math::DVec2;

@@ -198,7 +198,7 @@ impl Arena {
                 && let Ok([agent, leader]) = self.agents.get_disjoint_mut([*slot, leader])
             {
                 let (controller, own) = agent.parts_mut(*slot);
-                controller.follow(own, leader, &mut self.physics);
+                controller.follow(own, leader.controller.as_ref(), &mut self.physics);
             }
         }
         self.physics.step();

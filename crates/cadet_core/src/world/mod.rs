@@ -13,6 +13,7 @@ mod ground_shape;
 mod junctions;
 mod lamp_light;
 mod lane_use;
+mod outlook;
 mod params;
 mod physics;
 mod ride;

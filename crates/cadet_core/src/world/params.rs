@@ -1,8 +1,5 @@
 //! The numbers of the traffic model that several rules share, or that have a source, each said once.
 
-use super::control::IdmParameters;
-use crate::rng::Stream;
-
 /// Slower vehicles stand.
 pub(super) const STANDS_MPS: f64 = 0.1;
 /// Slower vehicles have all but stopped: others reckon with them as if they stood.
@@ -17,15 +14,15 @@ pub(super) const SAME_WAY: f64 = 0.8;
 /// How a kind of vehicle follows others, in the terms of the intelligent driver model.
 pub(super) struct Following {
     /// Strongest acceleration, the deceleration that is comfortable, and what the brakes can do.
-    accel_mps2: f64,
-    comfortable_mps2: f64,
-    hardest_mps2: f64,
+    pub accel_mps2: f64,
+    pub comfortable_mps2: f64,
+    pub hardest_mps2: f64,
     /// Bumper to bumper at a standstill.
-    minimum_gap_m: f64,
+    pub minimum_gap_m: f64,
     /// Time gap: mean and standard deviation over drivers.
-    time_gap_s: (f64, f64),
+    pub time_gap_s: (f64, f64),
     /// Desired speed as a fraction of what limit and bends allow, likewise.
-    desired_speed_factor: (f64, f64),
+    pub desired_speed_factor: (f64, f64),
 }
 
 /// Treiber and Kesting, Traffic Flow Dynamics (2013), table 11.2: 1.0 to 1.5 and 1.5 m/s², 2 m, 1.0 to 1.5 s.
@@ -60,19 +57,3 @@ pub(super) const TRAM: Following = Following {
     time_gap_s: (2.2, 0.23),
     desired_speed_factor: (0.85, 0.06),
 };
-
-impl Following {
-    /// One driver's habits.
-    pub fn draw(&self, stream: &mut Stream) -> IdmParameters {
-        let (factor, gap_s) = (self.desired_speed_factor, self.time_gap_s);
-        IdmParameters {
-            desired_speed_factor: stream.clipped_normal(factor.0, factor.1),
-            time_gap_s: stream.clipped_normal(gap_s.0, gap_s.1),
-            minimum_gap_m: self.minimum_gap_m,
-            accel_mps2: self.accel_mps2,
-            comfortable_mps2: self.comfortable_mps2,
-            hardest_mps2: self.hardest_mps2,
-            top_speed_mps: f64::INFINITY,
-        }
-    }
-}

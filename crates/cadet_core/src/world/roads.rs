@@ -255,7 +255,7 @@ fn rights_of_way(town: &Town) -> Vec<Option<RightOfWay>> {
     };
     let one = |lane: &Lane| match lane.kind {
         _ if lane.junction.is_some() => None,
-        LaneKind::Driving | LaneKind::Tram => of(lane),
+        LaneKind::Driving => of(lane),
         LaneKind::Biking => beside(lane).or_else(|| of(lane)),
         _ => None,
     };

@@ -18,8 +18,9 @@ pub(super) const LONG_STRAIGHT: f64 = 500.0;
 const TOO_NARROW: f64 = 1e-5;
 /// Draws of another way at a junction.
 const OTHER_WAYS: u32 = 16;
-/// How far ahead a route is always known.
+/// How far ahead a route is always known: as far as others reckon with who comes to a junction, and on motorways.
 const ROUTE_AHEAD_M: f64 = 110.0;
+const ROUTE_AHEAD_S: f64 = 12.0;
 const FAST_AHEAD_M: f64 = 450.0;
 
 /// A place ahead on a route.
@@ -167,8 +168,10 @@ impl Route {
     }
 
     fn extend(&mut self, roads: &Roads) {
+        let limit_mps = roads.lane(self.lanes[0]).speed_limit_mps;
         let is_fast = roads.is_fast(self.lanes[0]);
-        self.extend_to(if is_fast { FAST_AHEAD_M } else { ROUTE_AHEAD_M }, roads);
+        let ahead_m = if is_fast { FAST_AHEAD_M } else { ROUTE_AHEAD_M.max(ROUTE_AHEAD_S * limit_mps) };
+        self.extend_to(ahead_m, roads);
     }
 
     /// Takes another way at the next junction, if another leads on; whether it does.

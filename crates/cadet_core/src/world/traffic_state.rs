@@ -1,9 +1,10 @@
 //! What agents know of each other: controllers read it, and write what others may know of them.
 
-use super::control::{Outlook, Walk};
+use super::control::Walk;
 use super::footprint::Footprint;
 use super::junctions::Junctions;
 use super::lane_use::LaneUse;
+use super::outlook::{Claim, Outlook};
 use super::roads::Roads;
 use super::route::Ahead;
 use super::slot::Slot;
@@ -21,13 +22,6 @@ pub(super) struct VehicleAt {
     pub footprint: Footprint,
     /// Whether it is a bicycle with its rider.
     pub is_cycle: bool,
-}
-
-/// The place in a lane that a vehicle is changing to.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Claim {
-    pub footprint: Footprint,
-    pub is_inward: bool,
 }
 
 /// A person.

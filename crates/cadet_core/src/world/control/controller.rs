@@ -2,39 +2,23 @@
 
 use std::any::Any;
 
-use super::constraints::Cause;
-use super::motion::Walk;
+use super::on_route::Cause;
 use crate::town::LaneId;
-use crate::world::agent::Agent;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
-use crate::world::junctions::Request;
+use crate::world::outlook::Outlook;
 use crate::world::physics::Physics;
 use crate::world::roads::Roads;
-use crate::world::route::Ahead;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::traffic_state::{Claim, TrafficState};
+use crate::world::traffic_state::TrafficState;
 
 /// What a controller steers.
 pub(crate) struct AgentParts<'a> {
     pub slot: Slot,
     pub body: &'a mut Body,
     pub appearance: &'a mut Appearance,
-}
-
-/// What an agent lets others know from one look to the next.
-#[derive(Default)]
-pub(crate) struct Outlook {
-    /// The way that a driver has looked at.
-    pub way_ahead: Vec<Ahead>,
-    /// What it wants of the next junction.
-    pub request: Option<Request>,
-    /// Where it is changing lanes to.
-    pub claim: Option<Claim>,
-    /// What a pedestrian is about.
-    pub walk: Option<Walk>,
 }
 
 /// Decides what an agent does.
@@ -54,7 +38,7 @@ pub(crate) trait Controller: Any + Send + Sync {
     }
 
     /// Before the physics step, after all have acted: gives the body its commands by what the leader does.
-    fn follow(&mut self, _own: AgentParts<'_>, _leader: &Agent, _physics: &mut Physics) {}
+    fn follow(&mut self, _own: AgentParts<'_>, _leader: &dyn Controller, _physics: &mut Physics) {}
 
     /// After the physics step: finds out where the body has got to. `around` has everybody's new places.
     fn track(&mut self, _own: AgentParts<'_>, _physics: &Physics, _around: &mut TrafficState, _streets: &Streets) {}

@@ -1,9 +1,10 @@
 //! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
 
-use super::constraints::{Cause, OnRoute, perceive};
-use super::controller::{AgentParts, Controller, Outlook};
+use super::constraints::perceive;
+use super::controller::{AgentParts, Controller};
 use super::idm::IdmParameters;
 use super::junction_ahead::leave_junctions;
+use super::on_route::{Cause, OnRoute};
 use super::turning::turn_ahead;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
@@ -11,6 +12,7 @@ use crate::town::LaneId;
 use crate::world::appearance::Appearance;
 use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
+use crate::world::outlook::Outlook;
 use crate::world::params::{CYCLIST, STANDS_MPS};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
@@ -62,7 +64,7 @@ impl Cyclist {
         // A look ahead that takes nothing: who is made later keeps their draws.
         let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
         let top_speed_mps = cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1);
-        let idm = IdmParameters { top_speed_mps, ..CYCLIST.draw(habits) };
+        let idm = IdmParameters { top_speed_mps, ..IdmParameters::draw(&CYCLIST, habits) };
         Self {
             route: route(habits.range(KEEPS_M.0, KEEPS_M.1)),
             standing_steps: 0,

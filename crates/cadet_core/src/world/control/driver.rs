@@ -1,10 +1,11 @@
 //! Who drives a car along a route: bends, traffic, junctions.
 
-use super::constraints::{Cause, OnRoute, perceive, traffic_aside};
-use super::controller::{AgentParts, Controller, Outlook};
+use super::constraints::{perceive, traffic_aside};
+use super::controller::{AgentParts, Controller};
 use super::idm::IdmParameters;
 use super::junction_ahead::leave_junctions;
 use super::lane_change::{Decider, LaneChoice};
+use super::on_route::{Cause, OnRoute};
 use super::overtaking::{OVERTAKE_SPEED_FACTOR, Overtaking};
 use super::pursuit::{Axles, pursue};
 use super::turning::signal_for;
@@ -14,13 +15,14 @@ use crate::world::body::{Body, Chassis};
 use crate::world::ego_command::EgoCommand;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
+use crate::world::outlook::{Claim, Outlook};
 use crate::world::params::STANDS_MPS;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::traffic_state::{Claim, TrafficState};
+use crate::world::traffic_state::TrafficState;
 use crate::world::turn_signal::TurnSignal;
 
 /// A car that hardly moves is held below this acceleration, and then until it is worth starting: at one limit for both

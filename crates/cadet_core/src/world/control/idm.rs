@@ -1,6 +1,8 @@
 //! Following: the intelligent driver model (Treiber, Hennecke, Helbing 2000).
 
+use crate::rng::Stream;
 use crate::world::footprint::Footprint;
+use crate::world::params::Following;
 use crate::world::route::Ahead;
 
 /// The most that a driver slows down by on a free road on which it is too fast.
@@ -24,6 +26,20 @@ pub(crate) struct IdmParameters {
 }
 
 impl IdmParameters {
+    /// One driver's habits.
+    pub fn draw(of: &Following, stream: &mut Stream) -> Self {
+        let (factor, gap_s) = (of.desired_speed_factor, of.time_gap_s);
+        Self {
+            desired_speed_factor: stream.clipped_normal(factor.0, factor.1),
+            time_gap_s: stream.clipped_normal(gap_s.0, gap_s.1),
+            minimum_gap_m: of.minimum_gap_m,
+            accel_mps2: of.accel_mps2,
+            comfortable_mps2: of.comfortable_mps2,
+            hardest_mps2: of.hardest_mps2,
+            top_speed_mps: f64::INFINITY,
+        }
+    }
+
     /// Acceleration on a free road.
     pub fn free_road(&self, speed_mps: f64, desired_mps: f64) -> f64 {
         let ratio = (speed_mps.max(0.0) / desired_mps.max(0.5)).min(2.0);

@@ -1,21 +1,18 @@
 //! The junction ahead of who follows a route: what is asked of it, and the line to stop at until it may be crossed.
 
-use super::constraints::{Cause, Constraint, OnRoute};
+use super::on_route::{Cause, Constraint, OnRoute};
+use super::stop_line::{LIGHT_LINE_M, STOP_LINE_M, line_m};
 use super::swing_out::vehicle_in_swept_path;
 use crate::math::DVec3;
-use crate::town::{Aspect, LaneId, RightOfWay, STOP_LINE_M as PAINTED_M};
+use crate::town::{Aspect, LaneId, RightOfWay};
 use crate::world::junctions::{Junctions, Refusal, Request, Stage, Turn};
-use crate::world::params::CRAWLS_MPS;
+use crate::world::params::{CRAWLS_MPS, STANDS_MPS};
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::Slot;
 use crate::world::traffic_state::TrafficState;
 
-/// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
-pub(super) const STOP_LINE_M: f64 = 3.3;
-/// The same before the line of a light.
-const LIGHT_LINE_M: f64 = PAINTED_M.1 + 0.9;
 /// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
 const OVER_LINE_M: f64 = -0.7;
 /// Lights are heeded from so much before one has to brake.
@@ -23,16 +20,18 @@ const SEES_LIGHT_M: f64 = 12.0;
 /// How hard drivers brake at most when a light turns yellow, and when it is red.
 const YELLOW_MPS2: f64 = 3.0;
 const RED_MPS2: f64 = 6.5;
-/// Others reckon with who is at the junction in this time; who stands, as if it went so fast.
+/// Others reckon with who is at the junction in this time; who is slower, as if it went so fast.
 const COMES_S: f64 = 12.0;
 const STARTS_MPS: f64 = 2.0;
 /// One brakes for a line from so much before it takes a comfortable deceleration.
 const EARLY_M: f64 = 6.0;
-const EARLY_S: f64 = 0.3;
+const EARLY_S: f64 = 0.5;
 /// What is asked is decided by the next look: it's asked for so long before one would have to brake.
 const DECIDED_S: f64 = 0.1;
 /// Who crawls so near to a stop sign's line has stopped at it.
 const AT_LINE_M: f64 = 1.5;
+/// Who stands so long after it was let go does not go yet.
+const UNUSED_STEPS: u64 = 3 * 60;
 /// Kept free behind a vehicle that leaves a junction.
 const EXIT_ROOM_M: f64 = 2.5;
 
@@ -42,12 +41,6 @@ pub(super) struct JunctionAhead {
     /// The line to stop at, and why.
     pub stop: Option<Constraint>,
     pub request: Option<Request>,
-}
-
-/// Where the front bumper stops at the end of a lane before a junction: fords are kept free.
-pub(crate) fn line_m(before: LaneId, roads: &Roads) -> f64 {
-    let has_ford = roads.signals().arm_of(before).is_some() || roads.signals().has_zebra(before);
-    if has_ford { LIGHT_LINE_M } else { STOP_LINE_M }
 }
 
 /// Follows a body along its route, and gives back what its tail has cleared of junctions.
@@ -61,7 +54,7 @@ pub(super) fn leave_junctions(
 ) {
     route.track(position, roads, |lane, end_m| junctions.leaving(slot, lane, end_m + tail_m));
     junctions.advance(slot, route.lanes[0], route.s_m - tail_m);
-    junctions.release_cleared(slot, route.odometer_m());
+    junctions.release(slot, route.odometer_m(), |lane| route.lanes.contains(&lane));
 }
 
 /// Looks at the next junction that is not one's own to cross.
@@ -71,6 +64,9 @@ pub(super) fn look_at_junction(own: &OnRoute<'_>, around: &TrafficState, roads: 
     if let Some(lit) = wait_at_light(own, junctions, roads, step) {
         return lit;
     }
+    if let Some(unused) = give_back(own, junctions, roads, step) {
+        return unused;
+    }
     let is_not_held = |id| !junctions.holds(own.slot, id);
     let Some((k, start_m)) = next_junction(own.route, roads, &is_not_held) else { return JunctionAhead::default() };
     let before = own.route.lanes[k - 1];
@@ -78,10 +74,12 @@ pub(super) fn look_at_junction(own: &OnRoute<'_>, around: &TrafficState, roads: 
     let at_line_m = start_m - half_length_m - line_m(before, roads);
     let front_m = if at_line_m > OVER_LINE_M { at_line_m } else { start_m - half_length_m - STOP_LINE_M };
     let brakes_m = own.idm.comfortable_stop_m(speed_mps) + EARLY_M + EARLY_S * speed_mps;
+    let is_green = roads.signals().aspect(before, step as f64 * DT_S).is_none_or(|a| a == Aspect::Green);
+    if !is_green && at_line_m > OVER_LINE_M {
+        return JunctionAhead::default();
+    }
     if front_m > brakes_m + DECIDED_S * speed_mps {
-        let is_green = roads.signals().aspect(before, step as f64 * DT_S).is_none_or(|a| a == Aspect::Green);
-        let comes = || request(own, (k, start_m), Stage::Comes, roads);
-        let request = is_green.then(comes).filter(|r| r.arrives_s < COMES_S);
+        let request = Some(request(own, (k, start_m), Stage::Comes, roads)).filter(|r| r.arrives_s < COMES_S);
         return JunctionAhead { stop: None, request };
     }
     let has_to_stop = roads.right_of_way(before) == Some(RightOfWay::Stop)
@@ -145,6 +143,16 @@ fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, roads: &
         stage,
         lanes,
     }
+}
+
+/// The way across a junction that was granted to somebody who has come to stand before it, for whatever reason: it is given
+/// back, and asked for again.
+fn give_back(own: &OnRoute<'_>, junctions: &Junctions, roads: &Roads, step: u64) -> Option<JunctionAhead> {
+    let (k, start_m) = next_junction(own.route, roads, &|_| true)?;
+    let since_step = junctions.holds_since(own.slot, own.route.lanes[k])?;
+    let is_unused = own.speed_mps() < STANDS_MPS && step > since_step + UNUSED_STEPS;
+    let request = is_unused.then(|| request(own, (k, start_m), Stage::Waits, roads))?;
+    Some(JunctionAhead { stop: None, request: Some(request) })
 }
 
 /// The line of a light that holds, and the place in the queue before it: what was ours of the junction is given back.

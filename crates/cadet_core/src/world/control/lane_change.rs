@@ -7,12 +7,13 @@ use super::lane_view::{LaneView, Neighbor};
 use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
+use crate::world::outlook::Claim;
 use crate::world::params::{CRAWLS_MPS, LONG_M};
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::Slot;
-use crate::world::traffic_state::{Claim, TrafficState};
+use crate::world::traffic_state::TrafficState;
 
 /// How much others' gains and losses count.
 const POLITENESS: f64 = 0.25;

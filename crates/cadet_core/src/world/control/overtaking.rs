@@ -1,7 +1,7 @@
 //! Overtaking a cyclist: whether there is room and time for it, and how far off the own line it leads.
 
-use super::constraints::OnRoute;
 use super::junction_ahead::next_junction;
+use super::on_route::OnRoute;
 use crate::math::{DVec2, DVec3};
 use crate::town::LaneKind;
 use crate::world::footprint::Footprint;

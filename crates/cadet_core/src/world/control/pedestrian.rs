@@ -1,7 +1,7 @@
 //! People on foot: they walk along sidewalks, keep out of each other's way, and cross the road when it is free.
 
 use super::avoidance::{OnWalkway, free_line, pace_behind};
-use super::controller::{AgentParts, Controller, Outlook};
+use super::controller::{AgentParts, Controller};
 use super::crossing::{CROSSING_MPS, may_start, way_across};
 use super::footing::Nearby;
 use super::motion::{GroupPlace, Motion, Walk};
@@ -11,6 +11,7 @@ use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
+use crate::world::outlook::Outlook;
 use crate::world::params::CRAWLS_MPS;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;

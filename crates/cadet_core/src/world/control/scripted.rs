@@ -1,12 +1,13 @@
 //! A user's script: an agent goes along a path whatever the others do.
 
-use super::controller::{AgentParts, Controller, Outlook};
+use super::controller::{AgentParts, Controller};
 use super::on_road::{is_on_road, keep_off};
 use super::path::TimedPath;
 use crate::math::{self, DVec2};
 use crate::world::appearance::Appearance;
 use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
+use crate::world::outlook::Outlook;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::route::Ahead;

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use super::constraints::OnRoute;
-use super::junction_ahead::line_m;
+use super::on_route::OnRoute;
 use super::predicted_way::PredictedWay;
+use super::stop_line::line_m;
 use crate::math::DVec2;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
@@ -103,8 +103,9 @@ fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, roads: &R
 
 #[cfg(test)]
 mod tests {
-    use super::super::junction_ahead::STOP_LINE_M;
+    use super::super::idm::IdmParameters;
     use super::super::pursuit::Axles;
+    use super::super::stop_line::STOP_LINE_M;
     use super::*;
     use crate::math::{self, DVec3};
     use crate::rng::Stream;
@@ -169,7 +170,7 @@ mod tests {
             around.junctions.resolve(&[Request::of_car(2, &chain)], &LaneUse::default(), &roads, 0);
         }
         let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
-        let idm = CAR.draw(&mut Stream::from_seed("idm", 1));
+        let idm = IdmParameters::draw(&CAR, &mut Stream::from_seed("idm", 1));
         let (route, footprint) = (&route, &footprint);
         let own = OnRoute { slot: 1, route, footprint, idm: &idm, axles, train_m: None, reduced_clearance: false };
         vehicle_in_swept_path(&own, &chain, 12.0, &around, &roads)

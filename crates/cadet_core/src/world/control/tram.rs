@@ -1,16 +1,18 @@
 //! Who drives a tram in its first car, and the cars that follow it on the track.
 
+use std::any::Any;
 use std::sync::Arc;
 
-use super::constraints::{Cause, OnRoute, perceive};
-use super::controller::{AgentParts, Controller, Outlook};
+use super::constraints::perceive;
+use super::controller::{AgentParts, Controller};
 use super::idm::IdmParameters;
 use super::junction_ahead::leave_junctions;
+use super::on_route::{Cause, OnRoute};
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::LaneId;
-use crate::world::agent::Agent;
 use crate::world::body::{Body, Step};
+use crate::world::outlook::Outlook;
 use crate::world::params::{STANDS_MPS, TRAM};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::route::Route;
@@ -90,7 +92,7 @@ impl TramDriver {
         let middle_m = train.front_m - car.middle_m;
         let (_, s_m) = train.track.lane_at(middle_m);
         let route = Route::along(train.track.lanes_from(middle_m), s_m);
-        let (idm, desired_mps) = (TRAM.draw(habits), train.speed_mps);
+        let (idm, desired_mps) = (IdmParameters::draw(&TRAM, habits), train.speed_mps);
         Self { train, car, route, idm, desired_mps, interaction_mps2: 0.0, standing_steps: 0, cause: Cause::Nothing }
     }
 }
@@ -172,8 +174,9 @@ impl Controller for Trailer {
         Some(self.leader)
     }
 
-    fn follow(&mut self, own: AgentParts<'_>, leader: &Agent, physics: &mut Physics) {
-        let Some(driver) = leader.controlled_by::<TramDriver>() else { return };
+    fn follow(&mut self, own: AgentParts<'_>, leader: &dyn Controller, physics: &mut Physics) {
+        let leader: &dyn Any = leader;
+        let Some(driver) = leader.downcast_ref::<TramDriver>() else { return };
         driver.train.lead(&self.car, own, physics);
         (self.on_lane, self.cause) = (driver.train.lane_of(&self.car), driver.cause);
     }

@@ -1,6 +1,7 @@
 //! Whether there is room behind a junction for who crosses it.
 
-use super::{Junctions, Request};
+use super::request::Request;
+use super::reservations::Junctions;
 use crate::world::lane_use::LaneUse;
 use crate::world::roads::Roads;
 use crate::world::slot::Slot;

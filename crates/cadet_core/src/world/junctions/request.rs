@@ -5,10 +5,8 @@ use crate::town::{LaneId, RightOfWay};
 use crate::world::params::TURNS_RAD;
 use crate::world::slot::Slot;
 
-/// Cosine of the greatest angle between two approaches that lie on one line, and sine of the least from which one comes
-/// from the right.
+/// Cosine of the greatest angle between two approaches that lie on one line.
 const ON_ONE_LINE: f64 = 0.75;
-const FROM_THE_SIDE: f64 = 0.5;
 
 /// How far a request has got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,7 +82,7 @@ impl Request {
         }
         // From the side of the curb: from the right where traffic keeps right.
         let from_curb = -self.curb_side * self.heading.perp_dot(other.heading);
-        own == RightOfWay::RightFirst && from_curb > FROM_THE_SIDE
+        own == RightOfWay::RightFirst && from_curb > 0.0
     }
 }
 

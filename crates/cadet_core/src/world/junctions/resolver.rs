@@ -1,7 +1,8 @@
 //! Who goes first: all who want to cross a junction are looked at together, whatever the order of their slots.
 
 use super::exit_room::exit_blocked_by;
-use super::{Junctions, Refusal, Request, Reservation, Stage};
+use super::request::{Request, Stage};
+use super::reservations::{Junctions, Queued, Refusal, Reservation};
 use crate::town::LaneId;
 use crate::world::lane_use::LaneUse;
 use crate::world::roads::Roads;
@@ -10,26 +11,14 @@ use crate::world::slot::Slot;
 /// Who yields goes if it has crossed so long before the other arrives: with the time that it needs to cross, this makes
 /// the critical headways of 4 to 7 s of HCM 2010, exhibit 19-10.
 const MARGIN_S: f64 = 1.0;
-/// Who has let others pass at so many looks, 18 s, goes when its turn comes.
+/// Who has asked at so many looks, 18 s, and was let by none, goes when its turn comes.
 const PATIENCE_LOOKS: u32 = 18 * 20;
-
-/// A place in the queue before a junction.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Queued {
-    pub slot: Slot,
-    /// The first lane across: who chooses another way queues anew.
-    first: LaneId,
-    since_step: u64,
-    /// At how many looks nothing but others has held it up.
-    asked_looks: u32,
-    pub refusal: Refusal,
-}
 
 /// A request with its place in the queue.
 struct Candidate<'a> {
     request: &'a Request,
     queued: Queued,
-    /// Whether it waits for a decision, and nobody before it on its lane does.
+    /// Whether it waits for a decision.
     asks: bool,
 }
 
@@ -42,7 +31,8 @@ impl Candidate<'_> {
     /// Whether it lets another go first whose way crosses its own.
     fn waits_for(&self, other: &Self) -> bool {
         let is_patient = |a: &Self| a.queued.asked_looks < PATIENCE_LOOKS;
-        let yields = |a: &Self, b: &Self| a.request.yields_to(b.request) && (is_patient(a) || b.request.is_tram);
+        let is_let = |a: &Self, b: &Self| is_patient(a) || b.request.is_tram && b.asks;
+        let yields = |a: &Self, b: &Self| a.request.yields_to(b.request) && is_let(a, b);
         if yields(self, other) {
             return other.request.arrives_s < self.request.clears_s + MARGIN_S;
         }
@@ -58,16 +48,14 @@ impl Junctions {
             self.held.retain(|h| h.slot != waits.slot || !waits.lanes.contains(&h.lane));
         }
         self.line_up(requests, step);
+        // Of those who come on one lane the first alone counts: who is behind it can't go before it.
         let is_first =
             |own: &Request| !requests.iter().any(|other| other.before == own.before && other.front_m < own.front_m);
         let mut candidates: Vec<Candidate<'_>> = requests
             .iter()
             .zip(&self.queue)
-            .filter(|(request, _)| request.stage != Stage::Waits)
-            .map(|(request, queued)| {
-                let asks = request.stage == Stage::Asks && is_first(request);
-                Candidate { request, queued: *queued, asks }
-            })
+            .filter(|(request, _)| request.stage != Stage::Waits && is_first(request))
+            .map(|(request, queued)| Candidate { request, queued: *queued, asks: request.stage == Stage::Asks })
             .collect();
         // Nobody waits for who has no way out.
         let blocked = |c: &Candidate<'_>| exit_blocked_by(c.request, lane_use, self, roads).filter(|_| c.asks);
@@ -84,11 +72,11 @@ impl Junctions {
                 None => self.first_before(own, &candidates).map_or(Ok(()), |by| Err(Refusal::Yields(by))),
             };
             match decision {
-                Ok(()) => self.grant(own.request),
+                Ok(()) => self.grant(own.request, step),
                 Err(refusal) => self.refuse(own.request.slot, refusal),
             }
         }
-        self.break_circles(&candidates, lane_use, roads);
+        self.break_circles(&candidates, lane_use, roads, step);
     }
 
     /// Gives every request its place in the queue, in the order of the requests; who asks no more loses it.
@@ -133,12 +121,13 @@ impl Junctions {
         }
     }
 
-    fn grant(&mut self, request: &Request) {
+    fn grant(&mut self, request: &Request, step: u64) {
         self.queue.retain(|q| q.slot != request.slot);
         let exit = request.exits.first().copied().unwrap_or(request.lanes[request.lanes.len() - 1]);
         self.held.extend(request.lanes.iter().map(|lane| Reservation {
             slot: request.slot,
             lane: *lane,
+            since_step: step,
             exit,
             room_m: request.room_m,
             tail_m: f64::NEG_INFINITY,
@@ -147,7 +136,7 @@ impl Junctions {
     }
 
     /// Where each of some waits for another of them, who came first goes: four who come from each other's right.
-    fn break_circles(&mut self, candidates: &[Candidate<'_>], lane_use: &LaneUse, roads: &Roads) {
+    fn break_circles(&mut self, candidates: &[Candidate<'_>], lane_use: &LaneUse, roads: &Roads, step: u64) {
         for own in candidates.iter().filter(|c| c.asks) {
             let waits_for = |slot: Slot| match self.refusal(slot) {
                 Refusal::Yields(by) => Some(by),
@@ -161,7 +150,7 @@ impl Junctions {
             if waits_for(circle[circle.len() - 1]) == Some(own.request.slot)
                 && self.hindrance(own, lane_use, roads).is_none()
             {
-                self.grant(own.request);
+                self.grant(own.request, step);
             }
         }
     }

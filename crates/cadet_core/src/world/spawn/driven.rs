@@ -15,7 +15,7 @@ use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
 use crate::world::arena::AgentSpec;
 use crate::world::body::{Chassis, settle};
-use crate::world::control::SIDE_STANDING_M;
+use crate::world::control::{IdmParameters, SIDE_STANDING_M};
 use crate::world::footprint::Footprint;
 use crate::world::params::{CAR, LONG_M};
 use crate::world::physics::Physics;
@@ -196,7 +196,7 @@ impl Spawner<'_> {
             let before_m = if is_lit { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
             let stop = (2.0 * 1.5 * (free_m - half_m - before_m).max(0.0)).sqrt();
             let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
-            let mut idm = CAR.draw(stream);
+            let mut idm = IdmParameters::draw(&CAR, stream);
             if model.class == ObjectClass::Truck {
                 idm.desired_speed_factor *= TRUCKS_SLOWER;
             }

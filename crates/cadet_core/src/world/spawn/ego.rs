@@ -15,6 +15,7 @@ use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Chassis, settle};
+use crate::world::control::IdmParameters;
 use crate::world::params::EGO;
 use crate::world::roads::Roads;
 use crate::world::route::{EGO_STRAIGHT, Route};
@@ -104,7 +105,7 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
     let Arena { physics, streets, .. } = arena;
     let roads = &streets.roads;
     let starts = EgoStarts::of(roads);
-    let idm = EGO.draw(&mut key.stream("ego habits"));
+    let idm = IdmParameters::draw(&EGO, &mut key.stream("ego habits"));
     for _ in 0..50 {
         let Some((lane, s_m)) = starts.draw(&mut stream, roads) else { break };
         let offset_m = stream.clipped_normal(0.0, 0.08);

@@ -12,7 +12,7 @@ use crate::rng::Stream;
 use crate::town::LaneId;
 use crate::world::arena::AgentSpec;
 use crate::world::body::Body;
-use crate::world::control::{Driver, LaneView};
+use crate::world::control::{Driver, IdmParameters, LaneView};
 use crate::world::params::{CAR, LONG_M};
 use crate::world::room::Needs;
 use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
@@ -79,7 +79,7 @@ impl Spawner<'_> {
     ) -> Option<AgentSpec> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
-        let mut idm = CAR.draw(stream);
+        let mut idm = IdmParameters::draw(&CAR, stream);
         idm.desired_speed_factor *= CARS_SHARE;
         let limiter_mps = stream.range(TRUCKS_MPS.0, TRUCKS_MPS.1);
         if is_truck {
