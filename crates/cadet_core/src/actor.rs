@@ -115,7 +115,7 @@ pub enum BrakesFor {
     Person,
     /// A traffic light.
     Light,
-    /// Others who cross a junction first, the nearest of them by its actor's id where there is one.
+    /// Others who cross a junction first, one of them by its actor's id where there is one.
     Junction(Option<i32>),
     /// The end of the road or of the line.
     RoadEnd,
