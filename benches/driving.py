@@ -38,7 +38,8 @@ def headways(states: NDArray[np.float64]) -> NDArray[np.float64]:
     follows = (gap > 0) & (np.abs(aside) < BESIDE_M) & (along @ along.T > ALIGNED)
     nearest = np.where(follows, gap, np.inf).min(axis=1)
     moves = (speed > FOLLOWS_MPS) & (nearest < FARTHEST_S * speed)
-    return nearest[moves] / speed[moves]
+    gaps_s: NDArray[np.float64] = nearest[moves] / speed[moves]
+    return gaps_s
 
 
 def main() -> None:

@@ -258,7 +258,8 @@ class SceneConfig(_Overrides):
     """
 
     num_cars: int = _SCENE.default("num_cars")
-    """Driving vehicles kept around the ego: cars, one in eleven a van, and trucks where streets are wide."""
+    """Driving vehicles kept around the ego, as many as find room (`Scene.agents` has them): cars, one in eleven a van,
+    and trucks where streets are wide."""
     num_pedestrians: int = _SCENE.default("num_pedestrians")
     """Pedestrians kept around the ego."""
     num_cyclists: int = _SCENE.default("num_cyclists")

@@ -7,7 +7,7 @@ use super::newcomers::parked_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{Opening, VehicleModel};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
@@ -111,13 +111,16 @@ impl Spawner<'_> {
             let delivers = model.class == ObjectClass::Van
                 && spot.kind == SpotKind::Parallel
                 && Stream::from_seed("hazard lights", seed).chance(DELIVERING_SHARE);
-            if let Ok(mut parked) = parked_vehicle(self.arena, model, place.x, place.y, yaw) {
-                parked.appearance.indicate(if delivers { TurnSignal::Hazard } else { TurnSignal::Off });
-                if let Some(opening) = opening(spot, seed) {
-                    parked.appearance.open(opening);
-                }
-                self.arena.put(parked);
+            let mut parked = match parked_vehicle(self.arena, model, place.x, place.y, yaw) {
+                // A wheel would stand beyond the ground's edge.
+                Err(Error::Scene { .. }) => continue,
+                parked => parked?,
+            };
+            parked.appearance.indicate(if delivers { TurnSignal::Hazard } else { TurnSignal::Off });
+            if let Some(opening) = opening(spot, seed) {
+                parked.appearance.open(opening);
             }
+            self.arena.put(parked);
         }
         Ok(())
     }
