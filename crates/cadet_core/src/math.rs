@@ -72,6 +72,13 @@ pub fn wrap_angle(angle_rad: f64) -> f64 {
     if wrapped >= PI { wrapped - TAU } else { wrapped }
 }
 
+/// The angle by which one turns from a direction to another, in [-pi, pi]: above 0 to the left.
+#[inline]
+#[must_use]
+pub fn turn_rad(from: DVec2, to: DVec2) -> f64 {
+    atan2(from.perp_dot(to), from.dot(to))
+}
+
 /// `0` below `lo`, `1` above `hi`, a smooth cubic between.
 #[inline]
 #[must_use]

@@ -3,7 +3,7 @@
 use super::network::{Lane, LaneId, PaintColor, PaintedQuad, RoadNetwork};
 use super::paint::{Paint, STOP_LINE_DEPTH_M};
 use super::signals::{Arm, FORD_M, STOP_LINE_M, Signals};
-use crate::math::{self, DVec2};
+use crate::math::DVec2;
 
 /// Line, gap, and width of the lines along a ford (RMS-1).
 const FORD_DASH_M: (f64, f64, f64) = (0.5, 0.2, 0.12);
@@ -87,7 +87,7 @@ pub(super) fn ways(network: &RoadNetwork, id: LaneId) -> [bool; 3] {
     let mut ways = [false; 3];
     let from = network.lane(id);
     for next in from.successors.iter().map(|next| network.lane(*next)).filter(|next| next.kind == from.kind) {
-        let bend = bend_rad(next);
+        let bend = next.turn_rad();
         ways[if bend > STRAIGHT_RAD {
             0
         } else if bend < -STRAIGHT_RAD {
@@ -97,13 +97,6 @@ pub(super) fn ways(network: &RoadNetwork, id: LaneId) -> [bool; 3] {
         }] = true;
     }
     ways
-}
-
-/// How much a lane turns from its beginning to its end, to the left.
-fn bend_rad(lane: &Lane) -> f64 {
-    let c = &lane.center;
-    let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
-    math::atan2(a.perp_dot(b), a.dot(b))
 }
 
 fn arrows(network: &RoadNetwork, id: LaneId, line: u32, paint: &mut Paint) {

@@ -134,8 +134,7 @@ impl Lane {
     /// The angle from its direction at the start to that at the end: above 0 where it turns left.
     #[must_use]
     pub fn turn_rad(&self) -> f64 {
-        let (a, b) = (self.start_tangent(), self.end_tangent());
-        math::atan2(a.perp_dot(b), a.dot(b))
+        math::turn_rad(self.start_tangent(), self.end_tangent())
     }
 
     /// Length along the middle.

@@ -131,7 +131,7 @@ mod tests {
                 // The first way out of streets at a sharp angle touches no ring, and may cut it by some centimeters.
                 let cut_m = if on_ring.is_some() { 1e-6 } else { 0.05 };
                 assert!(a.length() > island_m - cut_m, "{} m of {island_m}", a.length());
-                turned_rad += math::atan2(a.perp_dot(b), a.dot(b));
+                turned_rad += math::turn_rad(a, b);
             }
             assert!((turned_rad - between_rad).abs() < 1e-6, "round by {turned_rad} instead of {between_rad}");
             if let Some(on_ring) = on_ring {

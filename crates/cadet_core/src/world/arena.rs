@@ -33,9 +33,8 @@ pub(super) struct Arena {
     pub physics: Physics,
     pub streets: Streets,
     pub around: TrafficState,
-    /// Slots of those that may move, rising, and from the oldest agent to the youngest.
+    /// Slots of those that may move, rising.
     active: Vec<Slot>,
-    by_age: Vec<Slot>,
     /// Slots of those who have left the world.
     vacant: Vec<Slot>,
     next_id: i32,
@@ -54,16 +53,7 @@ impl Arena {
                 Footprint { center: o.center, heading: o.axis, half_length_m, half_width_m, velocity: DVec2::ZERO };
             around.stand(footprint, &streets.roads);
         }
-        Ok(Self {
-            agents: Vec::new(),
-            physics,
-            streets,
-            around,
-            active: Vec::new(),
-            by_age: Vec::new(),
-            vacant: Vec::new(),
-            next_id: 0,
-        })
+        Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), vacant: Vec::new(), next_id: 0 })
     }
 
     /// The id that the next newcomer gets; the ego's is 0.
@@ -80,7 +70,6 @@ impl Arena {
             self.around.stand(footprint, &self.streets.roads);
         } else {
             self.active.push(slot);
-            self.by_age.push(slot);
         }
         self.around.add_slot();
         self.agents.push(agent);
@@ -95,8 +84,6 @@ impl Arena {
             self.active.insert(self.active.partition_point(|slot| *slot < gone), gone);
         }
         self.clear(gone);
-        self.by_age.retain(|slot| *slot != gone);
-        self.by_age.push(gone);
         self.agents[gone] = agent;
     }
 
@@ -104,7 +91,6 @@ impl Arena {
     pub fn remove(&mut self, gone: Slot) {
         self.clear(gone);
         self.active.retain(|slot| *slot != gone);
-        self.by_age.retain(|slot| *slot != gone);
         self.vacant.push(gone);
         // What has no body in rapier's world has no place either.
         self.agents[gone].body = Body::Upright(Upright::standing(DVec3::ZERO, 0.0));
@@ -203,7 +189,10 @@ impl Arena {
         }
         self.physics.step();
         self.refresh_places();
-        for slot in &self.by_age {
+        // The oldest agent first: of two who would set foot on one place, that must not hang on their slots.
+        let mut by_age = self.active.clone();
+        by_age.sort_unstable_by_key(|slot| self.agents[*slot].id);
+        for slot in &by_age {
             let (controller, own) = self.agents[*slot].parts_mut(*slot);
             controller.track(own, &self.physics, &mut self.around, &self.streets);
         }
@@ -275,7 +264,7 @@ impl Arena {
                 company.leader = new_slot[company.leader];
             }
         }
-        for slots in [&mut self.active, &mut self.by_age, &mut self.vacant] {
+        for slots in [&mut self.active, &mut self.vacant] {
             slots.iter_mut().for_each(|slot| *slot = new_slot[*slot]);
         }
         self.active.sort_unstable();

@@ -236,7 +236,7 @@ fn curvatures(lane: &Lane) -> Vec<f64> {
             let (a, b, c) = (at(s - half), at(s), at(s + half));
             let (ab, bc) = (b - a, c - b);
             let span = (ab.length() + bc.length()) / 2.0;
-            let turn = math::atan2(ab.perp_dot(bc), ab.dot(bc));
+            let turn = math::turn_rad(ab, bc);
             if span > 0.5 { turn / span } else { 0.0 }
         })
         .collect()

@@ -76,7 +76,7 @@ impl Arm {
 
     /// Whether two arms lie opposite each other.
     pub(super) fn faces(&self, other: &Self) -> bool {
-        let apart = math::atan2(self.along.perp_dot(other.along), self.along.dot(other.along)).abs();
+        let apart = math::turn_rad(self.along, other.along).abs();
         PI - apart < FACING_RAD
     }
 

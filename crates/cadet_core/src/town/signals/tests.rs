@@ -1,7 +1,7 @@
 //! Lights of generated suburbs, of hand-written maps, and of the shared ones.
 
 use super::*;
-use crate::math::{self, DVec3};
+use crate::math::DVec3;
 use crate::town::RightOfWay;
 use crate::town::network::Lane;
 use crate::town::{GroundKind, PropConfig, SuburbConfig, Town, generate_suburb, load_map};
@@ -13,12 +13,6 @@ fn config() -> SuburbConfig {
 fn town(seed: u64) -> Town {
     let props = PropConfig { greenery: 0.0, clutter: 0.0, ..PropConfig::default() };
     Town::suburb(&StreamKey::scene(seed), &config(), &props).unwrap()
-}
-
-fn bend_rad(lane: &Lane) -> f64 {
-    let c = &lane.center;
-    let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
-    math::atan2(a.perp_dot(b), a.dot(b))
 }
 
 /// Whether the middles of two lanes cross in the plane.
@@ -53,7 +47,7 @@ fn ways_that_cross_are_never_green_at_once_but_for_left_turns_across_oncoming_tr
                         continue;
                     }
                     num_pairs += 1;
-                    let turns_left = bend_rad(way) > 0.5 || bend_rad(other) > 0.5;
+                    let turns_left = way.turn_rad() > 0.5 || other.turn_rad() > 0.5;
                     let opposite = {
                         let heading = |lane: &Lane| (lane.center[1] - lane.center[0]).truncate().normalize();
                         heading(way).dot(heading(other)) < -0.5

@@ -19,7 +19,6 @@ const SIDE_MOVING_REDUCED_M: f64 = 0.08;
 const SIDE_STANDING_REDUCED_M: f64 = 0.04;
 /// What is kept in front of all of a vehicle that turns, usually and then.
 const SWEPT_M: (f64, f64) = (0.1, 0.03);
-
 /// Where the front stops before the end of a road.
 const BEFORE_END_M: f64 = 1.0;
 
@@ -54,9 +53,9 @@ pub(super) fn perceive(
     step: u64,
 ) -> Perceived {
     let junction = look_at_junction(own, around, roads, step);
-    let constraints =
-        traffic_ahead(own, ahead, around, roads).into_iter().chain(road_end(own, roads)).chain(junction.stop);
-    Perceived { constraints: constraints.collect(), request: junction.request }
+    let mut constraints = traffic_ahead(own, ahead, around, roads);
+    constraints.extend(road_end(own, roads).into_iter().chain(junction.stop));
+    Perceived { constraints, request: junction.request }
 }
 
 /// Vehicles and people on the route, or where the vehicle is about to sweep.

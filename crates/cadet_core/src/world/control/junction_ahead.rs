@@ -3,7 +3,7 @@
 use super::on_route::{Cause, Constraint, OnRoute};
 use super::stop_line::{LIGHT_LINE_M, STOP_LINE_M, line_m};
 use super::swing_out::vehicle_in_swept_path;
-use crate::math::DVec3;
+use crate::math::{self, DVec3};
 use crate::town::{Aspect, LaneId, RightOfWay};
 use crate::world::junctions::{Junctions, Refusal, Request, Stage, Turn};
 use crate::world::params::{CRAWLS_MPS, STANDS_MPS};
@@ -61,11 +61,11 @@ pub(super) fn leave_junctions(
 pub(super) fn look_at_junction(own: &OnRoute<'_>, around: &TrafficState, roads: &Roads, step: u64) -> JunctionAhead {
     let (speed_mps, half_length_m) = (own.speed_mps().max(0.0), own.footprint.half_length_m);
     let junctions = &around.junctions;
-    if let Some(lit) = wait_at_light(own, junctions, roads, step) {
-        return lit;
-    }
-    if let Some(unused) = give_back(own, junctions, roads, step) {
-        return unused;
+    let Some(next) = next_junction(own.route, roads, &|_| true) else { return JunctionAhead::default() };
+    if let Some(held_up) =
+        wait_at_light(own, next, junctions, roads, step).or_else(|| give_back(own, next, junctions, roads, step))
+    {
+        return held_up;
     }
     let is_not_held = |id| !junctions.holds(own.slot, id);
     let Some((k, start_m)) = next_junction(own.route, roads, &is_not_held) else { return JunctionAhead::default() };
@@ -120,8 +120,8 @@ fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, roads: &
     let leads_on = |l: &LaneId| roads.lane(*l).junction.is_none();
     let exits = route.lanes.iter().skip(k + lanes.len()).copied().take_while(leads_on).collect();
     let (first, last) = (roads.lane(lanes[0]), roads.lane(lanes[lanes.len() - 1]));
-    let (heading, leaving) = (first.start_tangent(), last.end_tangent());
-    let turn_rad = crate::math::atan2(heading.perp_dot(leaving), heading.dot(leaving));
+    let heading = first.start_tangent();
+    let turn_rad = math::turn_rad(heading, last.end_tangent());
     let speed_mps = own.speed_mps().max(0.0);
     let front_m = start_m - own.footprint.half_length_m;
     let across_m: f64 = lanes.iter().map(|l| roads.lane(*l).length_m()).sum();
@@ -147,8 +147,13 @@ fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, roads: &
 
 /// The way across a junction that was granted to somebody who has come to stand before it, for whatever reason: it is given
 /// back, and asked for again.
-fn give_back(own: &OnRoute<'_>, junctions: &Junctions, roads: &Roads, step: u64) -> Option<JunctionAhead> {
-    let (k, start_m) = next_junction(own.route, roads, &|_| true)?;
+fn give_back(
+    own: &OnRoute<'_>,
+    (k, start_m): (usize, f64),
+    junctions: &Junctions,
+    roads: &Roads,
+    step: u64,
+) -> Option<JunctionAhead> {
     let since_step = junctions.holds_since(own.slot, own.route.lanes[k])?;
     let is_unused = own.speed_mps() < STANDS_MPS && step > since_step + UNUSED_STEPS;
     let request = is_unused.then(|| request(own, (k, start_m), Stage::Waits, roads))?;
@@ -156,9 +161,14 @@ fn give_back(own: &OnRoute<'_>, junctions: &Junctions, roads: &Roads, step: u64)
 }
 
 /// The line of a light that holds, and the place in the queue before it: what was ours of the junction is given back.
-fn wait_at_light(own: &OnRoute<'_>, junctions: &Junctions, roads: &Roads, step: u64) -> Option<JunctionAhead> {
+fn wait_at_light(
+    own: &OnRoute<'_>,
+    (k, start_m): (usize, f64),
+    junctions: &Junctions,
+    roads: &Roads,
+    step: u64,
+) -> Option<JunctionAhead> {
     let speed_mps = own.speed_mps().max(0.0);
-    let (k, start_m) = next_junction(own.route, roads, &|_| true)?;
     let aspect = roads.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S)?;
     let front_m = start_m - own.footprint.half_length_m - LIGHT_LINE_M;
     let braking_m = speed_mps * speed_mps / 2.0;

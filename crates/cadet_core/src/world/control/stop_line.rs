@@ -7,6 +7,7 @@ use crate::world::roads::Roads;
 pub(super) const STOP_LINE_M: f64 = 3.3;
 /// The same before the line of a light.
 pub(super) const LIGHT_LINE_M: f64 = PAINTED_M.1 + 0.9;
+
 /// Where the front bumper stops at the end of a lane before a junction: fords are kept free.
 pub(crate) fn line_m(before: LaneId, roads: &Roads) -> f64 {
     let has_ford = roads.signals().arm_of(before).is_some() || roads.signals().has_zebra(before);

@@ -33,7 +33,7 @@ pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSigna
         start_m += lane.length_m();
     }
     let (distance_m, entering, leaving) = through?;
-    let turn_rad = math::atan2(entering.perp_dot(leaving), entering.dot(leaving));
+    let turn_rad = math::turn_rad(entering, leaving);
     (turn_rad.abs() > TURNS_RAD).then_some((distance_m, TurnSignal::toward(turn_rad)))
 }
 

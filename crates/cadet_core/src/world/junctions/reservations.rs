@@ -69,7 +69,7 @@ impl Junctions {
     }
 
     pub fn holds(&self, slot: Slot, lane: LaneId) -> bool {
-        self.held.iter().any(|r| r.slot == slot && r.lane == lane)
+        self.holds_since(slot, lane).is_some()
     }
 
     /// Since which step somebody holds a lane.
