@@ -92,13 +92,17 @@ fn who_has_to_give_way_waits_for_who_would_arrive_before_it_is_over() {
 #[test]
 fn who_turns_across_lets_oncoming_traffic_go_first() {
     let town = Crossing::new();
-    for right_of_way in [RightOfWay::Signal, RightOfWay::Priority, RightOfWay::RightFirst] {
-        let turns = town.request(1, EAST, Turn::Across, right_of_way);
-        for turn in [Turn::Straight, Turn::Near] {
-            assert_eq!(town.first(&[turns.clone(), town.request(2, WEST, turn, right_of_way)]), [2], "{turn:?}");
+    // From every side: what comes first by its lane's number alone would not do.
+    for (heading, toward) in [(EAST, WEST), (NORTH, SOUTH), (WEST, EAST), (SOUTH, NORTH)] {
+        for right_of_way in [RightOfWay::Signal, RightOfWay::Priority, RightOfWay::RightFirst] {
+            let turns = town.request(1, heading, Turn::Across, right_of_way);
+            for turn in [Turn::Straight, Turn::Near] {
+                let first = town.first(&[turns.clone(), town.request(2, toward, turn, right_of_way)]);
+                assert_eq!(first, [2], "{heading}, {turn:?}");
+            }
+            // Two who turn across each other's way pass in front of each other, or one after the other.
+            assert!(!town.first(&[turns.clone(), town.request(2, toward, Turn::Across, right_of_way)]).is_empty());
         }
-        // Two who turn across each other's way pass in front of each other, or one after the other.
-        assert!(!town.first(&[turns.clone(), town.request(2, WEST, Turn::Across, right_of_way)]).is_empty());
     }
 }
 
