@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use super::agent::Agent;
-use super::appearance::Appearance;
 use super::body::{Body, Upright};
-use super::control::{Controller, Parked};
 use super::footprint::Footprint;
 use super::lane_use::OnLane;
 use super::physics::Physics;
@@ -16,6 +13,9 @@ use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::math::{DVec2, DVec3};
 use crate::town::Town;
+use crate::world::agents::Agent;
+use crate::world::agents::{Controller, Parked};
+use crate::world::look::Appearance;
 
 /// An agent before it has an id.
 pub(super) struct AgentSpec {
@@ -244,7 +244,7 @@ impl Arena {
     /// Gives all but the ego other slots.
     #[cfg(test)]
     pub fn shuffle(&mut self, stream: &mut crate::rng::Stream) {
-        use super::control::{Pedestrian, Trailer};
+        use crate::world::agents::{Pedestrian, Trailer};
         let mut order: Vec<Slot> = (1..self.agents.len()).collect();
         for i in (1..order.len()).rev() {
             order.swap(i, stream.below(i + 1));

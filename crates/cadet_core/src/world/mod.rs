@@ -1,26 +1,19 @@
 //! What moves: agents with bodies and controllers, and the immutable picture of an instant that the sensors read.
 
-mod abreast;
-mod agent;
-mod appearance;
+mod agents;
 mod arena;
 mod body;
-mod control;
 mod course;
+mod driving;
 mod ego_command;
 mod footprint;
 mod ground_shape;
 mod junctions;
-mod lamp_light;
 mod lane_use;
+mod look;
 mod outlook;
 mod params;
 mod physics;
-mod ride;
-mod roads;
-mod room;
-mod route;
-mod sidewalk;
 mod simulation;
 mod slot;
 mod snapshot;
@@ -28,9 +21,8 @@ mod spawn;
 mod streets;
 #[cfg(test)]
 mod tests;
-mod track;
 mod traffic_state;
-mod turn_signal;
+mod walking;
 
 pub use course::{Course, FASTEST_VEHICLE_MPS, ModelChoice, Overlap, Waypoint};
 pub use ego_command::{EgoCommand, MAX_LATERAL_M};

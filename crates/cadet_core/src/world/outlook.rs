@@ -1,9 +1,9 @@
 //! What agents let each other know.
 
-use super::control::Walk;
 use super::footprint::Footprint;
 use super::junctions::Request;
-use super::route::Ahead;
+use crate::world::streets::Ahead;
+use crate::world::walking::Walk;
 
 /// The place in a lane that a vehicle is changing to.
 #[derive(Debug, Clone, Copy)]

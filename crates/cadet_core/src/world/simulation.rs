@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use super::arena::Arena;
 use super::body::{Body, settle};
-use super::control::Driver;
 use super::course::{Course, ModelChoice, Overlap};
 use super::ego_command::EgoCommand;
 use super::footprint::Footprint;
 use super::physics::DT_S;
-use super::route::{EGO_STRAIGHT, Route};
 use super::slot::{EGO, Slot};
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
@@ -25,6 +23,8 @@ use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
+use crate::world::agents::Driver;
+use crate::world::streets::{EGO_STRAIGHT, Route};
 
 /// Steps between two looks around: nobody needs more than 20 a second.
 const LOOK_EVERY: u64 = 3;

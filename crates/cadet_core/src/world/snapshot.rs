@@ -1,10 +1,7 @@
 //! The world at one instant, as the sensors see it.
 
-use super::agent::Agent;
 use super::arena::Arena;
-use super::control::Cause;
 use super::junctions::Refusal;
-use super::lamp_light::LampLight;
 use super::slot::{EGO, Slot};
 use crate::actor::{ActorState, BrakesFor};
 use crate::assets::vehicle::{HALOGEN, low_beams};
@@ -13,6 +10,9 @@ use crate::lamp::Lamp;
 use crate::math::{DPose3, DVec3};
 use crate::rng::StreamKey;
 use crate::town::Town;
+use crate::world::agents::Agent;
+use crate::world::driving::Cause;
+use crate::world::look::LampLight;
 
 /// Actors farther than this from the ego are left out of snapshots.
 const SNAPSHOT_RADIUS_M: f64 = 250.0;

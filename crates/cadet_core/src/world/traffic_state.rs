@@ -1,14 +1,14 @@
 //! What agents know of each other: controllers read it, and write what others may know of them.
 
-use super::control::Walk;
 use super::footprint::Footprint;
 use super::junctions::Junctions;
 use super::lane_use::LaneUse;
 use super::outlook::{Claim, Outlook};
-use super::roads::Roads;
-use super::route::Ahead;
 use super::slot::Slot;
 use crate::math::DVec2;
+use crate::world::streets::Ahead;
+use crate::world::streets::Roads;
+use crate::world::walking::Walk;
 
 /// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
 const OFF_LANES_M: f64 = 1.7;

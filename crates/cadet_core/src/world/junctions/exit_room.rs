@@ -3,8 +3,8 @@
 use super::request::Request;
 use super::reservations::Junctions;
 use crate::world::lane_use::LaneUse;
-use crate::world::roads::Roads;
 use crate::world::slot::Slot;
+use crate::world::streets::Roads;
 
 /// From the middle to the end of the longest vehicle.
 const LONGEST_TAIL_M: f64 = 9.0;

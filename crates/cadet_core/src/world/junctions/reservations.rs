@@ -2,8 +2,8 @@
 
 use super::conflicts::Conflicts;
 use crate::town::LaneId;
-use crate::world::roads::Roads;
 use crate::world::slot::Slot;
+use crate::world::streets::Roads;
 
 /// One vehicle's right to cross.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,8 @@ use super::request::{Request, Stage};
 use super::reservations::{Junctions, Queued, Refusal, Reservation};
 use crate::town::LaneId;
 use crate::world::lane_use::LaneUse;
-use crate::world::roads::Roads;
 use crate::world::slot::Slot;
+use crate::world::streets::Roads;
 
 /// Who yields goes if it has crossed so long before the other arrives: with the time that it needs to cross, this makes
 /// critical headways of 5 to 8 s from a standstill, where HCM 2010, exhibit 19-10, has 4.1 to 7.1 s.

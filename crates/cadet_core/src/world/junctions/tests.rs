@@ -4,8 +4,8 @@ use super::*;
 use crate::math::{self, DVec2};
 use crate::town::RightOfWay;
 use crate::world::lane_use::LaneUse;
-use crate::world::roads::Roads;
 use crate::world::slot::Slot;
+use crate::world::streets::Roads;
 use crate::world::tests::towns::crossing;
 
 const EAST: f64 = 0.0;

@@ -6,9 +6,10 @@ use super::spawner::Spawner;
 use crate::assets::belongings::Thing;
 use crate::assets::person::PersonModel;
 use crate::rng::Stream;
-use crate::world::appearance::Appearance;
-use crate::world::control::{Motion, Pedestrian};
+use crate::world::agents::Pedestrian;
+use crate::world::look::Appearance;
 use crate::world::slot::Slot;
+use crate::world::walking::Motion;
 
 /// Share of the people on foot who hold an umbrella when it rains.
 const UMBRELLAS: f64 = 0.5;

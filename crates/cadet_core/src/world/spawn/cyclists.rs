@@ -9,13 +9,13 @@ use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId, LaneKind};
+use crate::world::agents::Cyclist;
 use crate::world::arena::AgentSpec;
 use crate::world::body::stand_up;
-use crate::world::control::Cyclist;
 use crate::world::footprint::Footprint;
-use crate::world::roads::Roads;
-use crate::world::route::Route;
 use crate::world::slot::Slot;
+use crate::world::streets::Roads;
+use crate::world::streets::Route;
 
 /// How likely straight on is for a cyclist against turning off.
 const STRAIGHT: f64 = 1.5;

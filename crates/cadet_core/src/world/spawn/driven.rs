@@ -15,14 +15,14 @@ use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
 use crate::world::arena::AgentSpec;
 use crate::world::body::{Chassis, settle};
-use crate::world::control::{IdmParameters, SIDE_STANDING_M};
+use crate::world::driving::{IdmParameters, SIDE_STANDING_M};
 use crate::world::footprint::Footprint;
 use crate::world::params::{CAR, LONG_M};
 use crate::world::physics::Physics;
-use crate::world::roads::Roads;
-use crate::world::room::Needs;
-use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
 use crate::world::slot::Slot;
+use crate::world::streets::Needs;
+use crate::world::streets::Roads;
+use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
 
 /// How far from a junction, or from who is ahead, newcomers could stop; before the line of a light it is farther.
 const BEFORE_JUNCTION_M: f64 = 8.0;

@@ -15,10 +15,10 @@ use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Chassis, settle};
-use crate::world::control::IdmParameters;
+use crate::world::driving::IdmParameters;
 use crate::world::params::EGO;
-use crate::world::roads::Roads;
-use crate::world::route::{EGO_STRAIGHT, Route};
+use crate::world::streets::Roads;
+use crate::world::streets::{EGO_STRAIGHT, Route};
 
 /// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
 /// but a box.

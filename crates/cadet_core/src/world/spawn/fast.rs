@@ -10,13 +10,14 @@ use crate::assets::vehicle::VehicleModel;
 use crate::math::DVec3;
 use crate::rng::Stream;
 use crate::town::LaneId;
+use crate::world::agents::Driver;
 use crate::world::arena::AgentSpec;
 use crate::world::body::Body;
-use crate::world::control::{Driver, IdmParameters, LaneView};
+use crate::world::driving::{IdmParameters, LaneView};
 use crate::world::params::{CAR, LONG_M};
-use crate::world::room::Needs;
-use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
 use crate::world::slot::{EGO, Slot};
+use crate::world::streets::Needs;
+use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
 
 /// Vehicles start so much farther from the ego than on streets, are gone beyond this distance, and newcomers appear before
 /// it: farther away than anything is shown.

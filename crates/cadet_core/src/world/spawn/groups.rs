@@ -7,9 +7,10 @@ use super::spawner::Spawner;
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
+use crate::world::agents::Pedestrian;
 use crate::world::body::Body;
-use crate::world::control::{GroupPlace, Motion, Pedestrian, nearness};
 use crate::world::slot::Slot;
+use crate::world::walking::{GroupPlace, Motion, nearness};
 
 /// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
 const COMPANY_SHARE: f64 = 0.75;

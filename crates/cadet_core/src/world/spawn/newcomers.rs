@@ -9,12 +9,13 @@ use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec2, DVec3};
 use crate::rng::Stream;
-use crate::world::appearance::Appearance;
+use crate::world::agents::{Controller, Driver, Parked, Pedestrian, Scripted};
 use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Body, Chassis, Cycle, Fixed, Guided, Upright, settle};
-use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted};
-use crate::world::ride::Ride;
-use crate::world::route::Route;
+use crate::world::driving::IdmParameters;
+use crate::world::look::Appearance;
+use crate::world::look::Ride;
+use crate::world::streets::Route;
 
 /// A vehicle with somebody at the wheel.
 pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmParameters) -> AgentSpec {

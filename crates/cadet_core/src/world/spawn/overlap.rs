@@ -3,13 +3,13 @@
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
 use crate::math::DVec2;
-use crate::world::agent::Agent;
+use crate::world::agents::Agent;
 use crate::world::arena::Arena;
 use crate::world::body::Body;
-use crate::world::control::BODY_M;
 use crate::world::course::Overlap;
 use crate::world::footprint::Footprint;
 use crate::world::slot::{EGO, Slot};
+use crate::world::walking::BODY_M;
 
 /// Nobody appears where somebody who comes the other way will be by then, and the room kept beside that.
 const TOWARD_S: f64 = 6.0;

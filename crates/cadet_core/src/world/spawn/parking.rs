@@ -12,7 +12,7 @@ use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
 use crate::world::footprint::Footprint;
-use crate::world::turn_signal::TurnSignal;
+use crate::world::look::TurnSignal;
 
 /// Share of the cars along a curb that stand against the traffic, and of those at an angle that were backed in.
 const WRONG_WAY_SHARE: f64 = 0.05;

@@ -9,8 +9,8 @@ use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::world::arena::AgentSpec;
-use crate::world::control::Motion;
 use crate::world::slot::Slot;
+use crate::world::walking::Motion;
 
 /// How many others mean to cross the road.
 const CROSSERS_SHARE: f64 = 0.4;

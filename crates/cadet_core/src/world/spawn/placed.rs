@@ -12,9 +12,9 @@ use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
+use crate::world::agents::{Controller, PERSON_HALF_CHORD_M, Parked, Scripted, TimedPath};
 use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{settle, stand_up};
-use crate::world::control::{Controller, PERSON_HALF_CHORD_M, Parked, Scripted, TimedPath};
 use crate::world::course::{
     Course, FASTEST_CYCLIST_MPS, FASTEST_PERSON_MPS, FASTEST_VEHICLE_MPS, Overlap, Waypoint, check_path,
 };

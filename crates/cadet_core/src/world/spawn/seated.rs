@@ -12,11 +12,12 @@ use crate::frames;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::appearance::Appearance;
+use crate::world::agents::Parked;
 use crate::world::arena::{AgentSpec, Arena};
 use crate::world::body::{Body, Upright};
-use crate::world::control::{BODY_M, Parked};
 use crate::world::course::{Course, Overlap};
+use crate::world::look::Appearance;
+use crate::world::walking::BODY_M;
 
 /// Seats this near to each other are used or left alone together.
 const TOGETHER_M: f64 = 12.0;

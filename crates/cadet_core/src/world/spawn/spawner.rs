@@ -3,9 +3,9 @@
 use super::config::TrafficConfig;
 use crate::assets::vehicle::UserVehicles;
 use crate::rng::StreamKey;
+use crate::world::agents::Driver;
 use crate::world::arena::Arena;
-use crate::world::control::Driver;
-use crate::world::route::Route;
+use crate::world::streets::Route;
 
 /// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
 /// and more people walk than along it, as out of sight they belong to a town but not to a picture.

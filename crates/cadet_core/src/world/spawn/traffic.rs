@@ -6,11 +6,12 @@ use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::agent::Agent;
+use crate::world::agents::Agent;
+use crate::world::agents::{Cyclist, Driver, Pedestrian};
 use crate::world::arena::{AgentSpec, Arena};
-use crate::world::control::{Cause, Cyclist, Driver, Pedestrian};
-use crate::world::route::Route;
+use crate::world::driving::Cause;
 use crate::world::slot::{EGO, Slot};
+use crate::world::streets::Route;
 
 /// Steps between two looks at who has gone too far away.
 pub(crate) const RENEW_EVERY: u64 = 30;

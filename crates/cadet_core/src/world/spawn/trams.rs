@@ -9,12 +9,12 @@ use crate::assets::vehicle::tram::{num_cars_of, train_of_traffic};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
+use crate::world::agents::{Controller, Coupled, Trailer, Train, TramDriver};
 use crate::world::arena::AgentSpec;
-use crate::world::control::{Controller, Coupled, Trailer, Train, TramDriver};
 use crate::world::footprint::Footprint;
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
-use crate::world::track::Track;
+use crate::world::streets::Track;
 
 /// Trams farther from the ego than this give their place to others, which appear where it does not see them.
 const GONE_M: f64 = 210.0;

@@ -3,7 +3,7 @@
 use super::towns::suburb;
 use super::*;
 use crate::world::DT_S;
-use crate::world::control::Cyclist;
+use crate::world::agents::Cyclist;
 
 /// A person's body in the plane: a circle round the trunk. Arms and legs swing beyond it.
 const BODY_M: f64 = 0.22;

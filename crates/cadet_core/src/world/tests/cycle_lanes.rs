@@ -6,7 +6,7 @@ use super::towns::cycle_lanes;
 use super::*;
 use crate::town::LaneKind;
 use crate::world::DT_S;
-use crate::world::control::Cyclist;
+use crate::world::agents::Cyclist;
 
 fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
     world.arena.controlled_by::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()

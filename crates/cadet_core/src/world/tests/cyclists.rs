@@ -3,8 +3,8 @@
 use super::towns::{hilly_ring, slope, suburb};
 use super::*;
 use crate::world::DT_S;
-use crate::world::control::Cyclist;
-use crate::world::ride::Ride;
+use crate::world::agents::Cyclist;
+use crate::world::look::Ride;
 
 fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
     world.arena.controlled_by::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()

@@ -2,7 +2,8 @@
 
 use super::towns::suburb;
 use super::*;
-use crate::world::control::{Cause, Controller as _};
+use crate::world::agents::Controller as _;
+use crate::world::driving::Cause;
 
 /// What the ego brakes for, and where the people on the road near it are and want to go.
 fn what_stops_the_ego(world: &World) -> String {

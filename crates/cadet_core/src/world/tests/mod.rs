@@ -27,18 +27,19 @@ mod turn_signals;
 
 use std::sync::Arc;
 
-use super::agent::Agent;
-use super::appearance::Appearance;
 use super::body::Body;
-use super::control::{Controller, Driver, Motion, Pedestrian};
 use super::footprint::Footprint;
 use super::junctions::{Junctions, Refusal, Request};
-use super::roads::Roads;
 use super::{Course, ModelChoice, Overlap, TrafficConfig, Waypoint, World};
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::StreamKey;
+use crate::world::agents::Agent;
+use crate::world::agents::{Controller, Driver, Pedestrian};
+use crate::world::look::Appearance;
+use crate::world::streets::Roads;
+use crate::world::walking::Motion;
 use towns::{crossing, hills, hilly_ring, map, slope, suburb};
 
 const SECOND: u32 = 60;

@@ -5,7 +5,7 @@ use super::*;
 use std::collections::BTreeMap;
 
 use crate::town::{GroundKind, LaneId, RoadNetwork, Town};
-use crate::world::control::Controller as _;
+use crate::world::agents::Controller as _;
 
 /// What a run of some minutes showed.
 #[derive(Debug, Default)]

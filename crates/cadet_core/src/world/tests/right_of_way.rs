@@ -4,7 +4,8 @@ use super::towns::{country_roads, main_roads, suburb};
 use super::*;
 use crate::rng::Stream;
 use crate::town::{LaneId, RightOfWay};
-use crate::world::control::{Cause, Cyclist, line_m};
+use crate::world::agents::Cyclist;
+use crate::world::driving::{Cause, line_m};
 
 /// What one may brake for those who had to let one go first: comfortably, and a little more.
 const HARDEST_MPS2: f64 = 2.1;

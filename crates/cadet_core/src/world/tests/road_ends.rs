@@ -6,9 +6,9 @@ use super::towns::{ground, join, lane, line, town};
 use super::*;
 use crate::rng::Stream;
 use crate::town::{LaneId, RoadNetwork};
-use crate::world::control::Cyclist;
-use crate::world::route::Route;
+use crate::world::agents::Cyclist;
 use crate::world::slot::EGO;
+use crate::world::streets::Route;
 
 const HALF_M: f64 = 150.0;
 /// Snapshots hold all who are as near to the ego.

@@ -4,8 +4,8 @@ use super::*;
 use crate::assets::scenery::{PoleKind, pole};
 use crate::town::{Lane, LaneKind, PropConfig, SuburbConfig, Town};
 use crate::world::DT_S;
-use crate::world::control::Cyclist;
-use crate::world::turn_signal::TurnSignal;
+use crate::world::agents::Cyclist;
+use crate::world::look::TurnSignal;
 
 /// A suburb whose junctions are roundabouts wherever they may be.
 fn town(seed: u64) -> Arc<Town> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::town::{Aspect, LaneId, Over, PropConfig, STOP_LINE_M, SuburbConfig, Town};
 use crate::world::DT_S;
-use crate::world::control::Cyclist;
+use crate::world::agents::Cyclist;
 
 fn lit_town(seed: u64) -> Arc<Town> {
     let config = SuburbConfig { blocks: (2, 2), main_share: 0.6, signal_share: 1.0, ..SuburbConfig::default() };

@@ -4,7 +4,7 @@ use super::towns::{slope, tram_roads};
 use super::*;
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::DT_S;
-use crate::world::control::{Trailer, TramDriver};
+use crate::world::agents::{Trailer, TramDriver};
 use crate::world::lane_use::LaneUse;
 
 /// The drivers of trams, each with the cars of its train, the first ahead.

@@ -4,7 +4,7 @@ use super::towns::{main_roads, suburb};
 use super::*;
 use crate::town::LaneId;
 use crate::world::DT_S;
-use crate::world::room::Needs;
+use crate::world::streets::Needs;
 
 /// The trucks that drive.
 fn trucks(world: &World) -> Vec<(&Agent, &Driver)> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::lamps::is_amber;
 use super::*;
-use crate::world::control::Cyclist;
+use crate::world::agents::Cyclist;
 
 /// Which sides of each vehicle's signals shine: left and right, by its id.
 fn lit(world: &World) -> BTreeMap<i32, [bool; 2]> {
@@ -124,7 +124,7 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
     let mut states = Vec::new();
     for _ in 0..4 * SECOND {
         world.step(1);
-        world.arena.agents[slot].appearance.indicate(crate::world::turn_signal::TurnSignal::Hazard);
+        world.arena.agents[slot].appearance.indicate(crate::world::look::TurnSignal::Hazard);
         let sides = lit(&world)[&id];
         assert_eq!(sides[0], sides[1], "both sides flash together");
         states.push(sides[0]);
@@ -134,7 +134,7 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
     assert!((lit_share - 0.5).abs() < 0.02 && flashes == 6, "{flashes} flashes in 4 s, lit for {lit_share}");
     let phases: Vec<bool> = {
         for k in 1..world.arena.agents.len() {
-            world.arena.agents[k].appearance.indicate(crate::world::turn_signal::TurnSignal::Left);
+            world.arena.agents[k].appearance.indicate(crate::world::look::TurnSignal::Left);
         }
         lit(&world).values().map(|sides| sides[0]).collect()
     };

@@ -1,0 +1,325 @@
+//! Who drives a car along a route: bends, traffic, junctions.
+
+use super::controller::{AgentParts, Controller};
+use crate::math::DVec3;
+use crate::town::LaneId;
+use crate::world::body::{Body, Chassis};
+use crate::world::driving::IdmParameters;
+use crate::world::driving::leave_junctions;
+use crate::world::driving::signal_for;
+use crate::world::driving::{Axles, pursue};
+use crate::world::driving::{Cause, OnRoute};
+use crate::world::driving::{Decider, LaneChoice};
+use crate::world::driving::{OVERTAKE_SPEED_FACTOR, Overtaking};
+use crate::world::driving::{perceive, traffic_aside};
+use crate::world::ego_command::EgoCommand;
+use crate::world::footprint::Footprint;
+use crate::world::junctions::Refusal;
+use crate::world::look::TurnSignal;
+use crate::world::outlook::{Claim, Outlook};
+use crate::world::params::STANDS_MPS;
+use crate::world::physics::{DT_S, Physics};
+use crate::world::slot::Slot;
+use crate::world::streets::Roads;
+use crate::world::streets::Route;
+use crate::world::streets::Streets;
+use crate::world::traffic_state::TrafficState;
+
+/// A car that hardly moves is held below this acceleration, and then until it is worth starting: at one limit for both
+/// it would start and stop by turns, a millimeter at a time.
+const STOPS_MPS2: f64 = 0.05;
+const STARTS_MPS2: f64 = 0.15;
+/// What the brakes of a car that stands are pressed as if for.
+const STANDING_MPS2: f64 = -1.0;
+/// Speed and acceleration below which brake lamps stay lit.
+const HOLDS_BELOW_MPS: f64 = 0.05;
+const HOLDS_BELOW_MPS2: f64 = 0.3;
+/// How soon a commanded speed is to be reached, within what the pedals can do.
+const RESPONSE_S: f64 = 0.5;
+/// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
+const SIDEWAYS_MPS: f64 = 1.0;
+const SIDEWAYS_SHARE: f64 = 0.2;
+/// Who has stood for so long makes do with less room for a while.
+const WAITED_STEPS: u64 = 10 * 60;
+const REDUCED_CLEARANCE_STEPS: u64 = 8 * 60;
+/// Who has stood for so long before a junction takes another way across it, if that is free.
+const GIVES_UP_STEPS: u64 = 25 * 60;
+/// Who stands for so long has stopped for good where nothing follows.
+const STOPPED_STEPS: u64 = 3 * 60;
+/// Who is so far from the line that is wanted is changing lines, and shows it.
+const SHIFTING_M: f64 = 0.3;
+
+/// Drives a [`Body::Sprung`].
+pub(crate) struct Driver {
+    pub route: Option<Route>,
+    /// Whether the driver drives; otherwise the brakes hold.
+    pub drives: bool,
+    pub standing_steps: u64,
+    /// Until then less room beside others will do.
+    reduced_clearance_until: u64,
+    /// Until then it waits to go the way that it goes.
+    patient_until: u64,
+    idm: IdmParameters,
+    interaction_mps2: f64,
+    desired_mps: f64,
+    command: Option<EgoCommand>,
+    overtaking: Option<Overtaking>,
+    lanes: LaneChoice,
+    /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
+    own_offset_m: Option<f64>,
+    signal: TurnSignal,
+    cause: Cause,
+}
+
+impl Driver {
+    pub fn new(route: Option<Route>, idm: IdmParameters) -> Self {
+        Self {
+            drives: route.is_some(),
+            route,
+            standing_steps: 0,
+            reduced_clearance_until: 0,
+            patient_until: 0,
+            idm,
+            interaction_mps2: 0.0,
+            desired_mps: 0.0,
+            command: None,
+            overtaking: None,
+            lanes: LaneChoice::default(),
+            own_offset_m: None,
+            signal: TurnSignal::Off,
+            cause: Cause::Nothing,
+        }
+    }
+
+    /// The speed that the driver goes for where the road is free.
+    pub fn wanted_mps(&self, roads: &Roads) -> f64 {
+        let allowed_mps = self.route.as_ref().map_or(0.0, |r| r.speed_for_bends(30.0, 1.5, roads));
+        (self.idm.desired_speed_factor * allowed_mps).min(self.idm.top_speed_mps)
+    }
+
+    /// Whether it drives on its own and has stood for some seconds.
+    pub fn has_stopped(&self) -> bool {
+        self.drives && self.command.is_none() && self.standing_steps > STOPPED_STEPS
+    }
+
+    /// Waits at a place of another route.
+    pub fn wait_on(&mut self, route: Option<Route>) {
+        (self.route, self.drives, self.standing_steps) = (route, false, 0);
+        (self.command, self.overtaking, self.own_offset_m) = (None, None, None);
+        self.lanes = LaneChoice::default();
+    }
+
+    /// Drives as commanded from now on, or on its own again.
+    pub fn obey(&mut self, command: Option<EgoCommand>) {
+        (self.command, self.overtaking, self.lanes) = (command, None, LaneChoice::default());
+        self.drives = self.route.is_some();
+        self.remember_offset();
+    }
+
+    /// Before the first time that the line is left.
+    fn remember_offset(&mut self) {
+        self.own_offset_m = self.own_offset_m.or(self.route.as_ref().map(|r| r.offset_m));
+    }
+
+    /// The acceleration that the pedals are to give.
+    fn pressed_mps2(&self, speed_mps: f64) -> f64 {
+        match self.command {
+            Some(command) => self.idm.pedals((command.speed_mps - speed_mps) / RESPONSE_S, 0.0),
+            None => {
+                let hurry = if self.overtaking.is_some() { OVERTAKE_SPEED_FACTOR } else { 1.0 };
+                self.idm.pedals(self.idm.free_road(speed_mps, hurry * self.desired_mps), self.interaction_mps2)
+            }
+        }
+    }
+
+    /// Moves the line that is followed to where it is wanted.
+    fn shift_line(&mut self, speed_mps: f64) {
+        let (Some(route), Some(own_m)) = (&mut self.route, self.own_offset_m) else { return };
+        if let Some(change) = &mut self.lanes.change {
+            let (offset_m, is_over) = change.step(speed_mps);
+            route.offset_m = offset_m;
+            self.lanes.change = self.lanes.change.filter(|_| !is_over);
+            return;
+        }
+        let overtaking_m = self.overtaking.map(|o| o.offset_m());
+        let wanted_m = self.command.map(|c| c.lateral_m).or(overtaking_m).unwrap_or(own_m);
+        let most_m = SIDEWAYS_MPS.min(SIDEWAYS_SHARE * speed_mps.abs()) * DT_S;
+        route.offset_m += (wanted_m - route.offset_m).clamp(-most_m, most_m);
+    }
+
+    /// Pulling out to overtake, turning in again, changing lanes, or turning off at the next junction.
+    fn intent(&self, speed_mps: f64, roads: &Roads) -> TurnSignal {
+        let Some(route) = self.route.as_ref().filter(|_| self.drives) else { return TurnSignal::Off };
+        let outward = roads.lane(route.lanes[0]).curb_side();
+        if let Some(overtaking) = self.overtaking {
+            let is_out = overtaking.is_out_by_m(route.offset_m) < SHIFTING_M;
+            return if is_out { TurnSignal::Off } else { TurnSignal::toward(-outward) };
+        }
+        if let Some(change) = &self.lanes.change {
+            return TurnSignal::toward(if change.is_inward { -outward } else { outward });
+        }
+        let is_off = |own_m: f64| outward * (own_m - route.offset_m) > SHIFTING_M;
+        if self.command.is_none() && self.own_offset_m.is_some_and(is_off) {
+            return TurnSignal::toward(outward);
+        }
+        signal_for(route, speed_mps, self.signal, roads)
+    }
+
+    /// Stays in the lane or begins to leave it.
+    fn choose_lane(&mut self, slot: Slot, own: &Footprint, around: &TrafficState, roads: &Roads, step: u64) {
+        self.remember_offset();
+        let (Some(route), Some(offset_m)) = (&mut self.route, self.own_offset_m) else { return };
+        let decider = Decider { slot, own, idm: &self.idm, offset_m };
+        self.lanes.decide(&decider, route, around, roads, step);
+    }
+
+    /// Takes another way where somebody has long stood in the one that it would swing into: of two who wait for each
+    /// other to get out of an arm that is too narrow for both, neither would ever move.
+    fn give_up(&mut self, roads: &Roads, step: u64) {
+        let is_barred = matches!(self.cause, Cause::Junction(Refusal::InSweep(_))) && self.command.is_none();
+        if !is_barred || self.standing_steps < GIVES_UP_STEPS || step < self.patient_until {
+            return;
+        }
+        self.patient_until = step + GIVES_UP_STEPS;
+        if let Some(route) = &mut self.route {
+            route.turn_elsewhere(roads);
+        }
+    }
+
+    /// What others have to know of a lane change.
+    fn claim(&self, own: &Footprint, roads: &Roads) -> Option<Claim> {
+        let (change, route) = (self.lanes.change.as_ref()?, self.route.as_ref()?);
+        Some(change.claim(own, route, roads))
+    }
+
+    /// Whether the driver is on the way past a cyclist.
+    #[cfg(test)]
+    pub fn overtakes(&self) -> bool {
+        self.overtaking.is_some()
+    }
+
+    /// Whether the driver is on the way into another lane.
+    #[cfg(test)]
+    pub fn changes_lane(&self) -> bool {
+        self.lanes.change.is_some()
+    }
+
+    /// What the driver shows of where it goes.
+    #[cfg(test)]
+    pub fn signal(&self) -> TurnSignal {
+        self.signal
+    }
+}
+
+pub(crate) fn axles_of(chassis: &Chassis) -> Axles {
+    Axles { wheelbase_m: chassis.wheelbase_m(), rear_m: chassis.rear_axle_m() }
+}
+
+impl Controller for Driver {
+    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
+        let roads = &streets.roads;
+        let mut outlook = Outlook::default();
+        self.cause = Cause::Nothing;
+        if let Some(route) = self.route.as_ref().filter(|_| self.drives)
+            && let Some(footprint) = around.vehicle(own.slot)
+        {
+            let speed = footprint.velocity.dot(footprint.heading);
+            self.desired_mps =
+                (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
+            if self.standing_steps >= WAITED_STEPS {
+                self.reduced_clearance_until = step + REDUCED_CLEARANCE_STEPS;
+            }
+            let rider = OnRoute {
+                slot: own.slot,
+                footprint,
+                route,
+                idm: &self.idm,
+                axles: if let Body::Sprung(chassis) = &*own.body { Some(axles_of(chassis)) } else { None },
+                train_m: None,
+                reduced_clearance: step < self.reduced_clearance_until,
+            };
+            let ahead = rider.in_sight(roads);
+            let mut perceived = perceive(&rider, &ahead, around, roads, step);
+            let (_, cause) = rider.tightest(&perceived.constraints);
+            self.overtaking = match (self.overtaking, cause) {
+                (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
+                (None, Cause::Vehicle(slot)) if self.command.is_none() => {
+                    Overtaking::begin(&rider, slot, self.desired_mps, around, roads)
+                }
+                _ => None,
+            };
+            if let Some(change) = &self.lanes.change {
+                // Until one is there, both lanes are one's own.
+                let aside_m = change.left_m(route.offset_m);
+                perceived.constraints.extend(traffic_aside(&rider, aside_m, &ahead, around));
+            }
+            (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
+            let may_change = self.command.is_none() && roads.allows_changes(route.lanes[0]);
+            if self.overtaking.is_some() {
+                self.remember_offset();
+            } else if may_change {
+                self.choose_lane(own.slot, footprint, around, roads, step);
+                self.interaction_mps2 = self.interaction_mps2.min(self.lanes.stays_behind_mps2);
+            }
+            self.give_up(roads, step);
+            self.signal = self.intent(speed, roads);
+            outlook = Outlook {
+                way_ahead: ahead,
+                request: perceived.request,
+                claim: self.claim(footprint, roads),
+                walk: None,
+            };
+        } else {
+            self.signal = TurnSignal::Off;
+        }
+        own.appearance.indicate(self.signal);
+        outlook
+    }
+
+    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {
+        let Body::Sprung(chassis) = own.body else { return };
+        let speed = chassis.speed_mps(physics);
+        self.shift_line(speed);
+        match self.route.as_ref().filter(|_| self.drives) {
+            None => chassis.command(-3.0 * speed.clamp(-1.0, 1.0), 0.0, true, physics),
+            Some(route) => {
+                let pose = chassis.world_from_box(physics);
+                let heading = (pose.rotation * DVec3::X).truncate().normalize();
+                let axles = axles_of(chassis);
+                let rear_axle = pose.translation.truncate() - heading * axles.rear_m;
+                let steer = pursue(rear_axle, heading, axles, speed, (route, 0.0), &streets.roads);
+                let mut accel = self.pressed_mps2(speed);
+                let starts_mps2 = if chassis.is_held() { STARTS_MPS2 } else { STOPS_MPS2 };
+                let stand = accel < starts_mps2 && speed < 0.4;
+                // Who has closed up keeps a foot on the brake, though centimeters are left to go.
+                let holds = stand || speed < HOLDS_BELOW_MPS && accel < HOLDS_BELOW_MPS2;
+                own.appearance.accelerate(if holds { STANDING_MPS2 } else { accel });
+                // Brakes stop a car, they don't push it backwards.
+                if accel < 0.0 {
+                    accel = accel.max(-speed / (2.0 * DT_S)).min(0.0);
+                }
+                chassis.command(accel, steer, stand, physics);
+            }
+        }
+        chassis.apply(physics);
+    }
+
+    fn track(&mut self, own: AgentParts<'_>, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
+        let Body::Sprung(chassis) = own.body else { return };
+        let tail_m = own.appearance.size_lwh().x / 2.0 + 0.5;
+        if let Some(route) = &mut self.route {
+            let position = chassis.world_from_box(physics).translation;
+            leave_junctions(own.slot, route, position, tail_m, &mut around.junctions, &streets.roads);
+        }
+        let stands = chassis.speed_mps(physics).abs() < STANDS_MPS;
+        self.standing_steps = if stands { self.standing_steps + 1 } else { 0 };
+    }
+
+    fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    fn on_lane(&self) -> Option<(LaneId, f64)> {
+        self.route.as_ref().map(|r| (r.lanes[0], r.s_m))
+    }
+}

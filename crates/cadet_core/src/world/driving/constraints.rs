@@ -1,0 +1,140 @@
+//! What who drives or rides along a route has to brake for: traffic, people, junctions, the end of the road.
+
+use super::junction_ahead::look_at_junction;
+use super::on_route::{Cause, Constraint, OnRoute};
+use crate::math::DVec2;
+use crate::world::footprint::Footprint;
+use crate::world::junctions::Request;
+use crate::world::slot::EGO;
+use crate::world::streets::Ahead;
+use crate::world::streets::Roads;
+use crate::world::traffic_state::TrafficState;
+
+/// Room kept beside what stands, and beside what moves.
+pub(crate) const SIDE_STANDING_M: f64 = 0.12;
+const SIDE_MOVING_M: f64 = 0.25;
+/// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
+const SIDE_MOVING_REDUCED_M: f64 = 0.08;
+/// And beside a post or what else stands.
+const SIDE_STANDING_REDUCED_M: f64 = 0.04;
+/// What is kept in front of all of a vehicle that turns, usually and then.
+const SWEPT_M: (f64, f64) = (0.1, 0.03);
+/// Where the front stops before the end of a road.
+const BEFORE_END_M: f64 = 1.0;
+
+/// What who follows a route finds ahead, and asks of the next junction.
+pub(crate) struct Perceived {
+    pub constraints: Vec<Constraint>,
+    pub request: Option<Request>,
+}
+
+/// The traffic on the line so far to the left of the route's: in the lane that one is changing to.
+pub(crate) fn traffic_aside<'a>(
+    own: &'a OnRoute<'_>,
+    aside_m: f64,
+    ahead: &[Ahead],
+    around: &'a TrafficState,
+) -> impl Iterator<Item = Constraint> + 'a {
+    let aside: Vec<Ahead> = ahead.iter().map(|a| Ahead { at: a.at + a.tangent.perp() * aside_m, ..*a }).collect();
+    let others = around.vehicles.iter().map(|v| (v.agent, &v.footprint));
+    let claimed = around.claims().map(|(other, claim)| (other, &claim.footprint));
+    others
+        .chain(claimed)
+        .filter(|(other, _)| *other != own.slot)
+        .filter_map(move |(other, o)| own.gap_to(o, SIDE_MOVING_M, &aside, Cause::Vehicle(other)))
+}
+
+/// All that one has to brake for, given the places ahead on the route.
+pub(crate) fn perceive(
+    own: &OnRoute<'_>,
+    ahead: &[Ahead],
+    around: &TrafficState,
+    roads: &Roads,
+    step: u64,
+) -> Perceived {
+    let junction = look_at_junction(own, around, roads, step);
+    let mut constraints = traffic_ahead(own, ahead, around, roads);
+    constraints.extend(road_end(own, roads).into_iter().chain(junction.stop));
+    Perceived { constraints, request: junction.request }
+}
+
+/// Vehicles and people on the route, or where the vehicle is about to sweep.
+fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, roads: &Roads) -> Vec<Constraint> {
+    let footprint = own.footprint;
+    let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
+    let (side_standing_m, side_moving_m, swept_m) =
+        if own.reduced_clearance { (SIDE_STANDING_REDUCED_M, SIDE_MOVING_REDUCED_M, SWEPT_M.1) } else { usual_m };
+    let (low, high) =
+        ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
+    let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, side_standing_m, o));
+    // Of two side by side, the one whose front is farther on goes first: else each would wait for the other.
+    let others = || around.vehicles.iter().filter(|v| v.agent != own.slot && !footprint.leads(&v.footprint));
+    let moving = || others().map(|v| (Cause::Vehicle(v.agent), side_moving_m, &v.footprint));
+    let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
+    let claims = around.claims().filter(|(other, _)| *other != own.slot);
+    let claimed = claims.map(|(other, claim)| (Cause::Vehicle(other), SIDE_MOVING_M, &claim.footprint));
+    let mut constraints: Vec<Constraint> = standing()
+        .chain(moving())
+        .chain(claimed)
+        .chain(people)
+        .filter(|(_, side_m, o)| {
+            let reach_m = o.half_length_m + o.half_width_m + footprint.half_width_m + side_m;
+            (o.center - o.center.clamp(low, high)).length() < reach_m
+        })
+        .filter_map(|(cause, side_m, o)| own.gap_to(o, side_m, ahead, cause))
+        .collect();
+    // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
+    let swept = [0.8, 1.6, 2.6].into_iter().find_map(|reach_m| {
+        let there = own.route.ahead(reach_m, roads);
+        let swept = Footprint { center: there.at, heading: there.tangent, ..*footprint }.grown(swept_m);
+        let meets = |o: &Footprint| {
+            let to = o.center - footprint.center;
+            to.length() < 14.0 && to.dot(footprint.heading) > 0.0 && swept.overlaps(o)
+        };
+        let (cause, ..) = standing().chain(moving()).find(|(_, _, o)| meets(o))?;
+        Some(Constraint { gap_m: reach_m - 0.6, speed_mps: 0.0, cause })
+    });
+    constraints.extend(swept);
+    constraints
+}
+
+/// The end of the road. Where it is the map's, all but the ego drive on and leave the world.
+fn road_end(own: &OnRoute<'_>, roads: &Roads) -> Option<Constraint> {
+    let sight_m = own.sight_m();
+    let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, roads);
+    let end_m = own.route.ends_in_m(roads).filter(|m| stays && *m < sight_m)?;
+    Some(own.stop_in(end_m - own.footprint.half_length_m - BEFORE_END_M, Cause::RoadEnd))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::idm::IdmParameters;
+    use super::*;
+    use crate::rng::Stream;
+    use crate::world::params::CAR;
+    use crate::world::streets::Route;
+    use crate::world::tests::towns::{ground, lane, line, town};
+
+    #[test]
+    fn a_dead_end_is_seen_where_one_can_still_stop_comfortably() {
+        let mut network = crate::town::RoadNetwork::default();
+        lane(&mut network, &line(DVec2::ZERO, DVec2::new(400.0, 0.0)), None, &|_, _| 0.0);
+        let roads = Roads::new(town(network, ground(450.0, 10.0, &|_, _| 0.0), Vec::new()));
+        let idm = IdmParameters::draw(&CAR, &mut Stream::from_seed("idm", 1));
+        for speed_mps in [5.0, 14.0, 25.0, 36.0] {
+            let stops_m = speed_mps * speed_mps / (2.0 * idm.comfortable_mps2);
+            let route = Route::along([crate::town::LaneId(0)].into(), 400.0 - 2.2 - stops_m);
+            let at = route.ahead(0.0, &roads);
+            let (half_length_m, half_width_m) = (2.2, 0.9);
+            let velocity = at.tangent * speed_mps;
+            let own = Footprint { center: at.at, heading: at.tangent, half_length_m, half_width_m, velocity };
+            let (axles, train_m, reduced_clearance) = (None, None, false);
+            let route = &route;
+            let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };
+            let around = TrafficState::new(&roads);
+            let ahead = rider.in_sight(&roads);
+            let (_, cause) = rider.tightest(&perceive(&rider, &ahead, &around, &roads, 0).constraints);
+            assert_eq!(cause, Cause::RoadEnd, "{speed_mps} m/s, {stops_m} m before the end");
+        }
+    }
+}
