@@ -1,31 +1,19 @@
 //! All agents with what they share: bodies, streets, and what they know of each other.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::body::{Body, Upright};
+use super::agents::{ActorView, Agent, Car, Cyclist, Fixture, Gone, Kind, Pedestrian, Tram};
 use super::footprint::Footprint;
 use super::lane_use::OnLane;
 use super::physics::Physics;
 use super::slot::{EGO, Slot};
 use super::streets::Streets;
 use super::traffic_state::{PersonAt, TrafficState, VehicleAt};
-use crate::actor::ObjectClass;
+use crate::actor::End;
 use crate::error::Result;
 use crate::math::{DVec2, DVec3};
 use crate::town::Town;
-use crate::world::agents::Agent;
-use crate::world::agents::{Controller, Parked};
-use crate::world::look::Appearance;
-
-/// An agent before it has an id.
-pub(super) struct AgentSpec {
-    pub class: ObjectClass,
-    pub body: Body,
-    pub controller: Box<dyn Controller>,
-    pub appearance: Appearance,
-    /// Put there by the user: never replaced.
-    pub is_placed: bool,
-}
 
 /// The agents by slot, the ego first.
 pub(super) struct Arena {
@@ -38,6 +26,8 @@ pub(super) struct Arena {
     /// Slots of those who have left the world.
     vacant: Vec<Slot>,
     next_id: i32,
+    /// By id: the end of an actor that was near when it was first labeled. Its annotated box stays as it was drawn then.
+    pub labeled_ends: BTreeMap<i32, End>,
 }
 
 impl Arena {
@@ -53,7 +43,8 @@ impl Arena {
                 Footprint { center: o.center, heading: o.axis, half_length_m, half_width_m, velocity: DVec2::ZERO };
             around.stand(footprint, &streets.roads);
         }
-        Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), vacant: Vec::new(), next_id: 0 })
+        let (agents, active, vacant, labeled_ends) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
+        Ok(Self { agents, physics, streets, around, active, vacant, next_id: 0, labeled_ends })
     }
 
     /// The id that the next newcomer gets; the ego's is 0.
@@ -62,12 +53,12 @@ impl Arena {
     }
 
     /// Puts an agent into the arena; returns its slot.
-    pub fn put(&mut self, newcomer: AgentSpec) -> Slot {
+    pub fn put(&mut self, kind: Kind) -> Slot {
         let slot = self.agents.len();
-        let agent = self.named(newcomer);
-        if let Body::Fixed(_) = agent.body {
-            let footprint = agent.footprint(&self.physics);
-            self.around.stand(footprint, &self.streets.roads);
+        let stays = matches!(&kind, Kind::Static(fixture) if matches!(fixture.as_ref(), Fixture::Vehicle(_)));
+        let agent = self.named(kind);
+        if stays {
+            self.around.stand(agent.actor().footprint(&self.physics), &self.streets.roads);
         } else {
             self.active.push(slot);
         }
@@ -76,15 +67,22 @@ impl Arena {
         slot
     }
 
+    /// The same for what the user puts there: it is never replaced. Returns its id.
+    pub fn put_placed(&mut self, kind: Kind) -> i32 {
+        let slot = self.put(kind);
+        let agent = &mut self.agents[slot];
+        agent.is_placed = true;
+        agent.id
+    }
+
     /// Puts an agent that moves in the place of one that has gone.
-    pub fn replace(&mut self, gone: Slot, newcomer: AgentSpec) {
-        let agent = self.named(newcomer);
+    pub fn replace(&mut self, gone: Slot, kind: Kind) {
         if let Some(i) = self.vacant.iter().position(|slot| *slot == gone) {
             self.vacant.remove(i);
             self.active.insert(self.active.partition_point(|slot| *slot < gone), gone);
         }
         self.clear(gone);
-        self.agents[gone] = agent;
+        self.agents[gone] = self.named(kind);
     }
 
     /// Takes an agent that moves out of the world; its slot is free for a newcomer.
@@ -92,17 +90,20 @@ impl Arena {
         self.clear(gone);
         self.active.retain(|slot| *slot != gone);
         self.vacant.push(gone);
-        // What has no body in rapier's world has no place either.
-        self.agents[gone].body = Body::Upright(Upright::standing(DVec3::ZERO, 0.0));
-        self.agents[gone].controller = Box::new(Parked);
+        let class = self.agents[gone].actor().look.class();
+        self.agents[gone].kind = Kind::Gone(Gone { class });
     }
 
     fn clear(&mut self, gone: Slot) {
         self.around.forget(gone);
         for slot in &self.active {
-            self.agents[*slot].controller.forget(gone);
+            self.agents[*slot].behavior_mut().forget(gone);
         }
-        self.agents[gone].body.remove_from(&mut self.physics);
+        for (_, actor) in self.agents[gone].actors() {
+            if let Some(body) = actor.body.handle() {
+                self.physics.remove(body);
+            }
+        }
     }
 
     /// Slots of those who have left the world.
@@ -115,11 +116,10 @@ impl Arena {
         self.agents.iter().enumerate().filter(|(slot, _)| !self.vacant.contains(slot))
     }
 
-    fn named(&mut self, newcomer: AgentSpec) -> Agent {
-        let AgentSpec { class, body, controller, appearance, is_placed } = newcomer;
-        let id = self.next_id;
-        self.next_id += 1;
-        Agent { id, class, body, controller, appearance, is_placed, labeled_end: None }
+    fn named(&mut self, kind: Kind) -> Agent {
+        let agent = Agent { id: self.next_id, kind, is_placed: false };
+        self.next_id += agent.actors().count() as i32;
+        agent
     }
 
     /// The ego.
@@ -127,9 +127,20 @@ impl Arena {
         &self.agents[EGO]
     }
 
+    /// The same, as the car that it is.
+    pub fn ego_car(&self) -> &Car {
+        self.ego().as_car().expect("the ego is a car")
+    }
+
+    /// The same to be changed, and the physics that its body is in.
+    pub fn ego_car_mut(&mut self) -> (&mut Car, &mut Physics) {
+        let Kind::Car(car) = &mut self.agents[EGO].kind else { unreachable!("the ego is a car") };
+        (car, &mut self.physics)
+    }
+
     /// Where the ego is and which way it looks, in the plane.
     pub fn ego_place(&self) -> (DVec2, DVec2) {
-        let pose = self.ego().body.world_from_box(&self.physics);
+        let pose = self.ego().actor().body.world_from_box(&self.physics);
         (pose.translation.truncate(), (pose.rotation * DVec3::X).truncate().normalize())
     }
 
@@ -138,28 +149,44 @@ impl Arena {
         self.active.iter().map(|slot| (*slot, &self.agents[*slot]))
     }
 
-    /// Those that have a controller of one kind.
-    pub fn controlled_by<T: Controller>(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &T)> {
-        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.controlled_by::<T>()?)))
+    /// The vehicles with somebody at the wheel, the ego first.
+    pub fn cars(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &Car)> {
+        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_car()?)))
+    }
+
+    /// Those who ride on their own.
+    pub fn cyclists(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &Cyclist)> {
+        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_cyclist()?)))
+    }
+
+    /// Those who walk, or stand, on their own.
+    pub fn pedestrians(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &Pedestrian)> {
+        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_pedestrian()?)))
+    }
+
+    /// The trains.
+    pub fn trams(&self) -> impl Iterator<Item = (Slot, &Agent, &Tram)> {
+        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_tram()?)))
+    }
+
+    fn active_actors(&self) -> impl Iterator<Item = (Slot, ActorView<'_>)> {
+        self.active().flat_map(|(slot, agent)| agent.actors().map(move |(_, actor)| (slot, actor)))
     }
 
     /// What the vehicles that move cover.
     pub fn vehicles(&self) -> impl Iterator<Item = (Slot, Footprint)> {
-        let vehicles = self.active().filter(|(_, agent)| !matches!(agent.body, Body::Upright(_)));
-        vehicles.map(|(slot, agent)| (slot, agent.footprint(&self.physics)))
+        let vehicles = self.active_actors().filter(|(_, actor)| actor.body.person().is_none());
+        vehicles.map(|(slot, actor)| (slot, actor.footprint(&self.physics)))
     }
 
     /// Where the people are.
     pub fn people(&self) -> impl Iterator<Item = (Slot, DVec2)> {
-        self.active().filter_map(|(slot, agent)| match &agent.body {
-            Body::Upright(body) => Some((slot, body.at())),
-            _ => None,
-        })
+        self.active_actors().filter_map(|(slot, actor)| Some((slot, actor.body.person()?.at())))
     }
 
     /// What drivers have to keep off because of people on the road.
     pub fn on_road(&self) -> impl Iterator<Item = Footprint> {
-        self.active().filter_map(|(_, agent)| agent.controller.on_road(&agent.body, &self.streets.roads))
+        self.active().filter_map(|(_, agent)| agent.behavior().on_road(&self.streets.roads))
     }
 
     /// All look around.
@@ -167,8 +194,8 @@ impl Arena {
         self.refresh_traffic_state();
         let mut outlooks = Vec::with_capacity(self.active.len());
         for slot in &self.active {
-            let (controller, own) = self.agents[*slot].parts_mut(*slot);
-            outlooks.push((*slot, controller.look(own, &self.around, &self.streets, step)));
+            let behavior = self.agents[*slot].behavior_mut();
+            outlooks.push((*slot, behavior.look(*slot, &self.around, &self.streets, step)));
         }
         self.around.publish(outlooks, &self.streets.roads, step);
     }
@@ -176,16 +203,7 @@ impl Arena {
     /// One physics step, with what all do before it and after it.
     pub fn step(&mut self) {
         for slot in &self.active {
-            let (controller, own) = self.agents[*slot].parts_mut(*slot);
-            controller.act(own, &mut self.physics, &self.streets);
-        }
-        for slot in &self.active {
-            if let Some(leader) = self.agents[*slot].controller.follows()
-                && let Ok([agent, leader]) = self.agents.get_disjoint_mut([*slot, leader])
-            {
-                let (controller, own) = agent.parts_mut(*slot);
-                controller.follow(own, leader.controller.as_ref(), &mut self.physics);
-            }
+            self.agents[*slot].behavior_mut().act(&mut self.physics, &self.streets);
         }
         self.physics.step();
         self.refresh_places();
@@ -193,8 +211,7 @@ impl Arena {
         let mut by_age = self.active.clone();
         by_age.sort_unstable_by_key(|slot| self.agents[*slot].id);
         for slot in &by_age {
-            let (controller, own) = self.agents[*slot].parts_mut(*slot);
-            controller.track(own, &self.physics, &mut self.around, &self.streets);
+            self.agents[*slot].behavior_mut().track(*slot, &self.physics, &mut self.around, &self.streets);
         }
     }
 
@@ -202,40 +219,36 @@ impl Arena {
     fn refresh_traffic_state(&mut self) {
         self.refresh_places();
         let around = &mut self.around;
-        for person in &mut around.people {
-            if let Body::Upright(body) = &self.agents[person.agent].body {
-                person.heading = body.heading();
-                person.speed_mps = body.velocity_world.truncate().length();
-            }
-        }
         around.people_on_road.clear();
         around.lane_use.clear();
         for slot in &self.active {
             let agent = &self.agents[*slot];
-            around.people_on_road.extend(agent.controller.on_road(&agent.body, &self.streets.roads));
-            if let Some((lane, s_m)) = agent.controller.on_lane() {
-                let half_length_m = agent.appearance.size_lwh().x / 2.0;
-                let speed_mps = agent.body.forward_mps(&self.physics);
-                around.lane_use.push(OnLane { lane, agent: *slot, s_m, half_length_m, speed_mps });
+            let behavior = agent.behavior();
+            around.people_on_road.extend(behavior.on_road(&self.streets.roads));
+            for (k, (_, actor)) in agent.actors().enumerate() {
+                if let Some((lane, s_m)) = behavior.on_lane(k) {
+                    let half_length_m = actor.look.size_lwh().x / 2.0;
+                    let speed_mps = actor.body.forward_mps(&self.physics);
+                    around.lane_use.push(OnLane { lane, agent: *slot, s_m, half_length_m, speed_mps });
+                }
             }
         }
     }
 
     /// Writes down what vehicles cover and where people are.
     pub fn refresh_places(&mut self) {
-        let around = &mut self.around;
+        let Self { agents, physics, active, around, .. } = self;
         around.vehicles.clear();
         around.people.clear();
-        for slot in &self.active {
-            let agent = &self.agents[*slot];
-            match &agent.body {
-                Body::Upright(body) => {
-                    let (heading, speed_mps) = (DVec2::X, 0.0);
-                    around.people.push(PersonAt { agent: *slot, at: body.at(), heading, speed_mps });
-                }
-                body => {
-                    let (footprint, is_cycle) = (agent.footprint(&self.physics), matches!(body, Body::Cycle(_)));
-                    around.vehicles.push(VehicleAt { agent: *slot, footprint, is_cycle });
+        for slot in active.iter().copied() {
+            for (_, actor) in agents[slot].actors() {
+                if let Some(person) = actor.body.person() {
+                    let speed_mps = person.velocity_world.truncate().length();
+                    let (at, heading) = (person.at(), person.heading());
+                    around.people.push(PersonAt { agent: slot, at, heading, speed_mps });
+                } else {
+                    let (footprint, is_cycle) = (actor.footprint(physics), actor.body.is_cycle());
+                    around.vehicles.push(VehicleAt { agent: slot, footprint, is_cycle });
                 }
             }
         }
@@ -244,7 +257,6 @@ impl Arena {
     /// Gives all but the ego other slots.
     #[cfg(test)]
     pub fn shuffle(&mut self, stream: &mut crate::rng::Stream) {
-        use crate::world::agents::{Pedestrian, Trailer};
         let mut order: Vec<Slot> = (1..self.agents.len()).collect();
         for i in (1..order.len()).rev() {
             order.swap(i, stream.below(i + 1));
@@ -257,10 +269,9 @@ impl Arena {
         let mut agents: Vec<Option<Agent>> = std::mem::take(&mut self.agents).into_iter().map(Some).collect();
         self.agents = order.iter().map(|old| agents[*old].take().expect("each once")).collect();
         for agent in &mut self.agents {
-            if let Some(trailer) = agent.controlled_by_mut::<Trailer>() {
-                trailer.leader = new_slot[trailer.leader];
-            }
-            if let Some(company) = agent.controlled_by_mut::<Pedestrian>().and_then(|p| p.company.as_mut()) {
+            if let Kind::Pedestrian(pedestrian) = &mut agent.kind
+                && let Some(company) = &mut pedestrian.company
+            {
                 company.leader = new_slot[company.leader];
             }
         }

@@ -1,4 +1,4 @@
-//! What moves: agents with bodies and controllers, and the immutable picture of an instant that the sensors read.
+//! What moves: agents, and the immutable picture of an instant that the sensors read.
 
 mod agents;
 mod arena;

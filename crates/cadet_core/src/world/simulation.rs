@@ -23,7 +23,8 @@ use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
-use crate::world::agents::Driver;
+use crate::world::agents::{Agent, Kind};
+use crate::world::look::Look;
 use crate::world::streets::{EGO_STRAIGHT, Route};
 
 /// Steps between two looks around: nobody needs more than 20 a second.
@@ -66,7 +67,7 @@ impl World {
     pub fn new(town: Arc<Town>, key: StreamKey) -> Result<Self> {
         let mut arena = Arena::new(&town)?;
         let ego = place_ego(&mut arena, &town, key)?;
-        arena.put(ego);
+        arena.put(Kind::Car(Box::new(ego)));
         Ok(Self {
             town,
             key,
@@ -176,7 +177,7 @@ impl World {
     /// # Errors
     /// [`Error::OutOfRange`] for a configuration that makes no sense, [`Error::Map`] for roads that are too short to drive.
     pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
-        if self.ego_driver().route.is_none() && self.town.network.driving().next().is_some() {
+        if self.arena.ego_car().route.is_none() && self.town.network.driving().next().is_some() {
             return Err(too_short(&self.town, &self.arena.streets.roads));
         }
         let Self { arena, key, user_vehicles, rains, .. } = self;
@@ -191,22 +192,18 @@ impl World {
     /// # Errors
     /// [`Error::Scene`] beyond the ground's edge or where somebody stands, [`Error::NotFinite`].
     pub fn move_ego(&mut self, x_m: f64, y_m: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
-        let Body::Sprung(chassis) = &self.arena.ego().body else { unreachable!("the ego has a sprung body") };
-        let settled = settle(&self.arena.physics, &chassis.model, x_m, y_m, yaw_rad)?;
-        let cover = box_at(chassis.model.size_lwh, DVec2::new(x_m, y_m), yaw_rad);
-        check_free(&self.arena, Some(EGO), self.arena.ego().class, &cover, overlap)?;
-        let Arena { agents, physics, streets, around, .. } = &mut self.arena;
-        let ego = &mut agents[EGO];
-        let Body::Sprung(chassis) = &mut ego.body else { unreachable!("the ego has a sprung body") };
-        chassis.place(physics, &settled.world_from_box);
-        around.junctions.forget(EGO);
+        let model = Arc::clone(&self.arena.ego_car().own.body.model);
+        let settled = settle(&self.arena.physics, &model, x_m, y_m, yaw_rad)?;
+        let cover = box_at(model.size_lwh, DVec2::new(x_m, y_m), yaw_rad);
+        check_free(&self.arena, Some(EGO), model.class, &cover, overlap)?;
         let choices = self.key.indexed("ego route", self.steps);
-        let roads = &streets.roads;
+        let roads = &self.arena.streets.roads;
         let nearest = roads.nearest(settled.world_from_box.translation, Some(yaw_rad), 3.0);
         let route = nearest.map(|(lane, s_m, _)| Route::new(lane, s_m, 0.0, EGO_STRAIGHT, choices, roads));
-        if let Some(driver) = ego.controlled_by_mut::<Driver>() {
-            driver.wait_on(route);
-        }
+        self.arena.around.junctions.forget(EGO);
+        let (ego, physics) = self.arena.ego_car_mut();
+        ego.own.body.place(physics, &settled.world_from_box);
+        ego.wait_on(route);
         Ok(())
     }
 
@@ -215,12 +212,10 @@ impl World {
     /// # Errors
     /// [`Error::Scene`] for a command where the ego stands on no lane.
     pub fn command_ego(&mut self, command: Option<EgoCommand>) -> Result<()> {
-        if command.is_some() && self.ego_driver().route.is_none() {
+        if command.is_some() && self.arena.ego_car().route.is_none() {
             return Err(Error::Scene { reason: "the ego stands on no lane to drive along".to_owned() });
         }
-        if let Some(driver) = self.arena.agents[EGO].controlled_by_mut::<Driver>() {
-            driver.obey(command);
-        }
+        self.arena.ego_car_mut().0.obey(command);
         Ok(())
     }
 
@@ -235,7 +230,9 @@ impl World {
     pub fn step_on(&mut self, num_steps: u32) {
         for _ in 0..num_steps {
             self.step_once();
-            if self.steps.is_multiple_of(RETURNS_EVERY) && self.ego_is_at_road_end() && self.ego_driver().has_stopped()
+            if self.steps.is_multiple_of(RETURNS_EVERY)
+                && self.ego_is_at_road_end()
+                && self.arena.ego_car().has_stopped()
             {
                 self.bring_ego_in();
             }
@@ -275,7 +272,7 @@ impl World {
             }
         }
         self.set_ego_driving(true);
-        let odometer = |world: &Self| world.ego_driver().route.as_ref().map_or(0.0, Route::odometer_m);
+        let odometer = |world: &Self| world.arena.ego_car().route.as_ref().map_or(0.0, Route::odometer_m);
         let start_m = odometer(self);
         let mut standing = 0;
         for _ in 0..(LONGEST_DRIVE_S / DT_S) as u32 {
@@ -284,7 +281,7 @@ impl World {
                 break;
             }
             self.step_once();
-            standing = if self.ego_driver().standing_steps > 0 { standing + 1 } else { 0 };
+            standing = if self.arena.ego_car().standing_steps > 0 { standing + 1 } else { 0 };
         }
         Ok(odometer(self) - start_m)
     }
@@ -292,7 +289,7 @@ impl World {
     /// The ego: pose of its box frame on the ground, and velocity.
     #[must_use]
     pub fn ego(&self) -> EgoState {
-        let (body, physics) = (&self.arena.ego().body, &self.arena.physics);
+        let (body, physics) = (&self.arena.ego_car().own.body, &self.arena.physics);
         EgoState {
             world_from_ego: body.world_from_box(physics),
             velocity_world: body.velocity_world(physics),
@@ -303,15 +300,15 @@ impl World {
     /// Whether the ego has come to where its road ends, so that it can't go on.
     #[must_use]
     pub fn ego_is_at_road_end(&self) -> bool {
-        let half_m = self.arena.ego().appearance.size_lwh().x / 2.0;
-        let end_m = self.ego_driver().route.as_ref().and_then(|route| route.ends_in_m(&self.arena.streets.roads));
+        let half_m = self.arena.ego_car().own.look.size_lwh().x / 2.0;
+        let end_m = self.arena.ego_car().route.as_ref().and_then(|route| route.ends_in_m(&self.arena.streets.roads));
         end_m.is_some_and(|m| m - half_m < END_ROOM_M)
     }
 
     /// The lane that the ego drives on.
     #[must_use]
     pub fn ego_lane(&self) -> Option<LaneId> {
-        self.ego_driver().route.as_ref().map(|r| r.lanes[0])
+        self.arena.ego_car().route.as_ref().map(|r| r.lanes[0])
     }
 
     /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
@@ -331,20 +328,15 @@ impl World {
     /// Takes note that actors were labeled: from now on their annotated boxes stay as they are.
     pub fn note_labeled(&mut self, actor_ids: &[i32]) {
         let eye_world = self.ego().world_from_ego.translation;
-        let Arena { agents, physics, .. } = &mut self.arena;
-        for agent in agents.iter_mut().filter(|a| actor_ids.contains(&a.id)) {
-            agent.labeled_end = Some(agent.near_end(physics, eye_world));
+        let Arena { agents, physics, labeled_ends, .. } = &mut self.arena;
+        for (id, actor) in agents.iter().flat_map(Agent::actors).filter(|(id, _)| actor_ids.contains(id)) {
+            labeled_ends.entry(id).or_insert_with(|| actor.near_end(physics, eye_world));
         }
-    }
-
-    fn ego_driver(&self) -> &Driver {
-        self.arena.ego().controlled_by().expect("the ego has a driver")
     }
 
     fn set_ego_driving(&mut self, drives: bool) {
-        if let Some(driver) = self.arena.agents[EGO].controlled_by_mut::<Driver>() {
-            driver.drives = drives && driver.route.is_some();
-        }
+        let (ego, _) = self.arena.ego_car_mut();
+        ego.drives = drives && ego.route.is_some();
     }
 
     fn step_once(&mut self) {

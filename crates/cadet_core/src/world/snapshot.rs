@@ -10,9 +10,9 @@ use crate::lamp::Lamp;
 use crate::math::{DPose3, DVec3};
 use crate::rng::StreamKey;
 use crate::town::Town;
-use crate::world::agents::Agent;
+use crate::world::agents::{ActorView, Agent};
 use crate::world::driving::Cause;
-use crate::world::look::LampLight;
+use crate::world::look::{LampLight, PosedBox};
 
 /// Actors farther than this from the ego are left out of snapshots.
 const SNAPSHOT_RADIUS_M: f64 = 250.0;
@@ -55,33 +55,38 @@ impl Snapshot {
         night_scenery: Option<&[Instance]>,
     ) -> Self {
         let middle = ego.world_from_ego.translation;
-        let mut near: Vec<(&Agent, DPose3)> = arena
-            .present()
-            .filter(|(slot, _)| *slot != EGO)
-            .map(|(_, agent)| (agent, agent.body.world_from_box(&arena.physics)))
-            .filter(|(_, pose)| (pose.translation - middle).length() <= SNAPSHOT_RADIUS_M)
+        let others = arena.present().filter(|(slot, _)| *slot != EGO).flat_map(|(_, agent)| {
+            let brakes_for = brakes_for(arena, agent);
+            agent.actors().map(move |(id, actor)| (id, actor, brakes_for))
+        });
+        let mut near: Vec<(i32, ActorView<'_>, Option<BrakesFor>, DPose3)> = others
+            .map(|(id, actor, brakes_for)| (id, actor, brakes_for, actor.body.world_from_box(&arena.physics)))
+            .filter(|(.., pose)| (pose.translation - middle).length() <= SNAPSHOT_RADIUS_M)
             .collect();
-        near.sort_by_key(|(agent, _)| agent.id);
+        near.sort_by_key(|(id, ..)| *id);
         let mut instances = night_scenery.map_or_else(|| town.scenery.clone(), <[Instance]>::to_vec);
         town.signals.lit(time_s, middle.truncate(), &mut instances);
+        let light = LampLight { time_s, key, needs_lamps, is_night: night_scenery.is_some() };
         let mut actors = Vec::with_capacity(near.len());
-        for (agent, world_from_box) in near {
-            let wheels = agent.body.box_from_wheels();
-            let light = LampLight { time_s, key, needs_lamps, is_night: night_scenery.is_some() };
-            agent.appearance.parts(world_from_box, wheels, agent.id, &light, &mut instances);
+        for (id, actor, brakes_for, world_from_box) in near {
+            let ActorView { body, look } = actor;
+            let box_from_wheels = body.box_from_wheels();
+            look.parts(&PosedBox { actor_id: id, world_from_box, box_from_wheels, light: &light }, &mut instances);
+            let near_end = arena.labeled_ends.get(&id).copied();
+            let near_end = near_end.unwrap_or_else(|| actor.near_end(&arena.physics, middle));
             actors.push(ActorState {
-                id: agent.id,
-                class: agent.class,
-                model: agent.appearance.name().to_owned(),
-                size_lwh: agent.appearance.size_lwh(),
-                annotated: agent.annotated(&arena.physics, middle),
+                id,
+                class: look.class(),
+                model: look.name().to_owned(),
+                size_lwh: look.size_lwh(),
+                annotated: actor.annotated(near_end),
                 world_from_box,
-                velocity_world: agent.body.velocity_world(&arena.physics),
-                angular_velocity_world: agent.body.angular_velocity_world(&arena.physics),
-                brakes_for: brakes_for(arena, agent),
+                velocity_world: body.velocity_world(&arena.physics),
+                angular_velocity_world: body.angular_velocity_world(&arena.physics),
+                brakes_for,
             });
         }
-        let beams = || low_beams(arena.ego().appearance.size_lwh(), HALOGEN);
+        let beams = || low_beams(arena.ego().actor().look.size_lwh(), HALOGEN);
         let ego_lamps =
             night_scenery.map_or_else(Vec::new, |_| beams().map(|l| l.placed(&ego.world_from_ego)).to_vec());
         Self { time_s, ego, instances, actors, ego_lamps }
@@ -91,7 +96,7 @@ impl Snapshot {
 /// What an agent's driver brakes for, by the ids of actors.
 fn brakes_for(arena: &Arena, agent: &Agent) -> Option<BrakesFor> {
     let id = |slot: Slot| arena.agents[slot].id;
-    match agent.controller.cause() {
+    match agent.behavior().cause() {
         Cause::Nothing => None,
         Cause::Parked => Some(BrakesFor::Obstacle),
         Cause::Vehicle(slot) => Some(BrakesFor::Vehicle(id(slot))),

@@ -1,4 +1,4 @@
-//! What agents know of each other: controllers read it, and write what others may know of them.
+//! What agents know of each other: they read it when they look, and nobody writes to it then.
 
 use super::footprint::Footprint;
 use super::junctions::Junctions;
@@ -6,8 +6,7 @@ use super::lane_use::LaneUse;
 use super::outlook::{Claim, Outlook};
 use super::slot::Slot;
 use crate::math::DVec2;
-use crate::world::streets::Ahead;
-use crate::world::streets::Roads;
+use crate::world::streets::{Ahead, Roads};
 use crate::world::walking::Walk;
 
 /// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
@@ -40,7 +39,7 @@ pub(super) struct TrafficState {
     pub standing: Vec<Footprint>,
     /// Those of them in or near a lane, which drivers have to reckon with.
     pub standing_in_lanes: Vec<Footprint>,
-    /// Vehicles that move, by rising slot.
+    /// Vehicles that move, by rising slot; of a train all cars, from the front.
     pub vehicles: Vec<VehicleAt>,
     /// People, by rising slot.
     pub people: Vec<PersonAt>,
@@ -98,7 +97,7 @@ impl TrafficState {
         self.claims[agent] = None;
     }
 
-    /// What a moving vehicle covers.
+    /// What a moving vehicle covers, of a train its first car.
     pub fn vehicle(&self, agent: Slot) -> Option<&Footprint> {
         self.vehicle_at(agent).map(|v| &v.footprint)
     }
@@ -109,8 +108,8 @@ impl TrafficState {
     }
 
     fn vehicle_at(&self, agent: Slot) -> Option<&VehicleAt> {
-        let i = self.vehicles.binary_search_by_key(&agent, |v| v.agent).ok()?;
-        Some(&self.vehicles[i])
+        let i = self.vehicles.partition_point(|v| v.agent < agent);
+        self.vehicles.get(i).filter(|v| v.agent == agent)
     }
 
     /// A person has set a step.

@@ -124,6 +124,11 @@ impl PersonModel {
         self.proportions.kind == Kind::Child
     }
 
+    /// Whether somebody sits.
+    pub(crate) fn sits(&self) -> bool {
+        self.sitting.is_some()
+    }
+
     pub(crate) fn is_elderly(&self) -> bool {
         self.proportions.is_elderly
     }

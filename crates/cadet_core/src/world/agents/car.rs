@@ -1,28 +1,25 @@
-//! Who drives a car along a route: bends, traffic, junctions.
+//! A vehicle whose driver goes along a route: bends, traffic, junctions.
 
-use super::controller::{AgentParts, Controller};
+use std::sync::Arc;
+
+use super::actor::{Actor, ActorView};
+use super::behavior::Behavior;
 use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::body::{Body, Chassis};
-use crate::world::driving::IdmParameters;
-use crate::world::driving::leave_junctions;
-use crate::world::driving::signal_for;
-use crate::world::driving::{Axles, pursue};
-use crate::world::driving::{Cause, OnRoute};
-use crate::world::driving::{Decider, LaneChoice};
-use crate::world::driving::{OVERTAKE_SPEED_FACTOR, Overtaking};
-use crate::world::driving::{perceive, traffic_aside};
+use crate::world::driving::{
+    Axles, Cause, Decider, IdmParameters, LaneChoice, OVERTAKE_SPEED_FACTOR, OnRoute, Overtaking, leave_junctions,
+    perceive, pursue, signal_for, traffic_aside,
+};
 use crate::world::ego_command::EgoCommand;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
-use crate::world::look::TurnSignal;
+use crate::world::look::{Look, TurnSignal, VehicleLook};
 use crate::world::outlook::{Claim, Outlook};
 use crate::world::params::STANDS_MPS;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
-use crate::world::streets::Streets;
+use crate::world::streets::{Roads, Route, Streets};
 use crate::world::traffic_state::TrafficState;
 
 /// A car that hardly moves is held below this acceleration, and then until it is worth starting: at one limit for both
@@ -49,8 +46,9 @@ const STOPPED_STEPS: u64 = 3 * 60;
 /// Who is so far from the line that is wanted is changing lines, and shows it.
 const SHIFTING_M: f64 = 0.3;
 
-/// Drives a [`Body::Sprung`].
-pub(crate) struct Driver {
+/// A vehicle on sprung wheels, and who drives it.
+pub(crate) struct Car {
+    pub own: Actor<Chassis, VehicleLook>,
     pub route: Option<Route>,
     /// Whether the driver drives; otherwise the brakes hold.
     pub drives: bool,
@@ -67,13 +65,14 @@ pub(crate) struct Driver {
     lanes: LaneChoice,
     /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
     own_offset_m: Option<f64>,
-    signal: TurnSignal,
     cause: Cause,
 }
 
-impl Driver {
-    pub fn new(route: Option<Route>, idm: IdmParameters) -> Self {
+impl Car {
+    pub fn new(chassis: Chassis, route: Option<Route>, idm: IdmParameters) -> Self {
+        let look = VehicleLook::new(Arc::clone(&chassis.model), true);
         Self {
+            own: Actor { body: chassis, look },
             drives: route.is_some(),
             route,
             standing_steps: 0,
@@ -86,7 +85,6 @@ impl Driver {
             overtaking: None,
             lanes: LaneChoice::default(),
             own_offset_m: None,
-            signal: TurnSignal::Off,
             cause: Cause::Nothing,
         }
     }
@@ -162,7 +160,7 @@ impl Driver {
         if self.command.is_none() && self.own_offset_m.is_some_and(is_off) {
             return TurnSignal::toward(outward);
         }
-        signal_for(route, speed_mps, self.signal, roads)
+        signal_for(route, speed_mps, self.own.look.signal, roads)
     }
 
     /// Stays in the lane or begins to leave it.
@@ -207,7 +205,7 @@ impl Driver {
     /// What the driver shows of where it goes.
     #[cfg(test)]
     pub fn signal(&self) -> TurnSignal {
-        self.signal
+        self.own.look.signal
     }
 }
 
@@ -215,13 +213,17 @@ pub(crate) fn axles_of(chassis: &Chassis) -> Axles {
     Axles { wheelbase_m: chassis.wheelbase_m(), rear_m: chassis.rear_axle_m() }
 }
 
-impl Controller for Driver {
-    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
+impl Behavior for Car {
+    fn actor(&self, k: usize) -> Option<ActorView<'_>> {
+        (k == 0).then(|| self.own.view())
+    }
+
+    fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let roads = &streets.roads;
         let mut outlook = Outlook::default();
         self.cause = Cause::Nothing;
         if let Some(route) = self.route.as_ref().filter(|_| self.drives)
-            && let Some(footprint) = around.vehicle(own.slot)
+            && let Some(footprint) = around.vehicle(slot)
         {
             let speed = footprint.velocity.dot(footprint.heading);
             self.desired_mps =
@@ -230,11 +232,11 @@ impl Controller for Driver {
                 self.reduced_clearance_until = step + REDUCED_CLEARANCE_STEPS;
             }
             let rider = OnRoute {
-                slot: own.slot,
+                slot,
                 footprint,
                 route,
                 idm: &self.idm,
-                axles: if let Body::Sprung(chassis) = &*own.body { Some(axles_of(chassis)) } else { None },
+                axles: Some(axles_of(&self.own.body)),
                 train_m: None,
                 reduced_clearance: step < self.reduced_clearance_until,
             };
@@ -243,8 +245,8 @@ impl Controller for Driver {
             let (_, cause) = rider.tightest(&perceived.constraints);
             self.overtaking = match (self.overtaking, cause) {
                 (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
-                (None, Cause::Vehicle(slot)) if self.command.is_none() => {
-                    Overtaking::begin(&rider, slot, self.desired_mps, around, roads)
+                (None, Cause::Vehicle(other)) if self.command.is_none() => {
+                    Overtaking::begin(&rider, other, self.desired_mps, around, roads)
                 }
                 _ => None,
             };
@@ -258,11 +260,11 @@ impl Controller for Driver {
             if self.overtaking.is_some() {
                 self.remember_offset();
             } else if may_change {
-                self.choose_lane(own.slot, footprint, around, roads, step);
+                self.choose_lane(slot, footprint, around, roads, step);
                 self.interaction_mps2 = self.interaction_mps2.min(self.lanes.stays_behind_mps2);
             }
             self.give_up(roads, step);
-            self.signal = self.intent(speed, roads);
+            self.own.look.signal = self.intent(speed, roads);
             outlook = Outlook {
                 way_ahead: ahead,
                 request: perceived.request,
@@ -270,16 +272,16 @@ impl Controller for Driver {
                 walk: None,
             };
         } else {
-            self.signal = TurnSignal::Off;
+            self.own.look.signal = TurnSignal::Off;
         }
-        own.appearance.indicate(self.signal);
         outlook
     }
 
-    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {
-        let Body::Sprung(chassis) = own.body else { return };
-        let speed = chassis.speed_mps(physics);
+    fn act(&mut self, physics: &mut Physics, streets: &Streets) {
+        let speed = self.own.body.forward_mps(physics);
         self.shift_line(speed);
+        let mut accel = self.pressed_mps2(speed);
+        let Actor { body: chassis, look } = &mut self.own;
         match self.route.as_ref().filter(|_| self.drives) {
             None => chassis.command(-3.0 * speed.clamp(-1.0, 1.0), 0.0, true, physics),
             Some(route) => {
@@ -288,12 +290,11 @@ impl Controller for Driver {
                 let axles = axles_of(chassis);
                 let rear_axle = pose.translation.truncate() - heading * axles.rear_m;
                 let steer = pursue(rear_axle, heading, axles, speed, (route, 0.0), &streets.roads);
-                let mut accel = self.pressed_mps2(speed);
                 let starts_mps2 = if chassis.is_held() { STARTS_MPS2 } else { STOPS_MPS2 };
                 let stand = accel < starts_mps2 && speed < 0.4;
                 // Who has closed up keeps a foot on the brake, though centimeters are left to go.
                 let holds = stand || speed < HOLDS_BELOW_MPS && accel < HOLDS_BELOW_MPS2;
-                own.appearance.accelerate(if holds { STANDING_MPS2 } else { accel });
+                look.accelerate(if holds { STANDING_MPS2 } else { accel });
                 // Brakes stop a car, they don't push it backwards.
                 if accel < 0.0 {
                     accel = accel.max(-speed / (2.0 * DT_S)).min(0.0);
@@ -304,14 +305,14 @@ impl Controller for Driver {
         chassis.apply(physics);
     }
 
-    fn track(&mut self, own: AgentParts<'_>, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
-        let Body::Sprung(chassis) = own.body else { return };
-        let tail_m = own.appearance.size_lwh().x / 2.0 + 0.5;
+    fn track(&mut self, slot: Slot, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
+        let chassis = &self.own.body;
+        let tail_m = self.own.look.size_lwh().x / 2.0 + 0.5;
         if let Some(route) = &mut self.route {
             let position = chassis.world_from_box(physics).translation;
-            leave_junctions(own.slot, route, position, tail_m, &mut around.junctions, &streets.roads);
+            leave_junctions(slot, route, position, tail_m, &mut around.junctions, &streets.roads);
         }
-        let stands = chassis.speed_mps(physics).abs() < STANDS_MPS;
+        let stands = chassis.forward_mps(physics).abs() < STANDS_MPS;
         self.standing_steps = if stands { self.standing_steps + 1 } else { 0 };
     }
 
@@ -319,7 +320,7 @@ impl Controller for Driver {
         self.cause
     }
 
-    fn on_lane(&self) -> Option<(LaneId, f64)> {
+    fn on_lane(&self, _k: usize) -> Option<(LaneId, f64)> {
         self.route.as_ref().map(|r| (r.lanes[0], r.s_m))
     }
 }

@@ -1,24 +1,19 @@
 //! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
 
-use super::controller::{AgentParts, Controller};
+use super::actor::{Actor, ActorView};
+use super::behavior::Behavior;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::LaneId;
-use crate::world::body::{Body, Step};
-use crate::world::driving::IdmParameters;
-use crate::world::driving::leave_junctions;
-use crate::world::driving::perceive;
-use crate::world::driving::turn_ahead;
-use crate::world::driving::{Cause, OnRoute};
+use crate::world::body::{Body, Cycle, Step};
+use crate::world::driving::{Cause, IdmParameters, OnRoute, leave_junctions, perceive, turn_ahead};
 use crate::world::footprint::Footprint;
-use crate::world::look::Appearance;
-use crate::world::look::TurnSignal;
+use crate::world::look::{CyclistLook, Look, TurnSignal};
 use crate::world::outlook::Outlook;
 use crate::world::params::{CYCLIST, STANDS_MPS};
 use crate::world::physics::{DT_S, Physics};
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
-use crate::world::streets::Streets;
+use crate::world::slot::Slot;
+use crate::world::streets::{Roads, Route, Streets};
 use crate::world::traffic_state::TrafficState;
 
 /// Speed on a free road: mean and spread, least and greatest.
@@ -43,87 +38,73 @@ const POINTS_SHARE: f64 = 0.8;
 const POINTS_M: (f64, f64) = (5.0, 25.0);
 const POINTS_MPS: f64 = 1.5;
 
-/// Rides a [`Body::Cycle`].
+/// How somebody rides.
+pub(crate) struct Habits {
+    idm: IdmParameters,
+    /// Distance from the curb in lanes for cars.
+    pub keeps_m: f64,
+    /// Whether this one points where they turn.
+    points: bool,
+}
+
+impl Habits {
+    pub fn draw(stream: &mut Stream) -> Self {
+        let cruise_mps = stream.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
+        // A look ahead that takes nothing: who is made later keeps their draws.
+        let points = Stream::from_seed("pointing", stream.clone().next_u64()).chance(POINTS_SHARE);
+        let top_speed_mps = cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1);
+        let idm = IdmParameters { top_speed_mps, ..IdmParameters::draw(&CYCLIST, stream) };
+        Self { idm, keeps_m: stream.range(KEEPS_M.0, KEEPS_M.1), points }
+    }
+}
+
+/// A bicycle, and who rides it.
 pub(crate) struct Cyclist {
+    pub own: Actor<Cycle, CyclistLook>,
     pub route: Route,
     pub standing_steps: u64,
-    idm: IdmParameters,
+    habits: Habits,
     speed_mps: f64,
     desired_mps: f64,
     interaction_mps2: f64,
-    /// Whether this one points where they turn, and what is pointed to.
-    points: bool,
+    /// What is pointed to.
     pointing: TurnSignal,
     cause: Cause,
 }
 
 impl Cyclist {
-    /// Somebody who stands at the start of a route: one that keeps so far from the curb in lanes for cars.
-    pub fn new(habits: &mut Stream, route: impl FnOnce(f64) -> Route) -> Self {
-        let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
-        // A look ahead that takes nothing: who is made later keeps their draws.
-        let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
-        let top_speed_mps = cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1);
-        let idm = IdmParameters { top_speed_mps, ..IdmParameters::draw(&CYCLIST, habits) };
+    /// Somebody who rides at a speed at the start of a route.
+    pub fn new(own: Actor<Cycle, CyclistLook>, habits: Habits, route: Route, speed_mps: f64) -> Self {
         Self {
-            route: route(habits.range(KEEPS_M.0, KEEPS_M.1)),
+            own,
+            route,
             standing_steps: 0,
-            idm,
-            speed_mps: 0.0,
-            desired_mps: 0.0,
+            habits,
+            speed_mps,
+            desired_mps: speed_mps,
             interaction_mps2: 0.0,
-            points,
             pointing: TurnSignal::Off,
             cause: Cause::Nothing,
         }
     }
-
-    /// Starts at a speed.
-    pub fn start(&mut self, speed_mps: f64) {
-        (self.speed_mps, self.desired_mps) = (speed_mps, speed_mps);
-    }
-
-    /// The offset to the left of the lane's middle at which one rides before anything is in the way.
-    fn usual_offset_m(&self, roads: &Roads) -> f64 {
-        self.route.usual_m(roads.lane(self.route.lanes[0]), self.route.s_m)
-    }
-
-    /// The same, farther off the curb where something stands in the lane.
-    fn free_offset_m(&self, own: &Footprint, around: &TrafficState, roads: &Roads) -> f64 {
-        let usual_m = self.usual_offset_m(roads);
-        let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;
-        let near: Vec<&Footprint> = around.standing_in_lanes.iter().filter(is_near).collect();
-        if near.is_empty() {
-            return usual_m;
-        }
-        let behind_m = own.half_length_m + LOOKS_BACK_M;
-        let places: Vec<(DVec2, DVec2)> = (0..((LOOKS_M + behind_m) / STEP_M) as usize)
-            .map(|k| self.route.ahead(k as f64 * STEP_M - behind_m, roads))
-            .map(|a| (a.at - a.tangent.perp() * self.route.offset_m, a.tangent.perp()))
-            .collect();
-        let is_free = |offset_m: f64| {
-            let line = places.iter().map(|(middle, left)| *middle + *left * offset_m);
-            line.into_iter()
-                .all(|p| near.iter().all(|o| (o.closest_point(p) - p).length() > own.half_width_m + ASIDE_M))
-        };
-        let off_curb = -roads.lane(self.route.lanes[0]).curb_side();
-        let lines_m = (0..12).map(|k| usual_m + off_curb * 0.12 * f64::from(k));
-        lines_m.take_while(|m| off_curb * *m < 0.3).find(|m| is_free(*m)).unwrap_or(0.0)
-    }
 }
 
-impl Controller for Cyclist {
-    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
+impl Behavior for Cyclist {
+    fn actor(&self, k: usize) -> Option<ActorView<'_>> {
+        (k == 0).then(|| self.own.view())
+    }
+
+    fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let roads = &streets.roads;
-        let Some(footprint) = around.vehicle(own.slot) else { return Outlook::default() };
-        let offset_m = self.free_offset_m(footprint, around, roads);
+        let Some(footprint) = around.vehicle(slot) else { return Outlook::default() };
+        let offset_m = free_offset_m(&self.route, footprint, around, roads);
         self.route.offset_m += (offset_m - self.route.offset_m).clamp(-SHIFT_M, SHIFT_M);
-        self.desired_mps = self.idm.top_speed_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
+        self.desired_mps = self.habits.idm.top_speed_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
         let rider = OnRoute {
-            slot: own.slot,
+            slot,
             footprint,
             route: &self.route,
-            idm: &self.idm,
+            idm: &self.habits.idm,
             axles: None,
             train_m: None,
             reduced_clearance: false,
@@ -133,14 +114,15 @@ impl Controller for Cyclist {
         (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         // In the bend both hands are needed.
         let turn = turn_ahead(&self.route, roads).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));
-        let is_shown = self.points && self.speed_mps > POINTS_MPS;
+        let is_shown = self.habits.points && self.speed_mps > POINTS_MPS;
         self.pointing = turn.filter(|_| is_shown).map_or(TurnSignal::Off, |(_, side)| side);
         Outlook { way_ahead: ahead, request: perceived.request, ..Outlook::default() }
     }
 
-    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, streets: &Streets) {
-        let (Body::Cycle(body), Appearance::Cyclist { model, ride }) = (own.body, own.appearance) else { return };
-        let accel_mps2 = self.idm.pedals(self.idm.free_road(self.speed_mps, self.desired_mps), self.interaction_mps2);
+    fn act(&mut self, physics: &mut Physics, streets: &Streets) {
+        let Actor { body, look: CyclistLook { model, ride } } = &mut self.own;
+        let accel_mps2 =
+            self.habits.idm.pedals(self.habits.idm.free_road(self.speed_mps, self.desired_mps), self.interaction_mps2);
         self.speed_mps = (self.speed_mps + accel_mps2 * DT_S).max(0.0);
         let moved_m = self.speed_mps * DT_S;
         // Pure pursuit of the route.
@@ -159,11 +141,10 @@ impl Controller for Cyclist {
         ride.point(self.pointing);
     }
 
-    fn track(&mut self, own: AgentParts<'_>, _physics: &Physics, around: &mut TrafficState, streets: &Streets) {
-        let Body::Cycle(body) = own.body else { return };
-        let tail_m = own.appearance.size_lwh().x / 2.0 + 0.5;
-        let position = body.world_from_box.translation;
-        leave_junctions(own.slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
+    fn track(&mut self, slot: Slot, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
+        let tail_m = self.own.look.size_lwh().x / 2.0 + 0.5;
+        let position = self.own.body.world_from_box(physics).translation;
+        leave_junctions(slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
         self.standing_steps = if self.speed_mps < STANDS_MPS { self.standing_steps + 1 } else { 0 };
     }
 
@@ -171,9 +152,36 @@ impl Controller for Cyclist {
         self.cause
     }
 
-    fn on_lane(&self) -> Option<(LaneId, f64)> {
+    fn on_lane(&self, _k: usize) -> Option<(LaneId, f64)> {
         Some((self.route.lanes[0], self.route.s_m))
     }
+}
+
+/// The offset to the left of the lane's middle at which one rides before anything is in the way.
+fn usual_offset_m(route: &Route, roads: &Roads) -> f64 {
+    route.usual_m(roads.lane(route.lanes[0]), route.s_m)
+}
+
+/// The same, farther off the curb where something stands in the lane.
+fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, roads: &Roads) -> f64 {
+    let usual_m = usual_offset_m(route, roads);
+    let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;
+    let near: Vec<&Footprint> = around.standing_in_lanes.iter().filter(is_near).collect();
+    if near.is_empty() {
+        return usual_m;
+    }
+    let behind_m = own.half_length_m + LOOKS_BACK_M;
+    let places: Vec<(DVec2, DVec2)> = (0..((LOOKS_M + behind_m) / STEP_M) as usize)
+        .map(|k| route.ahead(k as f64 * STEP_M - behind_m, roads))
+        .map(|a| (a.at - a.tangent.perp() * route.offset_m, a.tangent.perp()))
+        .collect();
+    let is_free = |offset_m: f64| {
+        let line = places.iter().map(|(middle, left)| *middle + *left * offset_m);
+        line.into_iter().all(|p| near.iter().all(|o| (o.closest_point(p) - p).length() > own.half_width_m + ASIDE_M))
+    };
+    let off_curb = -roads.lane(route.lanes[0]).curb_side();
+    let lines_m = (0..12).map(|k| usual_m + off_curb * 0.12 * f64::from(k));
+    lines_m.take_while(|m| off_curb * *m < 0.3).find(|m| is_free(*m)).unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -197,13 +205,11 @@ mod tests {
         // By how much it rides farther to the left than usual, its middle so far beyond the car's front.
         let aside_m = |beyond_m: f64| {
             let s_m = 90.0 + 12.2 + beyond_m;
-            let seed = Stream::from_seed("way", 1);
-            let mut habits = Stream::from_seed("habits", 1);
-            let cyclist =
-                Cyclist::new(&mut habits, |keeps_m| Route::by_bicycle(LaneId(0), s_m, 1.0, keeps_m, seed, &roads));
-            let at = cyclist.route.ahead(0.0, &roads);
+            let (seed, mut stream) = (Stream::from_seed("way", 1), Stream::from_seed("habits", 1));
+            let route = Route::by_bicycle(LaneId(0), s_m, 1.0, Habits::draw(&mut stream).keeps_m, seed, &roads);
+            let at = route.ahead(0.0, &roads);
             let own = Footprint { center: at.at, heading: at.tangent, half_length_m: 0.95, half_width_m: 0.33, ..car };
-            cyclist.free_offset_m(&own, &around, &roads) - cyclist.usual_offset_m(&roads)
+            free_offset_m(&route, &own, &around, &roads) - usual_offset_m(&route, &roads)
         };
         assert!(aside_m(-8.0) > 0.4, "before it: {}", aside_m(-8.0));
         for beyond_m in [-2.0, 0.0, 0.5, 0.9] {

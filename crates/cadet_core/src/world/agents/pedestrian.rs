@@ -1,24 +1,22 @@
 //! People on foot: they walk along sidewalks, keep out of each other's way, and cross the road when it is free.
 
-use super::controller::{AgentParts, Controller};
+use super::actor::{Actor, ActorView};
+use super::behavior::Behavior;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::world::body::Body;
+use crate::world::body::Upright;
 use crate::world::footprint::Footprint;
-use crate::world::look::Appearance;
+use crate::world::look::PersonLook;
 use crate::world::outlook::Outlook;
 use crate::world::params::CRAWLS_MPS;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::Sidewalks;
-use crate::world::streets::Streets;
+use crate::world::streets::{Roads, Sidewalks, Streets};
 use crate::world::traffic_state::TrafficState;
-use crate::world::walking::Nearby;
-use crate::world::walking::{CROSSING_MPS, may_start, way_across};
-use crate::world::walking::{GroupPlace, Motion, Walk};
-use crate::world::walking::{OnWalkway, free_line, pace_behind};
-use crate::world::walking::{is_on_road, keep_off};
+use crate::world::walking::{
+    CROSSING_MPS, GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind,
+    way_across,
+};
 
 /// How fast people side-step, m/s.
 const SIDESTEP_MPS: f64 = 0.5;
@@ -45,8 +43,9 @@ const OVER_M: f64 = 0.8;
 /// Seconds between two looks.
 const LOOK_S: f64 = 3.0 * DT_S;
 
-/// Walks an [`Body::Upright`].
+/// Somebody on foot.
 pub(crate) struct Pedestrian {
+    pub own: Actor<Upright, PersonLook>,
     pub motion: Motion,
     /// Offset to the left of the walkway's line; what is, what was chosen, and what avoiding others asks for.
     pub lateral_m: f64,
@@ -67,8 +66,9 @@ pub(crate) struct Pedestrian {
 
 impl Pedestrian {
     /// Somebody who stands, for good unless they [`Pedestrian::start`].
-    pub fn standing(choices: Stream) -> Self {
+    pub fn standing(own: Actor<Upright, PersonLook>, choices: Stream) -> Self {
         Self {
+            own,
             motion: Motion::Stands,
             lateral_m: 0.0,
             preferred_m: 0.0,
@@ -95,11 +95,11 @@ impl Pedestrian {
     }
 
     /// Where the next step would lead if nothing were in the way, and what one would be about then.
-    fn wanted_step(&mut self, here: DVec2, walking_speed_mps: f64, sidewalks: &Sidewalks) -> (DVec2, Motion) {
+    fn wanted_step(&mut self, here: DVec2, sidewalks: &Sidewalks) -> (DVec2, Motion) {
         match self.motion {
             Motion::Stands | Motion::Waits { .. } => (here, self.motion),
             Motion::Walks { walkway, s_m, direction } => {
-                let step_m = walking_speed_mps * self.pace * DT_S;
+                let step_m = self.own.look.model.walking_speed_mps * self.pace * DT_S;
                 let limit_m = SIDESTEP_MPS * DT_S * self.pace.max(0.3);
                 if (self.target(sidewalks, walkway, s_m) - here).length() > OFF_LINE_M {
                     // Corners and changes of walkway are walked, not jumped.
@@ -198,29 +198,31 @@ impl Pedestrian {
     }
 }
 
-impl Controller for Pedestrian {
-    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
-        let (Body::Upright(body), Appearance::Person { model, .. }) = (own.body, own.appearance) else {
-            return Outlook::default();
-        };
-        self.nearby.look(own.slot, body.at(), &around.people, &around.standing);
+impl Behavior for Pedestrian {
+    fn actor(&self, k: usize) -> Option<ActorView<'_>> {
+        (k == 0).then(|| self.own.view())
+    }
+
+    fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
+        let (at, heading) = (self.own.body.at(), self.own.body.heading());
+        self.nearby.look(slot, at, &around.people, &around.standing);
         match self.motion {
             Motion::Stands => {}
             Motion::Walks { walkway, s_m, direction } => {
-                let (slot, walking_speed_mps) = (own.slot, model.walking_speed_mps);
-                let on_walkway = OnWalkway { slot, at: body.at(), walkway, s_m, direction, walking_speed_mps };
-                self.look_on_walkway(on_walkway, body.position.z, around, streets);
+                let walking_speed_mps = self.own.look.model.walking_speed_mps;
+                let on_walkway = OnWalkway { slot, at, walkway, s_m, direction, walking_speed_mps };
+                self.look_on_walkway(on_walkway, self.own.body.position.z, around, streets);
             }
             Motion::Waits { from, to, walkway, s_m } => {
                 let across = (to - from).normalize_or(DVec2::X);
-                body.yaw_rad = math::atan2(across.y, across.x);
+                self.own.body.yaw_rad = math::atan2(across.y, across.x);
                 if may_start(from, to, around, streets, step) {
                     self.pace = 1.0;
                     self.motion = Motion::Crosses { to, walkway, s_m };
                 }
             }
             Motion::Crosses { .. } => {
-                let front = body.at() + body.heading() * 0.8;
+                let front = at + heading * 0.8;
                 // Who drives is let pass; who stands lets pass, and waiting for each other would never end.
                 let is_blocked = around
                     .vehicles
@@ -236,11 +238,10 @@ impl Controller for Pedestrian {
     }
 
     /// One step on foot: one person after the other, so that two never take the same place.
-    fn track(&mut self, own: AgentParts<'_>, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
-        let (Body::Upright(body), Appearance::Person { model, phase }) = (own.body, own.appearance) else { return };
+    fn track(&mut self, slot: Slot, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         let sidewalks = &streets.sidewalks;
-        let (before, from, lateral_m) = (body.position, body.at(), self.lateral_m);
-        let (wanted, motion) = self.wanted_step(from, model.walking_speed_mps, sidewalks);
+        let (before, from, lateral_m) = (self.own.body.position, self.own.body.at(), self.lateral_m);
+        let (wanted, motion) = self.wanted_step(from, sidewalks);
         let line = match motion {
             Motion::Walks { walkway, s_m, .. } => Some(self.target(sidewalks, walkway, s_m)),
             _ => None,
@@ -276,6 +277,7 @@ impl Controller for Pedestrian {
             }
         }
         let moved = to - from;
+        let Actor { body, look } = &mut self.own;
         if moved.length_squared() > 0.0 {
             // The edge of the world: stay on the last ground.
             let Some(ground) = physics.ground_at(to.x, to.y) else { return };
@@ -283,15 +285,15 @@ impl Controller for Pedestrian {
             let turn = math::wrap_angle(math::atan2(moved.y, moved.x) - body.yaw_rad);
             let most = TURN_RADPS * DT_S;
             body.yaw_rad = math::wrap_angle(body.yaw_rad + turn.clamp(-most, most));
-            *phase = (*phase + moved.length() / model.cycle_length_m.max(0.1)).fract();
-            around.move_person(own.slot, to);
+            look.walk(moved.length());
+            around.move_person(slot, to);
         }
         body.velocity_world = (body.position - before) / DT_S;
     }
 
     /// A person on the road, and where they will be in the next second and a half.
-    fn on_road(&self, body: &Body, roads: &Roads) -> Option<Footprint> {
-        let Body::Upright(body) = body else { return None };
+    fn on_road(&self, roads: &Roads) -> Option<Footprint> {
+        let body = &self.own.body;
         match self.motion {
             Motion::Crosses { to, .. } => {
                 // Drivers let pass who is on a zebra crossing, and not only out of their own way.

@@ -1,16 +1,16 @@
 //! A user's script: an agent goes along a path whatever the others do.
 
-use super::controller::{AgentParts, Controller};
-use super::timed_path::TimedPath;
+use super::actor::{Actor, ActorView};
+use super::behavior::Behavior;
+use super::timed_path::{OnPath, TimedPath};
 use crate::math::{self, DVec2};
-use crate::world::body::{Body, Step};
+use crate::world::body::{Cycle, Guided, Step, Upright};
 use crate::world::footprint::Footprint;
-use crate::world::look::Appearance;
+use crate::world::look::{CyclistLook, PersonLook, VehicleLook};
 use crate::world::outlook::Outlook;
 use crate::world::physics::{DT_S, Physics};
-use crate::world::streets::Ahead;
-use crate::world::streets::Roads;
-use crate::world::streets::Streets;
+use crate::world::slot::Slot;
+use crate::world::streets::{Ahead, Roads, Streets};
 use crate::world::traffic_state::TrafficState;
 use crate::world::walking::{is_on_road, keep_off};
 
@@ -25,8 +25,8 @@ const SAMPLE_M: f64 = 1.25;
 /// Drivers keep off where a person will be in this time.
 const LEAD_S: f64 = 1.5;
 
-/// Moves a [`Body::Guided`], a [`Body::Cycle`], or a [`Body::Upright`] along a path.
-pub(crate) struct Scripted {
+/// Where a user wants an agent to be, and when.
+pub(crate) struct Script {
     path: TimedPath,
     /// Half the length of the chord of the path that the agent heads along.
     half_chord_m: f64,
@@ -34,7 +34,7 @@ pub(crate) struct Scripted {
     s_m: f64,
 }
 
-impl Scripted {
+impl Script {
     pub fn new(path: TimedPath, half_chord_m: f64) -> Self {
         Self { path, half_chord_m, steps: 0, s_m: 0.0 }
     }
@@ -46,6 +46,15 @@ impl Scripted {
         (now.at, math::atan2(heading.y, heading.x), now.velocity)
     }
 
+    /// One step on; returns the place and how far the agent has come.
+    fn go_on(&mut self) -> (OnPath, f64) {
+        self.steps += 1;
+        let now = self.path.at_time(self.steps as f64 * DT_S);
+        let moved_m = now.s_m - self.s_m;
+        self.s_m = now.s_m;
+        (now, moved_m)
+    }
+
     /// The turn of this step from a heading toward that of the path.
     fn turn_rad(&self, yaw_rad: f64, most_radps: f64) -> f64 {
         let Some(heading) = self.path.heading(self.s_m, self.half_chord_m) else { return 0.0 };
@@ -54,51 +63,71 @@ impl Scripted {
     }
 }
 
-impl Controller for Scripted {
-    fn look(&mut self, own: AgentParts<'_>, _around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
-        if !matches!(own.body, Body::Guided(_) | Body::Cycle(_)) {
+/// Who follows a script.
+pub(crate) struct Scripted {
+    pub script: Script,
+    pub led: Led,
+}
+
+/// What a script leads.
+pub(crate) enum Led {
+    Vehicle(Actor<Guided, VehicleLook>),
+    Cyclist(Actor<Cycle, CyclistLook>),
+    Person(Actor<Upright, PersonLook>),
+}
+
+impl Behavior for Scripted {
+    fn actor(&self, k: usize) -> Option<ActorView<'_>> {
+        (k == 0).then(|| match &self.led {
+            Led::Vehicle(actor) => actor.view(),
+            Led::Cyclist(actor) => actor.view(),
+            Led::Person(actor) => actor.view(),
+        })
+    }
+
+    fn look(&mut self, _slot: Slot, _around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
+        if let Led::Person(_) = self.led {
             return Outlook::default();
         }
-        let count = ((self.path.length_m() - self.s_m).min(SEEN_AHEAD_M) / SAMPLE_M) as usize;
+        let Script { path, s_m, .. } = &self.script;
+        let count = ((path.length_m() - s_m).min(SEEN_AHEAD_M) / SAMPLE_M) as usize;
         let way = (0..count).filter_map(|k| {
             let distance_m = k as f64 * SAMPLE_M;
-            let tangent = self.path.heading(self.s_m + distance_m, SAMPLE_M / 2.0)?;
-            Some(Ahead { distance_m, at: self.path.at_distance(self.s_m + distance_m), tangent })
+            let tangent = path.heading(s_m + distance_m, SAMPLE_M / 2.0)?;
+            Some(Ahead { distance_m, at: path.at_distance(s_m + distance_m), tangent })
         });
         Outlook { way_ahead: way.collect(), ..Outlook::default() }
     }
 
-    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, _streets: &Streets) {
-        self.steps += 1;
-        let now = self.path.at_time(self.steps as f64 * DT_S);
-        let moved_m = now.s_m - self.s_m;
-        self.s_m = now.s_m;
-        match (own.body, own.appearance) {
-            (Body::Guided(body), _) => {
-                // Nobody turns a car that stands.
-                let turn_rad = if moved_m > 0.0 { self.turn_rad(body.yaw_rad(), VEHICLE_TURN_RADPS) } else { 0.0 };
-                body.guide(physics, &Step { at: now.at, velocity: now.velocity, moved_m, turn_rad });
+    fn act(&mut self, physics: &mut Physics, _streets: &Streets) {
+        let Self { script, led } = self;
+        let (now, moved_m) = script.go_on();
+        let step = |yaw_rad: f64| {
+            // Nobody turns a car that stands.
+            let turn_rad = if moved_m > 0.0 { script.turn_rad(yaw_rad, VEHICLE_TURN_RADPS) } else { 0.0 };
+            Step { at: now.at, velocity: now.velocity, moved_m, turn_rad }
+        };
+        match led {
+            Led::Vehicle(Actor { body, .. }) => body.guide(physics, &step(body.yaw_rad())),
+            Led::Cyclist(Actor { body, look: CyclistLook { model, ride } }) => {
+                let step = step(body.yaw_rad);
+                body.guide(physics, &step);
+                ride.advance(model, moved_m, step.turn_rad, true);
             }
-            (Body::Cycle(body), Appearance::Cyclist { model, ride }) => {
-                let turn_rad = if moved_m > 0.0 { self.turn_rad(body.yaw_rad, VEHICLE_TURN_RADPS) } else { 0.0 };
-                body.guide(physics, &Step { at: now.at, velocity: now.velocity, moved_m, turn_rad });
-                ride.advance(model, moved_m, turn_rad, true);
-            }
-            (Body::Upright(body), Appearance::Person { model, phase }) => {
+            Led::Person(Actor { body, look }) => {
                 let before = body.position;
                 let z_m = physics.ground_at(now.at.x, now.at.y).map_or(before.z, |g| g.z_m);
                 body.position = now.at.extend(z_m);
                 let climb_mps = if moved_m > 0.0 { (z_m - before.z) / DT_S } else { 0.0 };
                 body.velocity_world = now.velocity.extend(climb_mps);
-                body.yaw_rad = math::wrap_angle(body.yaw_rad + self.turn_rad(body.yaw_rad, PERSON_TURN_RADPS));
-                *phase = (*phase + moved_m / model.cycle_length_m.max(0.1)).fract();
+                body.yaw_rad = math::wrap_angle(body.yaw_rad + script.turn_rad(body.yaw_rad, PERSON_TURN_RADPS));
+                look.walk(moved_m);
             }
-            _ => {}
         }
     }
 
-    fn on_road(&self, body: &Body, roads: &Roads) -> Option<Footprint> {
-        let Body::Upright(body) = body else { return None };
+    fn on_road(&self, roads: &Roads) -> Option<Footprint> {
+        let Led::Person(Actor { body, .. }) = &self.led else { return None };
         let lead_m = body.velocity_world.truncate().length() * LEAD_S;
         let soon = body.at() + body.heading() * lead_m;
         let is_on_road = is_on_road(body, body.at(), roads) || is_on_road(body, soon, roads);

@@ -1,24 +1,20 @@
-//! Who drives a tram in its first car, and the cars that follow it on the track.
+//! A tram: a train of cars on its track, driven in the first of them.
 
-use std::any::Any;
 use std::sync::Arc;
 
-use super::controller::{AgentParts, Controller};
+use super::actor::{Actor, ActorView};
+use super::behavior::Behavior;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::LaneId;
-use crate::world::body::{Body, Step};
-use crate::world::driving::IdmParameters;
-use crate::world::driving::leave_junctions;
-use crate::world::driving::perceive;
-use crate::world::driving::{Cause, OnRoute};
+use crate::world::body::{Body, Guided, Step};
+use crate::world::driving::{Cause, IdmParameters, OnRoute, leave_junctions, perceive};
+use crate::world::look::VehicleLook;
 use crate::world::outlook::Outlook;
 use crate::world::params::{STANDS_MPS, TRAM};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::Route;
-use crate::world::streets::Streets;
-use crate::world::streets::Track;
+use crate::world::streets::{Route, Streets, Track};
 use crate::world::traffic_state::TrafficState;
 
 /// Where the first car stops before the end of its track.
@@ -62,22 +58,31 @@ impl Train {
     fn lane_of(&self, car: &Coupled) -> (LaneId, f64) {
         self.track.lane_at(self.front_m - car.middle_m)
     }
+}
 
-    /// Leads the body of a car to its place.
-    fn lead(&self, car: &Coupled, own: AgentParts<'_>, physics: &mut Physics) {
-        let Body::Guided(body) = own.body else { return };
-        own.appearance.accelerate(self.accel_mps2);
-        let (at, heading) = self.place(car);
+/// A car of a train.
+pub(crate) struct TramCar {
+    pub own: Actor<Guided, VehicleLook>,
+    pub coupled: Coupled,
+}
+
+impl TramCar {
+    /// Leads the body to its place.
+    fn follow(&mut self, train: &Train, physics: &mut Physics) {
+        let Actor { body, look } = &mut self.own;
+        look.accelerate(train.accel_mps2);
+        let (at, heading) = train.place(&self.coupled);
         let turn_rad = math::wrap_angle(math::atan2(heading.y, heading.x) - body.yaw_rad());
-        let (velocity, moved_m) = (heading * self.speed_mps, self.speed_mps * DT_S);
+        let (velocity, moved_m) = (heading * train.speed_mps, train.speed_mps * DT_S);
         body.guide(physics, &Step { at, velocity, moved_m, turn_rad });
     }
 }
 
-/// Who drives a train, in its first car: leads a [`Body::Guided`] along a track.
-pub(crate) struct TramDriver {
+/// A train of cars, and who drives it in the first of them.
+pub(crate) struct Tram {
+    /// The first car first.
+    pub cars: Vec<TramCar>,
     pub train: Train,
-    car: Coupled,
     route: Route,
     idm: IdmParameters,
     desired_mps: f64,
@@ -86,20 +91,24 @@ pub(crate) struct TramDriver {
     cause: Cause,
 }
 
-impl TramDriver {
+impl Tram {
     /// Of a train that is on its way.
-    pub fn new(train: Train, car: Coupled, habits: &mut Stream) -> Self {
-        let middle_m = train.front_m - car.middle_m;
+    pub fn new(cars: Vec<TramCar>, train: Train, habits: &mut Stream) -> Self {
+        let middle_m = train.front_m - cars[0].coupled.middle_m;
         let (_, s_m) = train.track.lane_at(middle_m);
         let route = Route::along(train.track.lanes_from(middle_m), s_m);
         let (idm, desired_mps) = (IdmParameters::draw(&TRAM, habits), train.speed_mps);
-        Self { train, car, route, idm, desired_mps, interaction_mps2: 0.0, standing_steps: 0, cause: Cause::Nothing }
+        Self { cars, train, route, idm, desired_mps, interaction_mps2: 0.0, standing_steps: 0, cause: Cause::Nothing }
     }
 }
 
-impl Controller for TramDriver {
-    fn look(&mut self, own: AgentParts<'_>, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
-        let Some(footprint) = around.vehicle(own.slot) else { return Outlook::default() };
+impl Behavior for Tram {
+    fn actor(&self, k: usize) -> Option<ActorView<'_>> {
+        self.cars.get(k).map(|car| car.own.view())
+    }
+
+    fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
+        let Some(footprint) = around.vehicle(slot) else { return Outlook::default() };
         let (roads, train) = (&streets.roads, &self.train);
         let end_m = train.track.length_m() - train.front_m - BEFORE_END_M;
         let for_end_mps = (2.0 * self.idm.comfortable_mps2 * end_m.max(0.0)).sqrt();
@@ -107,7 +116,7 @@ impl Controller for TramDriver {
             * self.route.speed_for_bends(train.speed_mps, self.idm.comfortable_mps2, roads))
         .min(for_end_mps);
         let rider = OnRoute {
-            slot: own.slot,
+            slot,
             footprint,
             route: &self.route,
             idm: &self.idm,
@@ -126,22 +135,23 @@ impl Controller for TramDriver {
         Outlook { way_ahead: ahead, request: perceived.request, ..Outlook::default() }
     }
 
-    fn act(&mut self, own: AgentParts<'_>, physics: &mut Physics, _streets: &Streets) {
+    fn act(&mut self, physics: &mut Physics, _streets: &Streets) {
         let train = &mut self.train;
         train.accel_mps2 =
             self.idm.pedals(self.idm.free_road(train.speed_mps, self.desired_mps), self.interaction_mps2);
         train.speed_mps = (train.speed_mps + train.accel_mps2 * DT_S).max(0.0);
         let end_m = train.track.length_m() - 0.5;
         train.front_m = (train.front_m + train.speed_mps * DT_S).min(end_m.max(train.front_m));
-        train.lead(&self.car, own, physics);
+        for car in &mut self.cars {
+            car.follow(train, physics);
+        }
     }
 
-    fn track(&mut self, own: AgentParts<'_>, _physics: &Physics, around: &mut TrafficState, streets: &Streets) {
-        let Body::Guided(body) = own.body else { return };
+    fn track(&mut self, slot: Slot, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         // The train's tail, behind the middle of its first car.
-        let tail_m = self.train.length_m - self.car.middle_m + 0.5;
-        let position = body.world_from_box().translation;
-        leave_junctions(own.slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
+        let tail_m = self.train.length_m - self.cars[0].coupled.middle_m + 0.5;
+        let position = self.cars[0].own.body.world_from_box(physics).translation;
+        leave_junctions(slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
         self.standing_steps = if self.train.speed_mps < STANDS_MPS { self.standing_steps + 1 } else { 0 };
     }
 
@@ -149,43 +159,11 @@ impl Controller for TramDriver {
         self.cause
     }
 
-    fn on_lane(&self) -> Option<(LaneId, f64)> {
-        Some((self.route.lanes[0], self.route.s_m))
-    }
-}
-
-/// A car of a tram behind the first: follows it in a [`Body::Guided`].
-pub(crate) struct Trailer {
-    /// The slot of the first car.
-    pub leader: Slot,
-    car: Coupled,
-    on_lane: (LaneId, f64),
-    cause: Cause,
-}
-
-impl Trailer {
-    pub fn new(leader: Slot, train: &Train, car: Coupled) -> Self {
-        Self { leader, car, on_lane: train.lane_of(&car), cause: Cause::Nothing }
-    }
-}
-
-impl Controller for Trailer {
-    fn follows(&self) -> Option<Slot> {
-        Some(self.leader)
-    }
-
-    fn follow(&mut self, own: AgentParts<'_>, leader: &dyn Controller, physics: &mut Physics) {
-        let leader: &dyn Any = leader;
-        let Some(driver) = leader.downcast_ref::<TramDriver>() else { return };
-        driver.train.lead(&self.car, own, physics);
-        (self.on_lane, self.cause) = (driver.train.lane_of(&self.car), driver.cause);
-    }
-
-    fn cause(&self) -> Cause {
-        self.cause
-    }
-
-    fn on_lane(&self) -> Option<(LaneId, f64)> {
-        Some(self.on_lane)
+    fn on_lane(&self, k: usize) -> Option<(LaneId, f64)> {
+        Some(if k == 0 {
+            (self.route.lanes[0], self.route.s_m)
+        } else {
+            self.train.lane_of(&self.cars.get(k)?.coupled)
+        })
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rapier3d::control::{DynamicRayCastVehicleController, WheelTuning};
 use rapier3d::prelude::{MassProperties, RigidBodyBuilder, RigidBodyHandle, Vector};
 
+use super::Body;
 use super::wheels::wheel_pose;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DPose3, DVec3, TAU};
@@ -23,7 +24,7 @@ const HOLD_SPEED_MPS: f64 = 0.12;
 
 /// A car's physics.
 pub(crate) struct Chassis {
-    pub body: RigidBodyHandle,
+    body: RigidBodyHandle,
     pub model: Arc<VehicleModel>,
     controller: DynamicRayCastVehicleController,
     mass_kg: f64,
@@ -95,7 +96,7 @@ impl Chassis {
         self.accel_mps2 += (accel_mps2 - self.accel_mps2) * (DT_S / 0.2).min(1.0);
         if !stand {
             self.held = None;
-        } else if self.held.is_none() && self.speed_mps(physics).abs() < HOLD_SPEED_MPS {
+        } else if self.held.is_none() && self.forward_mps(physics).abs() < HOLD_SPEED_MPS {
             self.held = Some(self.world_from_box(physics));
         }
     }
@@ -160,27 +161,6 @@ impl Chassis {
         self.held = Some(*world_from_box);
     }
 
-    pub fn world_from_box(&self, physics: &Physics) -> DPose3 {
-        pose_f64(physics.world.bodies[self.body].position())
-    }
-
-    /// Velocity of the box frame's origin.
-    pub fn velocity_world(&self, physics: &Physics) -> DVec3 {
-        let body = &physics.world.bodies[self.body];
-        body.velocity_at_point(body.position().translation).as_dvec3()
-    }
-
-    /// Angular velocity of the body, rad/s.
-    pub fn angular_velocity_world(&self, physics: &Physics) -> DVec3 {
-        physics.world.bodies[self.body].angvel().as_dvec3()
-    }
-
-    /// Speed along the car's own x axis.
-    pub fn speed_mps(&self, physics: &Physics) -> f64 {
-        let body = &physics.world.bodies[self.body];
-        (body.position().rotation * Vector::X).dot(body.linvel()).into()
-    }
-
     /// Distance between the axles.
     pub fn wheelbase_m(&self) -> f64 {
         self.model.wheelbase_m()
@@ -190,9 +170,29 @@ impl Chassis {
     pub fn rear_axle_m(&self) -> f64 {
         -f64::from(self.model.wheel_centers[2].x)
     }
+}
 
-    /// The wheels in the box frame: sprung, steered and rolled.
-    pub fn wheels(&self) -> [DPose3; 4] {
+impl Body for Chassis {
+    fn world_from_box(&self, physics: &Physics) -> DPose3 {
+        pose_f64(physics.world.bodies[self.body].position())
+    }
+
+    fn velocity_world(&self, physics: &Physics) -> DVec3 {
+        let body = &physics.world.bodies[self.body];
+        body.velocity_at_point(body.position().translation).as_dvec3()
+    }
+
+    fn angular_velocity_world(&self, physics: &Physics) -> DVec3 {
+        physics.world.bodies[self.body].angvel().as_dvec3()
+    }
+
+    fn forward_mps(&self, physics: &Physics) -> f64 {
+        let body = &physics.world.bodies[self.body];
+        (body.position().rotation * Vector::X).dot(body.linvel()).into()
+    }
+
+    /// Sprung, steered and rolled.
+    fn box_from_wheels(&self) -> Option<[DPose3; 4]> {
         let mut wheels = [DPose3::default(); 4];
         for (i, (pose, wheel)) in wheels.iter_mut().zip(self.controller.wheels()).enumerate() {
             let top = wheel.chassis_connection_point_cs.as_dvec3();
@@ -205,6 +205,10 @@ impl Chassis {
             let roll_rad = math::wrap_angle(f64::from(wheel.rotation));
             *pose = wheel_pose(center, i, f64::from(wheel.steering), roll_rad);
         }
-        wheels
+        Some(wheels)
+    }
+
+    fn handle(&self) -> Option<RigidBodyHandle> {
+        Some(self.body)
     }
 }

@@ -2,6 +2,7 @@
 
 use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
+use super::Body;
 use super::guided::{Step, along_ground};
 use crate::assets::cyclist::CyclistModel;
 use crate::error::{Error, Result, finite};
@@ -14,12 +15,12 @@ const CLEARANCE_M: f64 = 0.2;
 
 /// A kinematic body.
 pub(crate) struct Cycle {
-    pub body: RigidBodyHandle,
+    body: RigidBodyHandle,
     half_wheelbase_m: f64,
-    pub world_from_box: DPose3,
+    world_from_box: DPose3,
     pub yaw_rad: f64,
-    pub velocity_world: DVec3,
-    pub angular_velocity_world: DVec3,
+    velocity_world: DVec3,
+    angular_velocity_world: DVec3,
 }
 
 /// Pose of the box frame of a bicycle with both wheels on the ground; a crossfall does not tip it.
@@ -80,5 +81,27 @@ impl Cycle {
         self.angular_velocity_world = DVec3::Z * (step.turn_rad / DT_S);
         let body = &mut physics.world.bodies[self.body];
         body.set_next_kinematic_position(pose_f32(&self.world_from_box));
+    }
+}
+
+impl Body for Cycle {
+    fn world_from_box(&self, _physics: &Physics) -> DPose3 {
+        self.world_from_box
+    }
+
+    fn velocity_world(&self, _physics: &Physics) -> DVec3 {
+        self.velocity_world
+    }
+
+    fn angular_velocity_world(&self, _physics: &Physics) -> DVec3 {
+        self.angular_velocity_world
+    }
+
+    fn handle(&self) -> Option<RigidBodyHandle> {
+        Some(self.body)
+    }
+
+    fn is_cycle(&self) -> bool {
+        true
     }
 }

@@ -2,6 +2,7 @@
 
 use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
+use super::Body;
 use super::settle::Settled;
 use super::wheels::wheel_pose;
 use crate::assets::vehicle::VehicleModel;
@@ -13,9 +14,9 @@ const CLEARANCE_M: f64 = 0.2;
 
 /// A body at rest for good.
 pub(crate) struct Fixed {
-    pub body: RigidBodyHandle,
-    pub world_from_box: DPose3,
-    pub box_from_wheels: [DPose3; 4],
+    body: RigidBodyHandle,
+    world_from_box: DPose3,
+    box_from_wheels: [DPose3; 4],
 }
 
 impl Fixed {
@@ -31,5 +32,19 @@ impl Fixed {
             *wheel = wheel_pose(model.wheel_centers[i].as_dvec3() + lift, i, 0.0, turn_rad + i as f64);
         }
         Self { body, world_from_box, box_from_wheels }
+    }
+}
+
+impl Body for Fixed {
+    fn world_from_box(&self, _physics: &Physics) -> DPose3 {
+        self.world_from_box
+    }
+
+    fn box_from_wheels(&self) -> Option<[DPose3; 4]> {
+        Some(self.box_from_wheels)
+    }
+
+    fn handle(&self) -> Option<RigidBodyHandle> {
+        Some(self.body)
     }
 }

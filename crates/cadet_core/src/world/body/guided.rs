@@ -1,9 +1,10 @@
-//! A vehicle that is led along the ground: others bump into it, nothing moves it but its controller.
+//! A vehicle that is led along the ground: others bump into it, nothing moves it but who leads it.
 
 use std::sync::Arc;
 
 use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
+use super::Body;
 use super::settle::{Settled, settle};
 use super::wheels::wheel_pose;
 use crate::assets::vehicle::VehicleModel;
@@ -19,12 +20,12 @@ const STEER_RATE_RADPS: f64 = 0.9;
 
 /// A kinematic body.
 pub(crate) struct Guided {
-    pub body: RigidBodyHandle,
+    body: RigidBodyHandle,
     model: Arc<VehicleModel>,
     settled: Settled,
     yaw_rad: f64,
-    pub velocity_world: DVec3,
-    pub angular_velocity_world: DVec3,
+    velocity_world: DVec3,
+    angular_velocity_world: DVec3,
     /// How far the wheels have rolled.
     roll_rad: f64,
     steer_rad: f64,
@@ -57,10 +58,6 @@ impl Guided {
         Self { body, model, settled, yaw_rad, velocity_world, angular_velocity_world: DVec3::ZERO, roll_rad, steer_rad }
     }
 
-    pub fn world_from_box(&self) -> DPose3 {
-        self.settled.world_from_box
-    }
-
     pub fn yaw_rad(&self) -> f64 {
         self.yaw_rad
     }
@@ -88,16 +85,34 @@ impl Guided {
         let body = &mut physics.world.bodies[self.body];
         body.set_next_kinematic_position(pose_f32(&self.settled.world_from_box));
     }
+}
 
-    /// The wheels in the box frame: on the ground, steered and rolled.
-    pub fn box_from_wheels(&self) -> [DPose3; 4] {
+impl Body for Guided {
+    fn world_from_box(&self, _physics: &Physics) -> DPose3 {
+        self.settled.world_from_box
+    }
+
+    fn velocity_world(&self, _physics: &Physics) -> DVec3 {
+        self.velocity_world
+    }
+
+    fn angular_velocity_world(&self, _physics: &Physics) -> DVec3 {
+        self.angular_velocity_world
+    }
+
+    /// On the ground, steered and rolled.
+    fn box_from_wheels(&self) -> Option<[DPose3; 4]> {
         let mut wheels = [DPose3::default(); 4];
         for (i, wheel) in wheels.iter_mut().enumerate() {
             let center = self.model.wheel_centers[i].as_dvec3() + DVec3::Z * self.settled.wheel_lift_m[i];
             let steer_rad = if i < 2 { self.steer_rad } else { 0.0 };
             *wheel = wheel_pose(center, i, steer_rad, self.roll_rad);
         }
-        wheels
+        Some(wheels)
+    }
+
+    fn handle(&self) -> Option<RigidBodyHandle> {
+        Some(self.body)
     }
 }
 

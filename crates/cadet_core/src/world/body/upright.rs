@@ -1,7 +1,11 @@
-//! Somebody on foot.
+//! Somebody on foot or on a seat, not in rapier's world.
 
+use rapier3d::prelude::RigidBodyHandle;
+
+use super::Body;
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
+use crate::world::physics::Physics;
 
 /// A place on the ground and a heading.
 #[derive(Debug, Clone)]
@@ -16,10 +20,6 @@ impl Upright {
         Self { position, yaw_rad, velocity_world: DVec3::ZERO }
     }
 
-    pub fn world_from_box(&self) -> DPose3 {
-        frames::upright(self.position, self.yaw_rad)
-    }
-
     /// The place in the plane.
     pub fn at(&self) -> DVec2 {
         self.position.truncate()
@@ -28,5 +28,23 @@ impl Upright {
     /// Unit vector in the plane.
     pub fn heading(&self) -> DVec2 {
         DVec2::new(math::cos(self.yaw_rad), math::sin(self.yaw_rad))
+    }
+}
+
+impl Body for Upright {
+    fn world_from_box(&self, _physics: &Physics) -> DPose3 {
+        frames::upright(self.position, self.yaw_rad)
+    }
+
+    fn velocity_world(&self, _physics: &Physics) -> DVec3 {
+        self.velocity_world
+    }
+
+    fn handle(&self) -> Option<RigidBodyHandle> {
+        None
+    }
+
+    fn person(&self) -> Option<&Upright> {
+        Some(self)
     }
 }

@@ -6,8 +6,7 @@ use crate::math::DVec2;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Request;
 use crate::world::slot::EGO;
-use crate::world::streets::Ahead;
-use crate::world::streets::Roads;
+use crate::world::streets::{Ahead, Roads};
 use crate::world::traffic_state::TrafficState;
 
 /// Room kept beside what stands, and beside what moves.

@@ -9,8 +9,7 @@ use crate::world::junctions::{Junctions, Refusal, Request, Stage, Turn};
 use crate::world::params::{CRAWLS_MPS, STANDS_MPS};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
+use crate::world::streets::{Roads, Route};
 use crate::world::traffic_state::TrafficState;
 
 /// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.

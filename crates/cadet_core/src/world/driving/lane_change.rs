@@ -11,8 +11,7 @@ use crate::world::outlook::Claim;
 use crate::world::params::{CRAWLS_MPS, LONG_M};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
+use crate::world::streets::{Roads, Route};
 use crate::world::traffic_state::TrafficState;
 
 /// How much others' gains and losses count.

@@ -5,8 +5,7 @@ use super::pursuit::Axles;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::{Ahead, Route};
+use crate::world::streets::{Ahead, Roads, Route};
 
 /// How far a driver looks.
 const SIGHT_M: f64 = 60.0;

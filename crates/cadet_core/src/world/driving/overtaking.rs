@@ -7,8 +7,7 @@ use crate::town::LaneKind;
 use crate::world::footprint::Footprint;
 use crate::world::params::{LONG_M, SAME_WAY};
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::{Ahead, Route};
+use crate::world::streets::{Ahead, Roads, Route};
 use crate::world::traffic_state::TrafficState;
 
 /// Kept beside a cyclist: what StVO § 5 (4) asks for in towns.

@@ -3,8 +3,7 @@
 use super::pursuit::{Axles, pursue};
 use crate::math::{self, DVec2};
 use crate::world::body::{MAX_STEER_RAD, STEER_RATE_RADPS};
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
+use crate::world::streets::{Roads, Route};
 
 /// Middle and heading of a vehicle, every half meter along its route, if it goes at one speed.
 pub(crate) struct PredictedWay<'a> {
@@ -61,7 +60,7 @@ mod tests {
     use super::*;
     use crate::rng::StreamKey;
     use crate::town::LaneId;
-    use crate::world::agents::{Driver, axles_of};
+    use crate::world::agents::axles_of;
     use crate::world::body::Body;
     use crate::world::tests::towns::{main_roads, suburb};
     use crate::world::{TrafficConfig, World};
@@ -83,8 +82,8 @@ mod tests {
             for _ in 0..40 * 10 {
                 world.step(6);
                 let roads = &world.arena.streets.roads;
-                for (_, agent, driver) in world.arena.controlled_by::<Driver>() {
-                    let (Body::Sprung(chassis), Some(route)) = (&agent.body, &driver.route) else { continue };
+                for (_, agent, driver) in world.arena.cars() {
+                    let (chassis, Some(route)) = (&driver.own.body, &driver.route) else { continue };
                     let box_at = chassis.world_from_box(&world.arena.physics);
                     let at = box_at.translation.truncate();
                     let heading = (box_at.rotation * math::DVec3::X).truncate().normalize();

@@ -1,8 +1,7 @@
 //! The steering wheel: pure pursuit of the route.
 
 use crate::math::{self, DVec2};
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
+use crate::world::streets::{Roads, Route};
 
 /// Longer than any car's or van's.
 const LONG_WHEELBASE_M: f64 = 4.4;

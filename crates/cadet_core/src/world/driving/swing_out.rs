@@ -10,8 +10,7 @@ use crate::world::driving::predicted_way::PredictedWay;
 use crate::world::footprint::Footprint;
 use crate::world::params::CRAWLS_MPS;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::{Ahead, Route};
+use crate::world::streets::{Ahead, Roads, Route};
 use crate::world::traffic_state::{TrafficState, VehicleAt};
 
 /// The room that those who turn need beside who crawls or stands.

@@ -3,8 +3,7 @@
 use crate::math::{self, DVec2};
 use crate::world::look::TurnSignal;
 use crate::world::params::TURNS_RAD;
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
+use crate::world::streets::{Roads, Route};
 
 /// Leaving a roundabout begins so far before its lane's end.
 const LEAVING_M: f64 = 14.0;

@@ -1,11 +1,45 @@
 //! What agents look like: a model, and the parts of it that the sensors see.
 
-mod appearance;
+mod cyclist;
 mod lamp_light;
+mod person;
 mod ride;
 mod turn_signal;
+mod vehicle;
 
-pub(super) use appearance::Appearance;
+pub(super) use cyclist::CyclistLook;
 pub(super) use lamp_light::LampLight;
+pub(super) use person::PersonLook;
 pub(super) use ride::Ride;
 pub(super) use turn_signal::TurnSignal;
+pub(super) use vehicle::VehicleLook;
+
+use crate::actor::{AnnotatedBox, ObjectClass};
+use crate::instance::Instance;
+use crate::math::{DPose3, DVec3};
+
+/// A model and the state of its parts.
+pub(super) trait Look: Send + Sync {
+    fn class(&self) -> ObjectClass;
+
+    /// The model's name.
+    fn name(&self) -> &str;
+
+    /// Length, width, height.
+    fn size_lwh(&self) -> DVec3;
+
+    /// The box that an annotator would draw.
+    fn annotated(&self) -> AnnotatedBox;
+
+    /// Appends the posed parts.
+    fn parts(&self, posed: &PosedBox<'_>, parts: &mut Vec<Instance>);
+}
+
+/// Where an actor is, and what its lamps depend on.
+pub(super) struct PosedBox<'a> {
+    pub actor_id: i32,
+    pub world_from_box: DPose3,
+    /// Where the body has its four wheels, if it has as many.
+    pub box_from_wheels: Option<[DPose3; 4]>,
+    pub light: &'a LampLight,
+}

@@ -1,6 +1,6 @@
 //! Turn signals: who shows which, and when they are lit.
 
-use super::lamp_light::LampLight;
+use super::LampLight;
 
 /// Flashes a second, 90 a minute: ECE R6 allows 60 to 120.
 const FLASHES_HZ: f64 = 1.5;

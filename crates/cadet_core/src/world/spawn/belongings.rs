@@ -6,8 +6,7 @@ use super::spawner::Spawner;
 use crate::assets::belongings::Thing;
 use crate::assets::person::PersonModel;
 use crate::rng::Stream;
-use crate::world::agents::Pedestrian;
-use crate::world::look::Appearance;
+use crate::world::agents::{Kind, Pedestrian};
 use crate::world::slot::Slot;
 use crate::world::walking::Motion;
 
@@ -41,11 +40,8 @@ impl Spawner<'_> {
     pub(super) fn assign_belongings(&mut self, slots: &[Slot]) {
         for slot in slots {
             let agent = &self.arena.agents[*slot];
-            let (Some(pedestrian), Appearance::Person { model, .. }) =
-                (agent.controlled_by::<Pedestrian>(), &agent.appearance)
-            else {
-                continue;
-            };
+            let Some(pedestrian) = agent.as_pedestrian() else { continue };
+            let model = &pedestrian.own.look.model;
             if agent.is_placed || model.belonging.is_some() {
                 continue;
             }
@@ -56,8 +52,8 @@ impl Spawner<'_> {
                 let drawn = if stream.chance(0.35) { 1.0 } else { -1.0 };
                 let side = if thing == Thing::Dog && place.free_side != 0.0 { place.free_side } else { drawn };
                 let carrying = Arc::new(model.carrying(thing, side as f32));
-                if let Appearance::Person { model, .. } = &mut self.arena.agents[*slot].appearance {
-                    *model = carrying;
+                if let Kind::Pedestrian(pedestrian) = &mut self.arena.agents[*slot].kind {
+                    pedestrian.own.look.model = carrying;
                 }
             }
         }
@@ -69,7 +65,7 @@ impl Spawner<'_> {
             Motion::Walks { direction, .. } => direction,
             _ => 1.0,
         };
-        let others = self.arena.controlled_by::<Pedestrian>().filter(|(other, ..)| *other != slot);
+        let others = self.arena.pedestrians().filter(|(other, ..)| *other != slot);
         let mut place = Place { is_first: true, is_last: true, free_side: 0.0 };
         for (other, _, pedestrian) in others {
             let (aside, behind) = match pedestrian.company {

@@ -9,13 +9,11 @@ use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId, LaneKind};
-use crate::world::agents::Cyclist;
-use crate::world::arena::AgentSpec;
+use crate::world::agents::{Cyclist, Habits, Kind};
 use crate::world::body::stand_up;
 use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
-use crate::world::streets::Route;
+use crate::world::streets::{Roads, Route};
 
 /// How likely straight on is for a cyclist against turning off.
 const STRAIGHT: f64 = 1.5;
@@ -41,7 +39,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         let model = Arc::new(CyclistModel::generate(stream.next_u64()));
         if stream.chance(COMPANY_SHARE)
             && let Some((lane, s_m)) = self.last_cyclist(slot)
@@ -75,7 +73,7 @@ impl Spawner<'_> {
 
     /// Where the cyclist who came last is, if they came just before and are not in a junction.
     fn last_cyclist(&self, slot: Slot) -> Option<(LaneId, f64)> {
-        let (other, agent, cyclist) = self.arena.controlled_by::<Cyclist>().rev().find(|(other, ..)| *other != slot)?;
+        let (other, agent, cyclist) = self.arena.cyclists().rev().find(|(other, ..)| *other != slot)?;
         let lane = cyclist.route.lanes[0];
         let is_near = other.abs_diff(slot) <= 2 && !agent.is_placed;
         (is_near && self.arena.streets.roads.lane(lane).junction.is_none()).then_some((lane, cyclist.route.s_m))
@@ -89,13 +87,12 @@ impl Spawner<'_> {
         (lane, s_m): (LaneId, f64),
         headway_m: f64,
         stream: &mut Stream,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         let roads = &self.arena.streets.roads;
         let seed = self.key.indexed("cyclist route", stream.next_u64());
-        let mut habits = Stream::from_seed("cyclist habits", stream.next_u64());
-        let mut cyclist =
-            Cyclist::new(&mut habits, |keeps_m| Route::by_bicycle(lane, s_m, STRAIGHT, keeps_m, seed, roads));
-        let here = cyclist.route.ahead(0.0, roads);
+        let habits = Habits::draw(&mut Stream::from_seed("cyclist habits", stream.next_u64()));
+        let route = Route::by_bicycle(lane, s_m, STRAIGHT, habits.keeps_m, seed, roads);
+        let here = route.ahead(0.0, roads);
         let rectangle = Footprint {
             center: here.at,
             heading: here.tangent,
@@ -113,19 +110,19 @@ impl Spawner<'_> {
             other != slot && (is_near || comes_toward(&f, &rectangle))
         }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.2).overlaps(o))
             || self.arena.on_road().any(|o| long.overlaps(&o));
-        if is_taken || cyclist.route.remaining_m(roads) < SHORTEST_WAY_M {
+        if is_taken || route.remaining_m(roads) < SHORTEST_WAY_M {
             return None;
         }
         // As fast as still allows a stop before the junction.
         let free_m = roads.lane(lane).length_m() - s_m;
         let before_m = if roads.signals().arm_of(lane).is_some() { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
         let stop_mps = (2.0 * (free_m - before_m).max(0.0)).sqrt();
-        let speed_mps = cyclist.route.speed_for_bends(5.0, 1.5, roads).min(stop_mps).min(4.5);
-        cyclist.start(speed_mps);
+        let speed_mps = route.speed_for_bends(5.0, 1.5, roads).min(stop_mps).min(4.5);
         let yaw_rad = math::atan2(here.tangent.y, here.tangent.x);
         let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.x, here.at.y, yaw_rad).ok()?;
         let velocity = here.tangent * speed_mps;
-        Some(ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, Box::new(cyclist), stream.unit()))
+        let own = ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, stream.unit());
+        Some(Kind::Cyclist(Box::new(Cyclist::new(own, habits, route, speed_mps))))
     }
 }
 

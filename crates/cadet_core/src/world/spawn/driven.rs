@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX, MOTORWAY_TRUCKS};
-use super::newcomers::driven_vehicle;
 use super::overlap::comes_toward;
 use super::parking::OFF_LANES_M;
 use super::spawner::{Entry, Spawner};
@@ -13,16 +12,14 @@ use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
-use crate::world::arena::AgentSpec;
+use crate::world::agents::{Car, Kind};
 use crate::world::body::{Chassis, settle};
 use crate::world::driving::{IdmParameters, SIDE_STANDING_M};
 use crate::world::footprint::Footprint;
 use crate::world::params::{CAR, LONG_M};
 use crate::world::physics::Physics;
 use crate::world::slot::Slot;
-use crate::world::streets::Needs;
-use crate::world::streets::Roads;
-use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
+use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Needs, Roads, Route};
 
 /// How far from a junction, or from who is ahead, newcomers could stop; before the line of a light it is farther.
 const BEFORE_JUNCTION_M: f64 = 8.0;
@@ -97,7 +94,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
         let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
             Some(model) => model,
@@ -126,7 +123,7 @@ impl Spawner<'_> {
         model: Arc<VehicleModel>,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         let needs = Needs::of_truck(model.size_lwh);
         self.place_car(slot, stream, model, needs, ring_m, entry)
     }
@@ -140,7 +137,7 @@ impl Spawner<'_> {
         needs: Needs,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         if self.is_fast() {
             return self.place_fast(slot, stream, model, needs, ring_m, entry);
         }
@@ -202,7 +199,7 @@ impl Spawner<'_> {
             }
             let physics = &mut self.arena.physics;
             let Some(chassis) = chassis_on(&route, &model, speed, physics, roads) else { continue };
-            return Some(driven_vehicle(chassis, Some(route), idm));
+            return Some(Kind::Car(Box::new(Car::new(chassis, Some(route), idm))));
         }
         None
     }

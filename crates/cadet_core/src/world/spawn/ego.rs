@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::driven::chassis_on;
-use super::newcomers::driven_vehicle;
 use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::vehicle::{Livery, VehicleModel};
 use crate::error::{Error, Result};
@@ -13,12 +12,12 @@ use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec3, Vec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, LaneKind, Town};
-use crate::world::arena::{AgentSpec, Arena};
+use crate::world::agents::Car;
+use crate::world::arena::Arena;
 use crate::world::body::{Chassis, settle};
 use crate::world::driving::IdmParameters;
 use crate::world::params::EGO;
-use crate::world::streets::Roads;
-use crate::world::streets::{EGO_STRAIGHT, Route};
+use crate::world::streets::{EGO_STRAIGHT, Roads, Route};
 
 /// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
 /// but a box.
@@ -99,7 +98,7 @@ impl EgoStarts {
 ///
 /// # Errors
 /// [`Error::Scene`] for a ground on which it finds no place.
-pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Result<AgentSpec> {
+pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Result<Car> {
     let model = Arc::new(ego_model());
     let mut stream = key.stream("ego place");
     let Arena { physics, streets, .. } = arena;
@@ -111,7 +110,7 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
         let offset_m = stream.clipped_normal(0.0, 0.08);
         let route = Route::new(lane, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), roads);
         if let Some(chassis) = chassis_on(&route, &model, 0.0, physics, roads) {
-            return Ok(driven_vehicle(chassis, Some(route), idm));
+            return Ok(Car::new(chassis, Some(route), idm));
         }
     }
     let middle = Bounds::of(town.ground.vertices.iter().copied()).center().as_dvec3();
@@ -120,7 +119,7 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
             |_| Error::Scene { reason: "the ego finds no place: no drivable lane, no ground in the middle".into() },
         )?;
     let chassis = Chassis::new(physics, model, &settled.world_from_box, 0.0);
-    Ok(driven_vehicle(chassis, None, idm))
+    Ok(Car::new(chassis, None, idm))
 }
 
 /// The error of a town without a lane to drive along.

@@ -3,21 +3,18 @@
 use std::sync::Arc;
 
 use super::driven::chassis_on;
-use super::newcomers::driven_vehicle;
 use super::spawner::{Entry, Spawner};
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::DVec3;
 use crate::rng::Stream;
 use crate::town::LaneId;
-use crate::world::agents::Driver;
-use crate::world::arena::AgentSpec;
+use crate::world::agents::{Car, Kind};
 use crate::world::body::Body;
 use crate::world::driving::{IdmParameters, LaneView};
 use crate::world::params::{CAR, LONG_M};
-use crate::world::slot::{EGO, Slot};
-use crate::world::streets::Needs;
-use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
+use crate::world::slot::Slot;
+use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Needs, Route};
 
 /// Vehicles start so much farther from the ego than on streets, are gone beyond this distance, and newcomers appear before
 /// it: farther away than anything is shown.
@@ -52,8 +49,7 @@ impl Spawner<'_> {
     }
 
     fn ego_lane(&self) -> Option<LaneId> {
-        let driver = self.arena.ego().controlled_by::<Driver>()?;
-        driver.route.as_ref().map(|r| r.lanes[0])
+        self.arena.ego_car().route.as_ref().map(|r| r.lanes[0])
     }
 
     /// Lets the ego roll as fast as it wants to drive, where standing would be dangerous.
@@ -61,11 +57,9 @@ impl Spawner<'_> {
         if !self.is_fast() {
             return;
         }
-        let wanted_mps =
-            self.arena.ego().controlled_by::<Driver>().map_or(0.0, |d| d.wanted_mps(&self.arena.streets.roads));
-        if let Body::Sprung(chassis) = &self.arena.agents[EGO].body {
-            chassis.roll(wanted_mps, &mut self.arena.physics);
-        }
+        let wanted_mps = self.arena.ego_car().wanted_mps(&self.arena.streets.roads);
+        let (ego, physics) = self.arena.ego_car_mut();
+        ego.own.body.roll(wanted_mps, physics);
     }
 
     /// A vehicle at a free place of a lane. Newcomers appear where they come nearer to the ego.
@@ -77,7 +71,7 @@ impl Spawner<'_> {
         needs: Needs,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
         let mut idm = IdmParameters::draw(&CAR, stream);
@@ -87,7 +81,7 @@ impl Spawner<'_> {
             idm.top_speed_mps = limiter_mps;
         }
         let (ego, view) = self.arena.ego_place();
-        let ego_mps = self.arena.ego().body.forward_mps(&self.arena.physics);
+        let ego_mps = self.arena.ego_car().own.body.forward_mps(&self.arena.physics);
         let roads = &self.arena.streets.roads;
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
         for lane in roads.open_lanes().filter(|l| roads.is_fast(l.id) && (!needs.is_some() || roads.fits(l.id, needs)))
@@ -150,7 +144,7 @@ impl Spawner<'_> {
             }
             let physics = &mut self.arena.physics;
             let Some(chassis) = chassis_on(&route, &model, speed_mps, physics, roads) else { continue };
-            return Some(driven_vehicle(chassis, Some(route), idm));
+            return Some(Kind::Car(Box::new(Car::new(chassis, Some(route), idm))));
         }
         None
     }

@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use super::newcomers::Person;
 use super::spawner::Spawner;
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::world::agents::Pedestrian;
-use crate::world::body::Body;
+use crate::world::agents::{Kind, Pedestrian};
 use crate::world::slot::Slot;
 use crate::world::walking::{GroupPlace, Motion, nearness};
 
@@ -35,7 +33,7 @@ impl Spawner<'_> {
         away: Option<(DVec2, f64)>,
         stream: &mut Stream,
     ) -> Option<Slot> {
-        let earlier = self.arena.controlled_by::<Pedestrian>().rev().filter(|(other, ..)| *other < slot);
+        let earlier = self.arena.pedestrians().rev().filter(|(other, ..)| *other < slot);
         let leaders = earlier.take(JOINS_WITHIN).map(|(other, _, p)| p.company.map_or(other, |c| c.leader));
         let leader = leaders.into_iter().find(|leader| {
             let is_alike = match self.pedestrian(*leader).motion {
@@ -62,7 +60,7 @@ impl Spawner<'_> {
     }
 
     fn members(&self, leader: Slot) -> impl Iterator<Item = &Pedestrian> {
-        let people = self.arena.controlled_by::<Pedestrian>().map(|(.., pedestrian)| pedestrian);
+        let people = self.arena.pedestrians().map(|(.., pedestrian)| pedestrian);
         people.filter(move |p| p.company.is_some_and(|c| c.leader == leader))
     }
 
@@ -74,7 +72,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         model: &Arc<PersonModel>,
         (walkway, s_m, direction): (usize, f64, f64),
-    ) -> Option<Person> {
+    ) -> Option<Pedestrian> {
         let apart_m = stream.range(ASIDE_M.0, ASIDE_M.1);
         let row_m = stream.range(BEHIND_M.0, BEHIND_M.1);
         let (size, room) = (self.group_size(leader), self.arena.streets.sidewalks.room_m(walkway));
@@ -100,12 +98,12 @@ impl Spawner<'_> {
         }
         if aside.is_none() && is_aside {
             let kept_m = if side > 0.0 { lead_m.min(room - apart_m) } else { lead_m.max(apart_m - room) };
-            if let Some(pedestrian) = self.arena.agents[leader].controlled_by_mut::<Pedestrian>() {
+            if let Kind::Pedestrian(pedestrian) = &mut self.arena.agents[leader].kind {
                 pedestrian.keep_to(kept_m);
             }
         }
         let mut walker = self.walker_on(stream, Arc::clone(model), (walkway, s_m, direction), lateral_m)?;
-        walker.pedestrian.company = Some(GroupPlace { leader, aside_m, behind_m });
+        walker.company = Some(GroupPlace { leader, aside_m, behind_m });
         Some(walker)
     }
 
@@ -117,7 +115,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         model: &Arc<PersonModel>,
         hidden: bool,
-    ) -> Option<Person> {
+    ) -> Option<Pedestrian> {
         let middle = self.place_of(leader);
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
         let away = DVec2::new(math::cos(bearing), math::sin(bearing));
@@ -127,22 +125,22 @@ impl Spawner<'_> {
         }
         if !hidden
             && self.group_size(leader) == 1
-            && let Body::Upright(body) = &mut self.arena.agents[leader].body
+            && let Kind::Pedestrian(pedestrian) = &mut self.arena.agents[leader].kind
         {
-            body.yaw_rad = bearing;
+            pedestrian.own.body.yaw_rad = bearing;
         }
         let yaw_rad = math::wrap_angle(bearing + math::PI);
         let mut walker = self.posed_walker(stream, Arc::clone(model), at, yaw_rad)?;
-        walker.pedestrian.company = Some(GroupPlace { leader, aside_m: 0.0, behind_m: 0.0 });
+        walker.company = Some(GroupPlace { leader, aside_m: 0.0, behind_m: 0.0 });
         Some(walker)
     }
 
     /// Who walks or stands in a slot.
     pub(super) fn pedestrian(&self, slot: Slot) -> &Pedestrian {
-        self.arena.agents[slot].controlled_by().expect("pedestrians join pedestrians")
+        self.arena.agents[slot].as_pedestrian().expect("pedestrians join pedestrians")
     }
 
     fn place_of(&self, slot: Slot) -> DVec2 {
-        self.arena.agents[slot].body.world_from_box(&self.arena.physics).translation.truncate()
+        self.pedestrian(slot).own.body.at()
     }
 }

@@ -3,9 +3,8 @@
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
 use crate::math::DVec2;
-use crate::world::agents::Agent;
+use crate::world::agents::ActorView;
 use crate::world::arena::Arena;
-use crate::world::body::Body;
 use crate::world::course::Overlap;
 use crate::world::footprint::Footprint;
 use crate::world::slot::{EGO, Slot};
@@ -25,10 +24,10 @@ pub(crate) enum Cover {
 }
 
 impl Cover {
-    fn of(agent: &Agent, arena: &Arena) -> Self {
-        match &agent.body {
-            Body::Upright(body) => Self::Trunk(body.at()),
-            _ => Self::Box(agent.footprint(&arena.physics)),
+    fn of(actor: ActorView<'_>, arena: &Arena) -> Self {
+        match actor.body.person() {
+            Some(person) => Self::Trunk(person.at()),
+            None => Self::Box(actor.footprint(&arena.physics)),
         }
     }
 
@@ -67,14 +66,15 @@ pub(crate) fn check_free(
     overlap: Overlap,
 ) -> Result<()> {
     let others = arena.present().filter(|(slot, _)| overlap == Overlap::Refuse && Some(*slot) != own);
-    let Some((slot, other)) = others.into_iter().find(|(_, agent)| cover.overlaps(&Cover::of(agent, arena))) else {
+    let mut others = others.flat_map(|(_, agent)| agent.actors());
+    let Some((id, other)) = others.find(|(_, actor)| cover.overlaps(&Cover::of(*actor, arena))) else {
         return Ok(());
     };
     let who = if own == Some(EGO) { "the ego".to_owned() } else { format!("a {}", class.kitti_name()) };
-    let whom = if slot == EGO {
+    let whom = if id == arena.ego().id {
         "the ego (id 0)".to_owned()
     } else {
-        format!("the {} of id {}", other.class.kitti_name(), other.id)
+        format!("the {} of id {id}", other.look.class().kitti_name())
     };
     let DVec2 { x, y } = cover.at();
     Err(Error::Scene { reason: format!("{who} at ({x}, {y}) would overlap {whom}; overlap=\"allow\" puts it there") })

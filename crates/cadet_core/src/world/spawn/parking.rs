@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
+use crate::world::agents::{Fixture, Kind};
 use crate::world::footprint::Footprint;
 use crate::world::look::TurnSignal;
 
@@ -48,7 +49,7 @@ impl Spawner<'_> {
         let config = self.config;
         let mut stream = self.key.stream("parked cars");
         let (ego, _) = self.arena.ego_place();
-        let own = self.arena.ego().footprint(&self.arena.physics).grown(1.0);
+        let own = self.arena.ego().actor().footprint(&self.arena.physics).grown(1.0);
         let parked_mix = config.among_classes(&PARKED_MIX);
         let way = self.ego_way();
         let roads = &self.arena.streets.roads;
@@ -116,11 +117,11 @@ impl Spawner<'_> {
                 Err(Error::Scene { .. }) => continue,
                 parked => parked?,
             };
-            parked.appearance.indicate(if delivers { TurnSignal::Hazard } else { TurnSignal::Off });
+            parked.look.signal = if delivers { TurnSignal::Hazard } else { TurnSignal::Off };
             if let Some(opening) = opening(spot, seed) {
-                parked.appearance.open(opening);
+                parked.look.open(opening);
             }
-            self.arena.put(parked);
+            self.arena.put(Kind::Static(Box::new(Fixture::Vehicle(parked))));
         }
         Ok(())
     }

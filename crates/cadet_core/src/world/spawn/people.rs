@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use super::newcomers::Person;
-use super::spawner::Entry;
-use super::spawner::{EGO_WAY_M, Spawner};
+use super::newcomers::standing_person;
+use super::spawner::{EGO_WAY_M, Entry, Spawner};
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::world::arena::AgentSpec;
+use crate::world::agents::{Kind, Pedestrian};
 use crate::world::slot::Slot;
 use crate::world::walking::Motion;
 
@@ -29,7 +28,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<AgentSpec> {
+    ) -> Option<Kind> {
         let ((ego, view), is_newcomer) = (self.arena.ego_place(), entry != Entry::Anywhere);
         let model = Arc::new(PersonModel::generate(stream.next_u64()));
         let walks = model.walking_speed_mps > 0.0;
@@ -40,8 +39,8 @@ impl Spawner<'_> {
                 }
                 _ => self.in_a_circle(slot, leader, stream, &model, is_newcomer),
             };
-            if joined.is_some() {
-                return joined.map(Person::into_newcomer);
+            if let Some(joined) = joined {
+                return Some(Kind::Pedestrian(Box::new(joined)));
             }
         }
         let way: Vec<DVec2> = self.ego_way().map_or_else(Vec::new, |r| {
@@ -73,8 +72,8 @@ impl Spawner<'_> {
             let lateral_m = stream.clipped_normal(-0.15 * direction, 0.35).clamp(-room, room);
             if self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, STRANGERS_M) {
                 let mut walker = self.walker_on(stream, model, (walkway, s_m, direction), lateral_m)?;
-                walker.pedestrian.crosser = walks && stream.chance(CROSSERS_SHARE);
-                return Some(walker.into_newcomer());
+                walker.crosser = walks && stream.chance(CROSSERS_SHARE);
+                return Some(Kind::Pedestrian(Box::new(walker)));
             }
         }
         None
@@ -98,13 +97,13 @@ impl Spawner<'_> {
         model: Arc<PersonModel>,
         (walkway, s_m, direction): (usize, f64, f64),
         lateral_m: f64,
-    ) -> Option<Person> {
+    ) -> Option<Pedestrian> {
         let heading = self.arena.streets.sidewalks.spot(walkway, s_m).tangent * direction;
         let walks = model.walking_speed_mps > 0.0;
         let yaw_rad = if walks { math::atan2(heading.y, heading.x) } else { stream.range(-math::PI, math::PI) };
         let mut walker = self.posed_walker(stream, model, self.on_sidewalk(walkway, s_m, lateral_m), yaw_rad)?;
         if walks {
-            walker.pedestrian.start(walkway, s_m, direction, lateral_m);
+            walker.start(walkway, s_m, direction, lateral_m);
         }
         Some(walker)
     }
@@ -115,7 +114,7 @@ impl Spawner<'_> {
         model: Arc<PersonModel>,
         at: DVec2,
         yaw_rad: f64,
-    ) -> Option<Person> {
-        Person::standing(self.arena, model, at.x, at.y, yaw_rad, stream.next_u64()).ok()
+    ) -> Option<Pedestrian> {
+        standing_person(self.arena, model, at.x, at.y, yaw_rad, stream.next_u64()).ok()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::newcomers::{Person, guided_vehicle, parked_vehicle, ridden_bicycle};
+use super::newcomers::{guided_vehicle, parked_vehicle, ridden_bicycle, standing_person};
 use super::overlap::{Cover, check_free};
 use crate::actor::ObjectClass;
 use crate::assets::cyclist::CyclistModel;
@@ -12,9 +12,9 @@ use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
-use crate::world::agents::{Controller, PERSON_HALF_CHORD_M, Parked, Scripted, TimedPath};
-use crate::world::arena::{AgentSpec, Arena};
-use crate::world::body::{settle, stand_up};
+use crate::world::agents::{Actor, Fixture, Kind, Led, PERSON_HALF_CHORD_M, Script, Scripted, TimedPath};
+use crate::world::arena::Arena;
+use crate::world::body::{Upright, settle, stand_up};
 use crate::world::course::{
     Course, FASTEST_CYCLIST_MPS, FASTEST_PERSON_MPS, FASTEST_VEHICLE_MPS, Overlap, Waypoint, check_path,
 };
@@ -42,15 +42,16 @@ pub(crate) fn add_vehicle(
         Some(script) => {
             let (at, yaw_rad, _) = script.start();
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
-            guided_vehicle(arena, model, script)?
+            let led = Led::Vehicle(guided_vehicle(arena, model, script.start())?);
+            Kind::Scripted(Box::new(Scripted { script, led }))
         }
         None => {
             let (at, yaw_rad) = standing(course)?;
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
-            parked_vehicle(arena, model, at.x, at.y, yaw_rad)?
+            Kind::Static(Box::new(Fixture::Vehicle(parked_vehicle(arena, model, at.x, at.y, yaw_rad)?)))
         }
     };
-    Ok(put(arena, newcomer))
+    Ok(arena.put_placed(newcomer))
 }
 
 /// Adds a person; returns the id. Who stands does so mid-stride if the model walks.
@@ -71,12 +72,16 @@ pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, ov
     };
     check_free(arena, None, ObjectClass::Pedestrian, &Cover::Trunk(at), overlap)?;
     let model = if script.is_some() { walking_model(model_seed) } else { PersonModel::generate(model_seed) };
-    let person = Person::standing(arena, Arc::new(model), at.x, at.y, yaw_rad, model_seed)?;
+    let person = standing_person(arena, Arc::new(model), at.x, at.y, yaw_rad, model_seed)?;
     let newcomer = match script {
-        Some(script) => person.led_by(script),
-        None => person.into_newcomer(),
+        Some(script) => {
+            let Actor { body, look } = person.own;
+            let body = Upright { velocity_world: script.start().2.extend(0.0), ..body };
+            Kind::Scripted(Box::new(Scripted { script, led: Led::Person(Actor { body, look }) }))
+        }
+        None => Kind::Pedestrian(Box::new(person)),
     };
-    Ok(put(arena, newcomer))
+    Ok(arena.put_placed(newcomer))
 }
 
 /// Adds a bicycle with its rider; returns the id. Who stands has a foot on the ground.
@@ -98,13 +103,13 @@ pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, o
     };
     check_free(arena, None, ObjectClass::Cyclist, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
     let pose = stand_up(&arena.physics, half_m, at.x, at.y, yaw_rad)?;
-    let controller: Box<dyn Controller> = match script {
-        Some(script) => Box::new(script),
-        None => Box::new(Parked),
-    };
     let turn = Stream::from_seed("wheels", model_seed).unit();
-    let newcomer = ridden_bicycle(arena, model, (pose, yaw_rad), velocity, controller, turn);
-    Ok(put(arena, newcomer))
+    let own = ridden_bicycle(arena, model, (pose, yaw_rad), velocity, turn);
+    let newcomer = match script {
+        Some(script) => Kind::Scripted(Box::new(Scripted { script, led: Led::Cyclist(own) })),
+        None => Kind::Static(Box::new(Fixture::Cyclist(own))),
+    };
+    Ok(arena.put_placed(newcomer))
 }
 
 /// What a box covers at a place.
@@ -138,7 +143,7 @@ fn scripted(
     fastest_mps: f64,
     half_chord_m: f64,
     is_ground: impl Fn(&Arena, DVec2, f64) -> Result<()>,
-) -> Result<Option<Scripted>> {
+) -> Result<Option<Script>> {
     let points = match course {
         Course::Stand { .. } => return Ok(None),
         Course::Straight { speed_mps, .. } => {
@@ -176,10 +181,5 @@ fn scripted(
             points.clone()
         }
     };
-    Ok(Some(Scripted::new(TimedPath::new(&points), half_chord_m)))
-}
-
-fn put(arena: &mut Arena, newcomer: AgentSpec) -> i32 {
-    let slot = arena.put(AgentSpec { is_placed: true, ..newcomer });
-    arena.agents[slot].id
+    Ok(Some(Script::new(TimedPath::new(&points), half_chord_m)))
 }

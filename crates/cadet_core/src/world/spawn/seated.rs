@@ -12,11 +12,11 @@ use crate::frames;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::agents::Parked;
-use crate::world::arena::{AgentSpec, Arena};
-use crate::world::body::{Body, Upright};
+use crate::world::agents::{Actor, Fixture, Kind};
+use crate::world::arena::Arena;
+use crate::world::body::Upright;
 use crate::world::course::{Course, Overlap};
-use crate::world::look::Appearance;
+use crate::world::look::PersonLook;
 use crate::world::walking::BODY_M;
 
 /// Seats this near to each other are used or left alone together.
@@ -38,43 +38,27 @@ impl Spawner<'_> {
                 continue;
             }
             let model = PersonModel::sitting(stream.next_u64(), seat.height_m);
-            let sitter = seated(model, &seat.world_from_seat, &mut stream);
-            let here = sitter.at();
+            let body = seated(&model, &seat.world_from_seat, &mut stream);
+            let here = body.at();
             if self.arena.people().all(|(_, other)| (other - here).length() > 2.0 * BODY_M) {
-                self.arena.put(sitter.into_newcomer());
+                self.arena.put(sitter(model, body));
             }
         }
     }
 }
 
 /// Somebody on a seat.
-struct Seated {
-    model: Arc<PersonModel>,
-    body: Upright,
-}
-
-impl Seated {
-    fn at(&self) -> DVec2 {
-        self.body.at()
-    }
-
-    fn into_newcomer(self) -> AgentSpec {
-        AgentSpec {
-            class: ObjectClass::PersonSitting,
-            body: Body::Upright(self.body),
-            controller: Box::new(Parked),
-            appearance: Appearance::Person { model: self.model, phase: 0.0 },
-            is_placed: false,
-        }
-    }
+fn sitter(model: PersonModel, body: Upright) -> Kind {
+    let look = PersonLook { model: Arc::new(model), phase: 0.0 };
+    Kind::Static(Box::new(Fixture::Person(Actor { body, look })))
 }
 
 /// Puts somebody on a seat, turned a little on it.
-fn seated(model: PersonModel, world_from_seat: &DPose3, stream: &mut Stream) -> Seated {
+fn seated(model: &PersonModel, world_from_seat: &DPose3, stream: &mut Stream) -> Upright {
     let yaw_rad = frames::yaw_of(world_from_seat) + stream.clipped_normal(0.0, 0.08);
     let turned = frames::upright(world_from_seat.translation, yaw_rad);
     let position = turned.transform_point(model.seat_from_box());
-    Seated { model: Arc::new(model), body: Upright::standing(position, yaw_rad) }
+    Upright::standing(position, yaw_rad)
 }
 
 /// Adds somebody who sits at a chair's height with the middle of the box at a place; returns the id.
@@ -93,8 +77,7 @@ pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, ov
         reason: format!("a person at ({}, {}) would sit beyond the ground's edge", at.x, at.y),
     })?;
     check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at), overlap)?;
-    let model = Arc::new(PersonModel::sitting(model_seed, CHAIR_SEAT_M));
+    let model = PersonModel::sitting(model_seed, CHAIR_SEAT_M);
     let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
-    let slot = arena.put(AgentSpec { is_placed: true, ..Seated { model, body }.into_newcomer() });
-    Ok(arena.agents[slot].id)
+    Ok(arena.put_placed(sitter(model, body)))
 }

@@ -3,7 +3,6 @@
 use super::config::TrafficConfig;
 use crate::assets::vehicle::UserVehicles;
 use crate::rng::StreamKey;
-use crate::world::agents::Driver;
 use crate::world::arena::Arena;
 use crate::world::streets::Route;
 
@@ -34,7 +33,6 @@ pub(crate) struct Spawner<'a> {
 impl Spawner<'_> {
     /// The way that the ego will drive, as far as it matters.
     pub(super) fn ego_way(&self) -> Option<Route> {
-        let driver = self.arena.ego().controlled_by::<Driver>()?;
-        driver.route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.arena.streets.roads))
+        self.arena.ego_car().route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.arena.streets.roads))
     }
 }

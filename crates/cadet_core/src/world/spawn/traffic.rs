@@ -6,9 +6,8 @@ use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::agents::Agent;
-use crate::world::agents::{Cyclist, Driver, Pedestrian};
-use crate::world::arena::{AgentSpec, Arena};
+use crate::world::agents::{Agent, Car, Cyclist, Gone, Kind};
+use crate::world::arena::Arena;
 use crate::world::driving::Cause;
 use crate::world::slot::{EGO, Slot};
 use crate::world::streets::Route;
@@ -55,7 +54,7 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
     add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
     add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
-    let people: Vec<Slot> = spawner.arena.controlled_by::<Pedestrian>().map(|(slot, ..)| slot).collect();
+    let people: Vec<Slot> = spawner.arena.pedestrians().map(|(slot, ..)| slot).collect();
     spawner.assign_belongings(&people);
     spawner.seat_people(town);
     spawner.fill_tracks();
@@ -92,7 +91,7 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
 }
 
 /// Makes somebody for a slot, between two distances from the ego; `None` where there is no place.
-type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<AgentSpec>;
+type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<Kind>;
 
 fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) {
     let mut stream = spawner.key.stream(name);
@@ -127,8 +126,8 @@ fn replace<'s>(
 fn fill_vacant(spawner: &mut Spawner<'_>, respawns: &mut u64) {
     let appears_m = if spawner.is_fast() { fast::APPEARS_M } else { CAR_APPEARS_M };
     for slot in spawner.arena.vacant().to_vec() {
-        let (make, appears_m): (Make<'_>, _) = match spawner.arena.agents[slot].class {
-            ObjectClass::Cyclist => (Spawner::new_cyclist, CYCLIST_APPEARS_M),
+        let (make, appears_m): (Make<'_>, _) = match &spawner.arena.agents[slot].kind {
+            Kind::Gone(Gone { class: ObjectClass::Cyclist }) => (Spawner::new_cyclist, CYCLIST_APPEARS_M),
             _ => (Spawner::new_car, appears_m),
         };
         replace(spawner, "replacements", respawns, &[slot], (appears_m, Entry::Unseen), make);
@@ -142,18 +141,18 @@ fn fill_vacant(spawner: &mut Spawner<'_>, respawns: &mut u64) {
 /// stands there.
 pub(crate) fn leave(arena: &mut Arena) {
     let roads = &arena.streets.roads;
-    let ego = arena.ego().controlled_by::<Driver>().and_then(|driver| driver.route.as_ref());
+    let ego = arena.ego_car().route.as_ref();
     let ego_is_over = ego.is_some_and(|route| route.leads_off_map(EGO_ENDS_M, roads));
     let is_over = |agent: &Agent, route: &Route, standing_steps: u64| {
-        let half_m = agent.appearance.size_lwh().x / 2.0;
-        let waits = ego_is_over && standing_steps > WAITS_STEPS && agent.controller.cause() == Cause::Vehicle(EGO);
+        let half_m = agent.actor().look.size_lwh().x / 2.0;
+        let waits = ego_is_over && standing_steps > WAITS_STEPS && agent.behavior().cause() == Cause::Vehicle(EGO);
         !agent.is_placed && (waits || route.leads_off_map(half_m, roads))
     };
-    let drivers = arena.controlled_by::<Driver>().filter(|(slot, ..)| *slot != EGO);
+    let drivers = arena.cars().filter(|(slot, ..)| *slot != EGO);
     let drivers = drivers.filter_map(|(slot, agent, driver)| {
         is_over(agent, driver.route.as_ref()?, driver.standing_steps).then_some(slot)
     });
-    let cyclists = arena.controlled_by::<Cyclist>();
+    let cyclists = arena.cyclists();
     let cyclists = cyclists.filter(|(_, agent, cyclist)| is_over(agent, &cyclist.route, cyclist.standing_steps));
     let gone: Vec<Slot> = drivers.chain(cyclists.map(|(slot, ..)| slot)).collect();
     gone.into_iter().for_each(|slot| arena.remove(slot));
@@ -162,8 +161,8 @@ pub(crate) fn leave(arena: &mut Arena) {
 fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
     let (ego, view) = spawner.arena.ego_place();
     let gone_m = if spawner.is_fast() { fast::GONE_M } else { CAR_GONE_M };
-    let is_gone = |(slot, agent, driver): &(Slot, &Agent, &Driver)| {
-        let to = agent.body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
+    let is_gone = |(slot, agent, driver): &(Slot, &Agent, &Car)| {
+        let to = agent.actor().body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
         let is_hidden = to.length() > 100.0 || (to.length() > 90.0 && to.dot(view) < 0.0);
         let is_stuck = is_hidden && driver.standing_steps > STUCK_STEPS;
         // A truck leaves before a corner that it can't take, where the cameras ahead don't see it.
@@ -172,17 +171,14 @@ fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
             && driver.route.as_ref().is_some_and(|route| !route.fits(CORNER_AHEAD_M, &spawner.arena.streets.roads));
         *slot != EGO && !agent.is_placed && (to.length() >= gone_m || is_stuck || is_cornered)
     };
-    spawner.arena.controlled_by::<Driver>().filter(is_gone).map(|(slot, ..)| slot).collect()
+    spawner.arena.cars().filter(is_gone).map(|(slot, ..)| slot).collect()
 }
 
 fn gone_walkers(spawner: &Spawner<'_>) -> Vec<Slot> {
     let (ego, _) = spawner.arena.ego_place();
-    let people = spawner.arena.controlled_by::<Pedestrian>();
+    let people = spawner.arena.pedestrians();
     people
-        .filter(|(_, agent, _)| {
-            let at = agent.body.world_from_box(&spawner.arena.physics).translation.truncate();
-            !agent.is_placed && (at - ego).length() >= WALKER_GONE_M
-        })
+        .filter(|(_, agent, pedestrian)| !agent.is_placed && (pedestrian.own.body.at() - ego).length() >= WALKER_GONE_M)
         .map(|(slot, ..)| slot)
         .collect()
 }
@@ -190,10 +186,10 @@ fn gone_walkers(spawner: &Spawner<'_>) -> Vec<Slot> {
 fn gone_cyclists(spawner: &Spawner<'_>) -> Vec<Slot> {
     let (ego, view) = spawner.arena.ego_place();
     let is_gone = |(_, agent, cyclist): &(Slot, &Agent, &Cyclist)| {
-        let to = agent.body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
+        let to = agent.actor().body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
         let is_hidden = to.length() > 90.0 && to.dot(view) < 0.0;
         let is_stuck = is_hidden && cyclist.standing_steps > STUCK_STEPS;
         !agent.is_placed && (to.length() >= CYCLIST_GONE_M || is_stuck)
     };
-    spawner.arena.controlled_by::<Cyclist>().filter(is_gone).map(|(slot, ..)| slot).collect()
+    spawner.arena.cyclists().filter(is_gone).map(|(slot, ..)| slot).collect()
 }

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::newcomers::tram_car;
 use super::spawner::{Entry, Spawner};
 use crate::assets::vehicle::VehicleModel;
 use crate::assets::vehicle::tram::{num_cars_of, train_of_traffic};
-use crate::math::DVec2;
+use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
-use crate::world::agents::{Controller, Coupled, Trailer, Train, TramDriver};
-use crate::world::arena::AgentSpec;
+use crate::world::agents::{Actor, Coupled, Kind, Train, Tram, TramCar};
+use crate::world::body::{Guided, Settled, settle};
 use crate::world::footprint::Footprint;
+use crate::world::look::VehicleLook;
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
 use crate::world::streets::Track;
@@ -44,8 +44,8 @@ impl Spawner<'_> {
         let mut stream = self.key.stream("trams");
         for _ in 0..self.config.num_trams {
             let seed = stream.next_u64();
-            for newcomer in self.new_tram(seed, &mut stream, STARTS_M, Entry::Anywhere, &[]).unwrap_or_default() {
-                self.arena.put(newcomer);
+            if let Some(tram) = self.new_tram(seed, &mut stream, STARTS_M, Entry::Anywhere, None) {
+                self.arena.put(Kind::Tram(Box::new(tram)));
             }
         }
     }
@@ -53,50 +53,42 @@ impl Spawner<'_> {
     /// Replaces a tram that has gone too far away, or has reached the end of its line, unseen; returns how many steps pass
     /// before the next one.
     pub(super) fn renew_tram(&mut self, respawns: &mut u64) -> Option<u64> {
-        for slots in self.gone_trams() {
+        for (slot, num_cars) in self.gone_trams() {
             let mut stream = self.key.indexed("new trams", *respawns);
             *respawns += 1;
             let seeds = (0..DRAWS).map(|_| stream.next_u64()).collect::<Vec<_>>();
-            let Some(seed) = seeds.into_iter().find(|seed| num_cars_of(*seed) == slots.len()) else { continue };
-            let Some(newcomers) = self.new_tram(seed, &mut stream, APPEARS_M, Entry::Unseen, &slots) else { continue };
-            for (slot, newcomer) in slots.iter().zip(newcomers) {
-                self.arena.replace(*slot, newcomer);
-            }
+            let Some(seed) = seeds.into_iter().find(|seed| num_cars_of(*seed) == num_cars) else { continue };
+            let Some(tram) = self.new_tram(seed, &mut stream, APPEARS_M, Entry::Unseen, Some(slot)) else { continue };
+            self.arena.replace(slot, Kind::Tram(Box::new(tram)));
             return Some((stream.range(PAUSE_S.0, PAUSE_S.1) / DT_S) as u64);
         }
         None
     }
 
-    /// The slots of trams that may go, the first car's first.
-    fn gone_trams(&self) -> Vec<Vec<Slot>> {
+    /// The slots of trams that may go, and how many cars each has.
+    fn gone_trams(&self) -> Vec<(Slot, usize)> {
         let (ego, view) = self.arena.ego_place();
-        let leaders = self.arena.controlled_by::<TramDriver>().filter(|(_, agent, _)| !agent.is_placed);
-        leaders
-            .filter_map(|(first, agent, driver)| {
-                let trailers = self.arena.controlled_by::<Trailer>().filter(|(.., car)| car.leader == first);
-                let train: Vec<_> =
-                    std::iter::once((first, agent)).chain(trailers.map(|(slot, agent, _)| (slot, agent))).collect();
-                let is_at_end = driver.train.is_at_end();
-                let is_gone = train.iter().all(|(_, agent)| {
-                    let to = agent.body.world_from_box(&self.arena.physics).translation.truncate() - ego;
-                    let is_unseen = to.length() > UNSEEN_M || (to.length() > 30.0 && to.dot(view) < 0.0);
-                    to.length() > GONE_M || (is_at_end && is_unseen)
-                });
-                is_gone.then(|| train.iter().map(|(slot, ..)| *slot).collect())
+        let trams = self.arena.trams().filter(|(_, agent, _)| !agent.is_placed);
+        let gone = trams.filter(|(_, agent, tram)| {
+            agent.actors().all(|(_, car)| {
+                let to = car.body.world_from_box(&self.arena.physics).translation.truncate() - ego;
+                let is_unseen = to.length() > UNSEEN_M || (to.length() > 30.0 && to.dot(view) < 0.0);
+                to.length() > GONE_M || (tram.train.is_at_end() && is_unseen)
             })
-            .collect()
+        });
+        gone.map(|(slot, _, tram)| (slot, tram.cars.len())).collect()
     }
 
     /// The cars of a tram at a random free place of the tracks between two distances from the ego.
-    /// It takes the place of those in the slots `but`.
+    /// It takes the place of who is in the slot `but`.
     fn new_tram(
         &mut self,
         seed: u64,
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-        but: &[Slot],
-    ) -> Option<Vec<AgentSpec>> {
+        but: Option<Slot>,
+    ) -> Option<Tram> {
         let models = train_of_traffic(seed);
         let length_m: f64 = models.iter().map(|m| m.size_lwh.x).sum();
         let tracks = self.arena.streets.roads.lanes().iter();
@@ -105,8 +97,8 @@ impl Spawner<'_> {
         let weights: Vec<f64> = places.iter().map(|(.., weight)| *weight).collect();
         for _ in 0..12 {
             let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
-            if let Some(newcomers) = self.tram_at(&models, length_m, (lane, s_m), stream, but) {
-                return Some(newcomers);
+            if let Some(tram) = self.tram_at(&models, length_m, (lane, s_m), stream, but) {
+                return Some(tram);
             }
         }
         None
@@ -119,8 +111,8 @@ impl Spawner<'_> {
         length_m: f64,
         (lane, s_m): (LaneId, f64),
         stream: &mut Stream,
-        but: &[Slot],
-    ) -> Option<Vec<AgentSpec>> {
+        but: Option<Slot>,
+    ) -> Option<Tram> {
         let roads = &self.arena.streets.roads;
         let track = Track::through(lane, roads);
         let front_m = track.start_of(lane)? + s_m + length_m / 2.0;
@@ -133,10 +125,10 @@ impl Spawner<'_> {
         if behind.take_while(|id| roads.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {
             return None;
         }
-        let is_spaced = self.arena.controlled_by::<TramDriver>().all(|(slot, _, driver)| {
-            let other = &driver.train;
+        let is_spaced = self.arena.trams().all(|(slot, _, tram)| {
+            let other = &tram.train;
             let ahead_m = other.track.start_of(lane).map(|m| other.front_m - m - s_m - length_m / 2.0);
-            but.contains(&slot) || ahead_m.is_none_or(|m| m.abs() > SPACING_M)
+            but == Some(slot) || ahead_m.is_none_or(|m| m.abs() > SPACING_M)
         });
         if !is_spaced {
             return None;
@@ -155,24 +147,26 @@ impl Spawner<'_> {
         let is_taken = footprints.iter().any(|own| {
             let wide = own.grown(BESIDE_M);
             let long = Footprint { half_length_m: own.half_length_m + HEADWAY_M, ..wide };
-            self.arena.vehicles().any(|(slot, other)| !but.contains(&slot) && long.overlaps(&other))
+            self.arena.vehicles().any(|(slot, other)| but != Some(slot) && long.overlaps(&other))
                 || self.arena.around.standing.iter().any(|o| own.overlaps(o))
                 || self.arena.on_road().any(|o| long.overlaps(&o))
         });
         if is_taken {
             return None;
         }
-        let places: Vec<(DVec2, DVec2)> = cars.iter().map(|car| train.place(car)).collect();
-        // The first car drives, and the others follow it: they get the slots after its own.
-        let first = but.first().copied().unwrap_or(self.arena.agents.len());
-        let trailers = cars[1..].iter().map(|car| Box::new(Trailer::new(first, &train, *car)) as Box<dyn Controller>);
-        let trailers: Vec<Box<dyn Controller>> = trailers.collect();
-        let driver: Box<dyn Controller> = Box::new(TramDriver::new(train, cars[0], stream));
-        let cars = models.iter().zip(places).zip(std::iter::once(driver).chain(trailers));
-        cars.map(|((model, place), controller)| {
-            tram_car(self.arena, Arc::clone(model), place, speed_mps, controller).ok()
-        })
-        .collect()
+        // All of them find ground before the first is in rapier's world.
+        let settled = models.iter().zip(&footprints).map(|(model, place)| {
+            let (at, yaw_rad) = (place.center, math::atan2(place.heading.y, place.heading.x));
+            Some((settle(&self.arena.physics, model, at.x, at.y, yaw_rad).ok()?, yaw_rad))
+        });
+        let settled: Option<Vec<(Settled, f64)>> = settled.collect();
+        let places = settled?.into_iter().zip(&footprints);
+        let cars = models.iter().zip(cars).zip(places).map(|((model, coupled), ((settled, yaw_rad), place))| {
+            let (physics, velocity) = (&mut self.arena.physics, place.heading * speed_mps);
+            let body = Guided::new(physics, Arc::clone(model), settled, yaw_rad, velocity);
+            TramCar { own: Actor { body, look: VehicleLook::new(Arc::clone(model), true) }, coupled }
+        });
+        Some(Tram::new(cars.collect(), train, stream))
     }
 }
 

@@ -1,4 +1,4 @@
-//! The ways through a town: what controllers know of it.
+//! The ways through a town: what agents know of it.
 
 mod abreast;
 mod roads;

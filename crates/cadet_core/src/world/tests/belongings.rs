@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::*;
 use crate::math::DPose3;
+use crate::world::look::PersonLook;
 
 fn town_people(seed: u64, rains: bool) -> World {
     let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap().with_rain(rains);
@@ -18,7 +19,7 @@ fn things(world: &World) -> Vec<(i32, String)> {
         let kind = name.split('/').next().unwrap_or_default();
         kind.split_once(" with ").map(|(_, thing)| thing.to_owned()).unwrap_or_default()
     };
-    walkers(world).into_iter().map(|(agent, _)| (agent.id, thing(agent.appearance.name()))).collect()
+    walkers(world).into_iter().map(|(agent, _)| (agent.id, thing(agent.actor().look.name()))).collect()
 }
 
 #[test]
@@ -59,11 +60,11 @@ fn who_walks_where_does_not_depend_on_what_they_have_along() {
 /// Middles of what stands on the ground beside or before its owner, with half its length and width.
 fn footprints(world: &World) -> Vec<(i32, Footprint)> {
     let mut found = Vec::new();
-    for (agent, _) in walkers(world) {
-        let Appearance::Person { model, phase } = &agent.appearance else { continue };
+    for (agent, walker) in walkers(world) {
+        let PersonLook { model, phase } = &walker.own.look;
         let Some(belonging) = model.belonging.as_ref().filter(|b| b.is_solid()) else { continue };
         let bounds = belonging.pose(*phase).bounds;
-        let pose = agent.body.world_from_box(&world.arena.physics);
+        let pose = agent.actor().body.world_from_box(&world.arena.physics);
         let (center, half) = (bounds.center().as_dvec3(), bounds.size().as_dvec3() / 2.0);
         let heading = (pose.rotation * DVec3::X).truncate().normalize();
         let center = pose.transform_point(center).truncate();

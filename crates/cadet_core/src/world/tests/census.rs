@@ -3,7 +3,6 @@
 use super::towns::suburb;
 use super::*;
 use crate::world::DT_S;
-use crate::world::agents::Cyclist;
 
 /// A person's body in the plane: a circle round the trunk. Arms and legs swing beyond it.
 const BODY_M: f64 = 0.22;
@@ -22,7 +21,7 @@ fn policy_world(seed: u64) -> World {
 
 /// The cars that have stood for `seconds`, what they brake for, and for whom those brake in turn.
 fn stuck(world: &World, seconds: f64) -> Vec<String> {
-    let stands = |(_, driver): &(&Agent, &Driver)| driver.standing_steps as f64 * DT_S > seconds;
+    let stands = |(_, driver): &(&Agent, &Car)| driver.standing_steps as f64 * DT_S > seconds;
     cars(world).into_iter().filter(stands).map(|(a, driver)| format!("{} stands, {:?}", a.id, driver.cause())).collect()
 }
 
@@ -55,7 +54,7 @@ fn nobody_walks_into_a_car_or_a_person() {
         for tick in 0..240 {
             world.step(15);
             let driven = cars(&world).into_iter().map(|(agent, _)| agent);
-            let ridden = world.arena.controlled_by::<Cyclist>().map(|(_, agent, _)| agent);
+            let ridden = world.arena.cyclists().map(|(_, agent, _)| agent);
             let vehicles: Vec<(i32, Footprint)> =
                 driven.chain(ridden).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
             let walkers = walkers(&world);
@@ -110,7 +109,7 @@ fn people_walk_in_groups_and_stay_together() {
         for (walker, pedestrian) in walkers(&world) {
             let Some(company) = pedestrian.company else { continue };
             let leader = &world.arena.agents[company.leader];
-            assert!(leader.controlled_by::<Pedestrian>().unwrap().company.is_none(), "who leads follows nobody");
+            assert!(leader.as_pedestrian().unwrap().company.is_none(), "who leads follows nobody");
             in_company += 1;
             behind += usize::from(company.behind_m > 0.0);
             let place_m = math::hypot(company.behind_m, company.aside_m);

@@ -4,14 +4,14 @@ use super::towns::{hilly_ring, slope, suburb};
 use super::*;
 use crate::world::DT_S;
 use crate::world::agents::Cyclist;
-use crate::world::look::Ride;
+use crate::world::look::{CyclistLook, Ride};
 
 fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
-    world.arena.controlled_by::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
+    world.arena.cyclists().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
 }
 
 fn ride(agent: &Agent) -> (Ride, f64, f64) {
-    let Appearance::Cyclist { model, ride } = &agent.appearance else { unreachable!() };
+    let CyclistLook { model, ride } = &agent.as_cyclist().unwrap().own.look;
     (*ride, model.wheel_radius_m, model.wheelbase_m)
 }
 
@@ -53,7 +53,7 @@ fn cyclists_touch_nobody_and_keep_to_the_right_for_minutes() {
                 let (ride, _, wheelbase_m) = ride(riders[i]);
                 assert!(ride.lean_rad.abs() <= 0.30 + 1e-9);
                 stood += usize::from(ride.stands);
-                let pose = riders[i].body.world_from_box(&world.arena.physics);
+                let pose = riders[i].actor().body.world_from_box(&world.arena.physics);
                 for x in [-wheelbase_m / 2.0, wheelbase_m / 2.0] {
                     let foot = pose.transform_point(DVec3::X * x);
                     let above_m = foot.z - world.ground_height(foot.x, foot.y).expect("on the ground");
@@ -101,7 +101,7 @@ fn wheels_turn_by_the_way_over_their_radius_and_lean_goes_into_the_bend() {
     let state = |world: &World| {
         let (agent, _) = cyclists(world)[0];
         let (ride, radius_m, _) = ride(agent);
-        (ride, radius_m, place(world, agent), agent.body.angular_velocity_world(&world.arena.physics).z)
+        (ride, radius_m, place(world, agent), agent.actor().body.angular_velocity_world(&world.arena.physics).z)
     };
     let (mut turned_rad, mut gone_m) = (0.0, 0.0);
     let (mut before, _, mut from, _) = state(&world);

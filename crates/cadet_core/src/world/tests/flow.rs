@@ -2,7 +2,6 @@
 
 use super::towns::suburb;
 use super::*;
-use crate::world::agents::Controller as _;
 use crate::world::driving::Cause;
 
 /// What the ego brakes for, and where the people on the road near it are and want to go.
@@ -15,7 +14,7 @@ fn what_stops_the_ego(world: &World) -> String {
     let walkers = walkers(world);
     let roads = &world.arena.streets.roads;
     let near = |(w, _): &&(&Agent, &Pedestrian)| (place(world, w) - ego.center).length() < 12.0;
-    let on_road = |(w, pedestrian): &&(&Agent, &Pedestrian)| pedestrian.on_road(&w.body, roads).is_some();
+    let on_road = |(_, pedestrian): &&(&Agent, &Pedestrian)| pedestrian.on_road(roads).is_some();
     let on_road = walkers.iter().filter(on_road).filter(near).map(|(w, pedestrian)| {
         let p = place(world, w);
         let away = |o: &Footprint| (o.closest_point(p) - p).length();
@@ -28,7 +27,7 @@ fn what_stops_the_ego(world: &World) -> String {
             "{} at {p}, {:?}, {:.2} m/s; parked {parked_m:.2} m, car {car_m:.2} m (ego {:.2} m), person {person_m:.2} m away",
             w.id,
             pedestrian.motion,
-            w.body.velocity_world(&world.arena.physics).length(),
+            w.actor().body.velocity_world(&world.arena.physics).length(),
             away(&ego)
         )
     });

@@ -32,7 +32,7 @@ fn traffic(needs_lamps: bool) -> World {
 
 /// Speeds of what is driven, by id.
 fn speeds(world: &World) -> BTreeMap<i32, f64> {
-    let speed = |agent: &Agent| agent.body.velocity_world(&world.arena.physics).length();
+    let speed = |agent: &Agent| agent.actor().body.velocity_world(&world.arena.physics).length();
     cars(world).into_iter().skip(1).map(|(agent, _)| (agent.id, speed(agent))).collect()
 }
 
@@ -86,11 +86,11 @@ fn all_cars_of_a_tram_show_that_it_brakes() {
             world.step(SECOND / 2);
             let shining = shining(&world.snapshot().instances);
             let mut after = BTreeMap::new();
-            for train in trains(&world) {
-                let (first, speed_mps) = (train[0].0.id, train[0].1.train.speed_mps);
+            for (agent, tram) in trains(&world) {
+                let (first, speed_mps) = (agent.id, tram.train.speed_mps);
                 after.insert(first, speed_mps);
                 let lit: Vec<bool> =
-                    train.iter().filter_map(|(a, _)| shining.get(&a.id)).map(|[red, _]| *red > 0).collect();
+                    agent.actors().filter_map(|(id, _)| shining.get(&id)).map(|[red, _]| *red > 0).collect();
                 assert!(lit.windows(2).all(|pair| pair[0] == pair[1]));
                 let (Some(last), Some(is_lit)) = (before.get(&first), lit.first()) else { continue };
                 match (speed_mps - last) / 0.5 {

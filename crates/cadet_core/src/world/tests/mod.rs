@@ -27,7 +27,7 @@ mod turn_signals;
 
 use std::sync::Arc;
 
-use super::body::Body;
+use super::body::Fixed;
 use super::footprint::Footprint;
 use super::junctions::{Junctions, Refusal, Request};
 use super::{Course, ModelChoice, Overlap, TrafficConfig, Waypoint, World};
@@ -35,9 +35,8 @@ use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::StreamKey;
-use crate::world::agents::Agent;
-use crate::world::agents::{Controller, Driver, Pedestrian};
-use crate::world::look::Appearance;
+use crate::world::agents::{Actor, Agent, Behavior, Car, Fixture, Kind, Pedestrian};
+use crate::world::look::VehicleLook;
 use crate::world::streets::Roads;
 use crate::world::walking::Motion;
 use towns::{crossing, hills, hilly_ring, map, slope, suburb};
@@ -50,24 +49,29 @@ fn add(world: &mut World, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, 
 }
 
 /// The cars in traffic, the ego first.
-fn cars(world: &World) -> Vec<(&Agent, &Driver)> {
-    world.arena.controlled_by::<Driver>().map(|(_, agent, driver)| (agent, driver)).collect()
+fn cars(world: &World) -> Vec<(&Agent, &Car)> {
+    world.arena.cars().map(|(_, agent, driver)| (agent, driver)).collect()
 }
 
 fn walkers(world: &World) -> Vec<(&Agent, &Pedestrian)> {
-    world.arena.controlled_by::<Pedestrian>().map(|(_, agent, pedestrian)| (agent, pedestrian)).collect()
+    world.arena.pedestrians().map(|(_, agent, pedestrian)| (agent, pedestrian)).collect()
 }
 
 fn parked(world: &World) -> Vec<&Agent> {
-    world.arena.agents.iter().filter(|a| matches!(a.body, Body::Fixed(_))).collect()
+    world.arena.agents.iter().filter(|a| parked_car(a).is_some()).collect()
+}
+
+fn parked_car(agent: &Agent) -> Option<&Actor<Fixed, VehicleLook>> {
+    let Kind::Static(fixture) = &agent.kind else { return None };
+    if let Fixture::Vehicle(car) = fixture.as_ref() { Some(car) } else { None }
 }
 
 fn footprint(world: &World, agent: &Agent) -> Footprint {
-    agent.footprint(&world.arena.physics)
+    agent.actor().footprint(&world.arena.physics)
 }
 
 fn position(world: &World, agent: &Agent) -> DVec3 {
-    agent.body.world_from_box(&world.arena.physics).translation
+    agent.actor().body.world_from_box(&world.arena.physics).translation
 }
 
 fn place(world: &World, agent: &Agent) -> DVec2 {
@@ -119,7 +123,7 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
             driven.iter().copied().chain(parked(world)).map(|a| (a.id, footprint(world, a))).collect();
         let walkers = walkers(world);
         for (i, (id, a)) in rectangles.iter().enumerate().take(driven.len()) {
-            let pose = driven[i].body.world_from_box(&world.arena.physics);
+            let pose = driven[i].actor().body.world_from_box(&world.arena.physics);
             assert!(pose.translation.is_finite() && pose.rotation.is_finite(), "{name}: car {id} is lost");
             let up = pose.rotation * DVec3::Z;
             assert!(up.z > 0.9, "{name}: car {id} has tipped over at tick {tick}: {up}");
@@ -131,7 +135,7 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                 assert!(
                     !a.grown(-OVERLAP_M / 2.0).overlaps(&b.grown(-OVERLAP_M / 2.0)),
                     "{name}: cars {id} ({}) and {other} overlap at tick {tick}, {} and {}, speeds {} and {}",
-                    driven[i].appearance.name(),
+                    driven[i].actor().look.name(),
                     a.center,
                     b.center,
                     a.velocity.length(),
@@ -157,10 +161,10 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                 let is_on_curb = roads.is_sidewalk(p.truncate());
                 let lane = roads.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
                 let near = || {
-                    let all = world.arena.agents.iter().filter(|a| !matches!(a.body, Body::Upright(_)));
+                    let all = world.arena.present().map(|(_, a)| a).filter(|a| a.actor().body.person().is_none());
                     let apart = |a: &Agent| (footprint(world, a).closest_point(p.truncate()) - p.truncate()).length();
                     let nearest = all.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("a vehicle");
-                    format!("{:?}, {:.2} m from {}", pedestrian.motion, apart(nearest), nearest.appearance.name())
+                    format!("{:?}, {:.2} m from {}", pedestrian.motion, apart(nearest), nearest.actor().look.name())
                 };
                 assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}, {}", walker.id, near());
             }
@@ -262,10 +266,10 @@ fn parked_wheels_touch_sloping_and_bent_ground() {
         let course = Course::Stand { x_m: x, y_m: y, yaw_rad: f64::from(k) };
         world.add(ObjectClass::Car, ModelChoice::Seed(k as u64), &course, Overlap::Allow).unwrap();
         let parked = parked(&world).pop().unwrap();
-        let pose = parked.body.world_from_box(&world.arena.physics);
-        let Appearance::Vehicle { model, .. } = &parked.appearance else { unreachable!() };
+        let pose = parked.actor().body.world_from_box(&world.arena.physics);
+        let model = &parked_car(parked).unwrap().look.model;
         assert!((pose.translation.truncate() - DVec2::new(x, y)).length() < 1e-9);
-        for wheel in parked.body.box_from_wheels().unwrap() {
+        for wheel in parked.actor().body.box_from_wheels().unwrap() {
             let up = pose.rotation * DVec3::Z;
             let foot = pose.transform_point(wheel.translation) - up * model.wheel_radius_m;
             let ground = world.ground_height(foot.x, foot.y).unwrap();

@@ -5,7 +5,6 @@ use super::*;
 use std::collections::BTreeMap;
 
 use crate::town::{GroundKind, LaneId, RoadNetwork, Town};
-use crate::world::agents::Controller as _;
 
 /// What a run of some minutes showed.
 #[derive(Debug, Default)]
@@ -23,14 +22,14 @@ struct Seen {
 }
 
 fn is_truck(agent: &Agent) -> bool {
-    agent.class == ObjectClass::Truck
+    agent.actor().look.class() == ObjectClass::Truck
 }
 
 /// Lane and place of everybody who drives, by id.
 fn places(world: &World) -> Vec<(i32, LaneId, f64, f64)> {
     let all = cars(world).into_iter().filter_map(|(agent, driver)| {
-        let (lane, s_m) = driver.on_lane()?;
-        Some((agent.id, lane, s_m, agent.body.forward_mps(&world.arena.physics)))
+        let (lane, s_m) = driver.on_lane(0)?;
+        Some((agent.id, lane, s_m, agent.actor().body.forward_mps(&world.arena.physics)))
     });
     all.collect()
 }
@@ -44,8 +43,8 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
         watch_quietly(world, name);
         let now = places(world);
         for (agent, driver) in cars(world) {
-            let velocity = agent.body.velocity_world(&world.arena.physics);
-            let pose = agent.body.world_from_box(&world.arena.physics);
+            let velocity = agent.actor().body.velocity_world(&world.arena.physics);
+            let pose = agent.actor().body.world_from_box(&world.arena.physics);
             let left = pose.rotation * DVec3::Y;
             seen.slip_mps = seen.slip_mps.max(velocity.dot(left).abs());
             let own = now.iter().find(|n| n.0 == agent.id);
@@ -104,7 +103,7 @@ fn watch_quietly(world: &mut World, name: &str) {
     world.step(SECOND / 4);
     let driven: Vec<(&Agent, Footprint)> = cars(world).into_iter().map(|(a, _)| (a, footprint(world, a))).collect();
     for (i, (agent, a)) in driven.iter().enumerate() {
-        let pose = agent.body.world_from_box(&world.arena.physics);
+        let pose = agent.actor().body.world_from_box(&world.arena.physics);
         let ground = world.ground_height(pose.translation.x, pose.translation.y).expect("on the ground");
         let above_m = pose.translation.z - ground;
         assert!(above_m.abs() < 0.25, "{name}: {} is {above_m} m above the ground", agent.id);

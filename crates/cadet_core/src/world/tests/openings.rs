@@ -9,12 +9,12 @@ fn two_in_a_hundred_parked_cars_stand_open_with_the_boxes_of_closed_ones() {
         let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
         world.spawn_traffic(&TrafficConfig { num_cars: 0, num_pedestrians: 0, ..TrafficConfig::default() }).unwrap();
         for agent in parked(&world) {
-            let Appearance::Vehicle { model, opened, .. } = &agent.appearance else { continue };
+            let VehicleLook { model, opened, .. } = &parked_car(agent).unwrap().look;
             all += 1;
             open += usize::from(opened.is_some());
             assert_eq!(opened.is_some(), model.name.contains(" with open "), "{}", model.name);
-            assert_eq!(agent.appearance.size_lwh(), model.size_lwh);
-            assert_eq!(agent.appearance.annotated(), model.annotated);
+            assert_eq!(agent.actor().look.size_lwh(), model.size_lwh);
+            assert_eq!(agent.actor().look.annotated(), model.annotated);
         }
     }
     let share = f64::from(open as u32) / f64::from(all);

@@ -62,7 +62,7 @@ fn bays_are_as_full_as_the_district_and_yards_have_trucks() {
             if kind == 0 {
                 assert!(spots.len() > 40 && (share - 0.57).abs() < 0.09, "seed {seed}: {share} of {}", spots.len());
             } else {
-                trucks += parked(&world).iter().filter(|a| a.class == ObjectClass::Truck).count();
+                trucks += parked(&world).iter().filter(|a| a.actor().look.class() == ObjectClass::Truck).count();
             }
         }
     }

@@ -4,7 +4,6 @@ use super::towns::{country_roads, main_roads, suburb};
 use super::*;
 use crate::rng::Stream;
 use crate::town::{LaneId, RightOfWay};
-use crate::world::agents::Cyclist;
 use crate::world::driving::{Cause, line_m};
 
 /// What one may brake for those who had to let one go first: comfortably, and a little more.
@@ -25,7 +24,7 @@ fn busy(seed: u64) -> World {
 
 /// The lane before the next junction of a vehicle, and how far its front is from it.
 fn approach(world: &World, agent: &Agent) -> Option<(LaneId, f64)> {
-    let route = match (agent.controlled_by::<Driver>(), agent.controlled_by::<Cyclist>()) {
+    let route = match (agent.as_car(), agent.as_cyclist()) {
         (Some(driver), _) => driver.route.as_ref()?,
         (_, Some(cyclist)) => &cyclist.route,
         _ => return None,
@@ -33,7 +32,7 @@ fn approach(world: &World, agent: &Agent) -> Option<(LaneId, f64)> {
     let roads = &world.arena.streets.roads;
     let k = route.lanes.iter().position(|l| roads.lane(*l).junction.is_some()).filter(|k| *k > 0)?;
     let to_m: f64 = route.lanes.iter().take(k).map(|l| roads.lane(*l).length_m()).sum();
-    Some((route.lanes[k - 1], to_m - route.s_m - agent.appearance.size_lwh().x / 2.0))
+    Some((route.lanes[k - 1], to_m - route.s_m - agent.actor().look.size_lwh().x / 2.0))
 }
 
 #[test]
@@ -48,20 +47,20 @@ fn nobody_with_priority_brakes_hard_for_who_has_to_yield() {
             world.step(12);
             let roads = &world.arena.streets.roads;
             for (slot, agent) in world.arena.active() {
-                let lane = agent.controller.on_lane().map(|(lane, _)| roads.lane(lane));
+                let lane = agent.behavior().on_lane(0).map(|(lane, _)| roads.lane(lane));
                 if lane.is_some_and(|l| l.junction.is_none()) {
                     came_by.insert(slot, approach(&world, agent).and_then(|(lane, _)| roads.right_of_way(lane)));
                 }
             }
             for (slot, agent) in world.arena.active() {
-                let speed_mps = agent.body.forward_mps(&world.arena.physics);
+                let speed_mps = agent.actor().body.forward_mps(&world.arena.physics);
                 let accel_mps2 = before.insert(agent.id, speed_mps).map_or(0.0, |was| (speed_mps - was) / 0.2);
                 let Some((lane, _)) = approach(&world, agent) else { continue };
                 if roads.right_of_way(lane) != Some(RightOfWay::Priority) {
                     continue;
                 }
                 had_priority += 1;
-                let Cause::Junction(Refusal::Taken(other) | Refusal::Yields(other)) = agent.controller.cause() else {
+                let Cause::Junction(Refusal::Taken(other) | Refusal::Yields(other)) = agent.behavior().cause() else {
                     continue;
                 };
                 if !matches!(came_by.get(&other), Some(Some(RightOfWay::Yield | RightOfWay::Stop))) {
@@ -92,16 +91,16 @@ fn all_stop_at_the_line() {
             world.step(SECOND);
             let roads = &world.arena.streets.roads;
             for (_, agent) in world.arena.active() {
-                let stands = agent.body.forward_mps(&world.arena.physics).abs() < 0.02;
+                let stands = agent.actor().body.forward_mps(&world.arena.physics).abs() < 0.02;
                 let waits = matches!(
-                    agent.controller.cause(),
+                    agent.behavior().cause(),
                     Cause::Junction(Refusal::Light | Refusal::Taken(_) | Refusal::Yields(_) | Refusal::ExitFull(_))
                 );
                 let Some((lane, front_m)) = approach(&world, agent).filter(|_| stands && waits) else { continue };
                 // Who has stood behind another sets off.
                 let before_m = front_m - line_m(lane, roads);
                 if before_m < 3.0 {
-                    off_m.entry(agent.class.kitti_name()).or_default().push(before_m.abs());
+                    off_m.entry(agent.actor().look.class().kitti_name()).or_default().push(before_m.abs());
                 }
             }
         }
@@ -131,7 +130,7 @@ fn the_order_of_slots_changes_nothing() {
                 world.arena.step();
             }
             let bits = |agent: &Agent| {
-                let pose = agent.body.world_from_box(&world.arena.physics);
+                let pose = agent.actor().body.world_from_box(&world.arena.physics);
                 let (t, r) = (pose.translation, pose.rotation);
                 (agent.id, [t.x, t.y, t.z, r.x, r.y, r.z, r.w].map(f64::to_bits))
             };

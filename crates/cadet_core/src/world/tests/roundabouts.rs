@@ -4,7 +4,6 @@ use super::*;
 use crate::assets::scenery::{PoleKind, pole};
 use crate::town::{Lane, LaneKind, PropConfig, SuburbConfig, Town};
 use crate::world::DT_S;
-use crate::world::agents::Cyclist;
 use crate::world::look::TurnSignal;
 
 /// A suburb whose junctions are roundabouts wherever they may be.
@@ -16,7 +15,7 @@ fn town(seed: u64) -> Arc<Town> {
 
 /// The lane that an agent is on, if it leads through a roundabout, and how far along it is.
 fn on_ring<'a>(world: &'a World, agent: &Agent) -> Option<(&'a Lane, f64)> {
-    let (id, s_m) = agent.controller.on_lane()?;
+    let (id, s_m) = agent.behavior().on_lane(0)?;
     let roads = &world.arena.streets.roads;
     roads.is_in_roundabout(id).then(|| (roads.lane(id), s_m))
 }
@@ -39,9 +38,9 @@ fn traffic_goes_round_without_touching_or_jamming_and_signals_to_leave() {
                     continue;
                 };
                 let is_new = was_on.insert(agent.id);
-                entered += usize::from(is_new && agent.controlled_by::<Driver>().is_some());
-                cyclists_entered += usize::from(is_new && agent.controlled_by::<Cyclist>().is_some());
-                if let Some(driver) = agent.controlled_by::<Driver>() {
+                entered += usize::from(is_new && agent.as_car().is_some());
+                cyclists_entered += usize::from(is_new && agent.as_cyclist().is_some());
+                if let Some(driver) = agent.as_car() {
                     let shows = driver.signal() != TurnSignal::Off;
                     let is_late = s_m > lane.length_m() - 12.0;
                     early += usize::from(shows && s_m < lane.length_m() - 16.0);

@@ -5,6 +5,8 @@ use super::*;
 use crate::actor::ActorState;
 use crate::frames::yaw_of;
 use crate::math::{TAU, wrap_angle};
+use crate::world::agents::{Led, Scripted};
+use crate::world::look::PersonLook;
 
 fn path(points: &[(f64, f64, f64)]) -> Course {
     Course::Path(points.iter().map(|(t_s, x_m, y_m)| Waypoint { t_s: *t_s, x_m: *x_m, y_m: *y_m }).collect())
@@ -18,9 +20,14 @@ fn actor(world: &World, id: i32) -> ActorState {
     world.snapshot().actors.into_iter().find(|a| a.id == id).unwrap()
 }
 
+fn scripted(world: &World, slot: usize) -> &Scripted {
+    let Kind::Scripted(scripted) = &world.arena.agents[slot].kind else { unreachable!("it has a script") };
+    scripted
+}
+
 /// The angle between a wheel's spoke and the box's vertical, as it is seen: its roll.
 fn roll_rad(world: &World, slot: usize) -> f64 {
-    let wheel = world.arena.agents[slot].body.box_from_wheels().unwrap()[2];
+    let wheel = world.arena.agents[slot].actor().body.box_from_wheels().unwrap()[2];
     let spoke = wheel.rotation * DVec3::Z;
     math::atan2(spoke.x, spoke.z)
 }
@@ -33,10 +40,9 @@ fn a_scripted_car_is_where_its_path_is_and_rolls_along_it() {
     let course = path(&[(0.5, 0.0, 5.0), (4.5, 28.0, 5.0), (5.5, 28.0, 5.0), (9.5, 28.0, 25.0)]);
     let id = put(&mut world, ObjectClass::Car, 4, &course);
     let slot = world.arena.agents.len() - 1;
-    let radius_m = match &world.arena.agents[slot].appearance {
-        Appearance::Vehicle { model, is_driven: true, .. } => model.wheel_radius_m,
-        _ => unreachable!(),
-    };
+    let Led::Vehicle(car) = &scripted(&world, slot).led else { unreachable!("it is a car") };
+    assert!(car.look.is_driven);
+    let radius_m = car.look.model.wheel_radius_m;
     let (first, roll_at_start) = (actor(&world, id), roll_rad(&world, slot));
     assert_eq!((first.velocity_world, first.angular_velocity_world), (DVec3::ZERO, DVec3::ZERO));
     let mut gone_m = 0.0;
@@ -95,9 +101,10 @@ fn a_scripted_person_walks_with_the_gait_of_the_way_gone() {
         let y = 2.0 * seed as f64;
         let id = put(&mut world, ObjectClass::Pedestrian, seed, &path(&[(0.0, 0.0, y), (10.0, 13.0, y)]));
         let slot = world.arena.agents.len() - 1;
-        let phase = |world: &World| match &world.arena.agents[slot].appearance {
-            Appearance::Person { model, phase } => (*phase, model.cycle_length_m, model.walking_speed_mps),
-            Appearance::Vehicle { .. } | Appearance::Cyclist { .. } => unreachable!(),
+        let phase = |world: &World| {
+            let Led::Person(person) = &scripted(world, slot).led else { unreachable!("it is a person") };
+            let PersonLook { model, phase } = &person.look;
+            (*phase, model.cycle_length_m, model.walking_speed_mps)
         };
         let (at_start, cycle_m, walking_mps) = phase(&world);
         assert!(walking_mps > 0.0, "who moves walks");
@@ -165,7 +172,9 @@ fn walkers_go_round_who_follows_a_script() {
         let in_the_way: Vec<DVec2> = walkers(&world)
             .into_iter()
             .filter(|(_, pedestrian)| matches!(pedestrian.motion, Motion::Walks { .. }))
-            .map(|(agent, _)| place(&world, agent) + agent.body.velocity_world(&world.arena.physics).truncate() * 3.0)
+            .map(|(agent, _)| {
+                place(&world, agent) + agent.actor().body.velocity_world(&world.arena.physics).truncate() * 3.0
+            })
             .collect();
         for p in &in_the_way {
             let course = path(&[(0.0, p.x, p.y), (100.0, p.x + 0.1, p.y)]);

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::town::{Aspect, LaneId, Over, PropConfig, STOP_LINE_M, SuburbConfig, Town};
 use crate::world::DT_S;
-use crate::world::agents::Cyclist;
 
 fn lit_town(seed: u64) -> Arc<Town> {
     let config = SuburbConfig { blocks: (2, 2), main_share: 0.6, signal_share: 1.0, ..SuburbConfig::default() };
@@ -30,7 +29,7 @@ fn fronts(world: &World) -> BTreeMap<i32, (LaneId, f64)> {
         (agent.id, (lane, roads.lane(lane).length_m() - s_m - half_m))
     };
     let cars = cars(world).into_iter().filter_map(|(a, d)| d.route.as_ref().map(|r| front(a, r.lanes[0], r.s_m)));
-    let cyclists = world.arena.controlled_by::<Cyclist>().map(|(_, a, c)| front(a, c.route.lanes[0], c.route.s_m));
+    let cyclists = world.arena.cyclists().map(|(_, a, c)| front(a, c.route.lanes[0], c.route.s_m));
     cars.chain(cyclists).collect()
 }
 

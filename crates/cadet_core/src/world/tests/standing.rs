@@ -33,10 +33,10 @@ fn a_car_that_stands_with_turned_wheels_does_not_turn() {
             let heading = |world: &World| footprint(world, world.arena.ego()).heading;
             let (before, at) = (heading(&world), position(&world, world.arena.ego()));
             for _ in 0..60 * SECOND {
-                let Body::Sprung(chassis) = &mut world.arena.agents[0].body else { unreachable!("the ego has wheels") };
-                chassis.command(-1.0, steer_rad, true, &world.arena.physics);
-                chassis.apply(&mut world.arena.physics);
-                world.arena.physics.step();
+                let (ego, physics) = world.arena.ego_car_mut();
+                ego.own.body.command(-1.0, steer_rad, true, physics);
+                ego.own.body.apply(physics);
+                physics.step();
             }
             let turned_deg = math::asin(before.perp_dot(heading(&world))).to_degrees();
             let gone_m = (position(&world, world.arena.ego()) - at).length();

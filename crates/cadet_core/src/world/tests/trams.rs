@@ -4,18 +4,17 @@ use super::towns::{slope, tram_roads};
 use super::*;
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::DT_S;
-use crate::world::agents::{Trailer, TramDriver};
+use crate::world::agents::Tram;
 use crate::world::lane_use::LaneUse;
 
-/// The drivers of trams, each with the cars of its train, the first ahead.
-pub(super) fn trains(world: &World) -> Vec<Vec<(&Agent, &TramDriver)>> {
-    let leaders = world.arena.controlled_by::<TramDriver>();
-    leaders
-        .map(|(first, agent, driver)| {
-            let trailers = world.arena.controlled_by::<Trailer>().filter(|(.., car)| car.leader == first);
-            std::iter::once(agent).chain(trailers.map(|(_, agent, _)| agent)).map(|agent| (agent, driver)).collect()
-        })
-        .collect()
+/// The trams.
+pub(super) fn trains(world: &World) -> Vec<(&Agent, &Tram)> {
+    world.arena.trams().map(|(_, agent, tram)| (agent, tram)).collect()
+}
+
+/// What the cars of a train cover, the first ahead.
+fn cars_of(world: &World, tram: &Tram) -> Vec<Footprint> {
+    tram.cars.iter().map(|car| car.own.view().footprint(&world.arena.physics)).collect()
 }
 
 /// Towns with tracks: some have their faster streets at the border, where no tram runs.
@@ -45,18 +44,18 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
             let others = world
                 .arena
                 .active()
-                .filter(|(_, agent)| agent.class != ObjectClass::Tram && !matches!(agent.body, Body::Upright(_)));
+                .filter(|(_, agent)| agent.as_tram().is_none() && agent.actor().body.person().is_none());
             let others: Vec<(i32, Footprint)> =
                 others.map(|(_, a)| a).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
             let trains = trains(&world);
-            for (k, train) in trains.iter().enumerate() {
-                for (agent, _) in train {
-                    let (own, at) = (footprint(&world, agent), place(&world, agent));
+            for (k, (agent, driver)) in trains.iter().enumerate() {
+                let own_cars = cars_of(&world, driver);
+                for own in &own_cars {
+                    let at = own.center;
                     for (id, other) in &others {
                         assert!(!own.overlaps(other), "seed {seed}, tick {tick}: tram {} in {id} at {at}", agent.id);
                     }
-                    for other in trains[..k].iter().flatten() {
-                        let other = footprint(&world, other.0);
+                    for other in trains[..k].iter().flat_map(|(_, other)| cars_of(&world, other)) {
                         assert!(!own.overlaps(&other), "seed {seed}, tick {tick}: two trams at {at}");
                     }
                     for (walker, _) in walkers(&world) {
@@ -71,15 +70,14 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                     }
                     gone_m += own.velocity.length() / 4.0;
                 }
-                let (agent, driver) = train[0];
                 let is_at_end = driver.train.is_at_end();
                 let stood_s = driver.standing_steps as f64 * DT_S;
                 longest_s = longest_s.max(if is_at_end { 0.0 } else { stood_s });
                 assert!(is_at_end || stood_s < 60.0, "seed {seed}: {} stands, {:?}", agent.id, driver.cause());
                 let lane = driver.train.track.lane_at(driver.train.front_m).0;
                 crossed += usize::from(town.network.lane(lane).junction.is_some());
-                for pair in train.windows(2) {
-                    let [a, b] = [0, 1].map(|i| footprint(&world, pair[i].0));
+                for pair in own_cars.windows(2) {
+                    let [a, b] = [0, 1].map(|i| &pair[i]);
                     let gap_m =
                         (a.center - a.heading * a.half_length_m - b.center - b.heading * b.half_length_m).length();
                     assert!(gap_m < 0.15, "seed {seed}, tick {tick}: {gap_m} m between two cars");
@@ -129,7 +127,7 @@ fn trams_come_one_after_the_other() {
     for (seed, town) in towns_with_tracks(3) {
         let mut world = busy(seed, &town);
         let leaders = |world: &World| -> Vec<(i32, f64, LaneId)> {
-            let drivers = world.arena.controlled_by::<TramDriver>();
+            let drivers = world.arena.trams();
             drivers.map(|(_, a, d)| (a.id, d.train.front_m, d.train.track.lane_at(0.0).0)).collect()
         };
         let start = leaders(&world);

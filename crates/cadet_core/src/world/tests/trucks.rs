@@ -7,8 +7,8 @@ use crate::world::DT_S;
 use crate::world::streets::Needs;
 
 /// The trucks that drive.
-fn trucks(world: &World) -> Vec<(&Agent, &Driver)> {
-    cars(world).into_iter().filter(|(agent, _)| agent.class == ObjectClass::Truck).collect()
+fn trucks(world: &World) -> Vec<(&Agent, &Car)> {
+    cars(world).into_iter().filter(|(agent, _)| agent.actor().look.class() == ObjectClass::Truck).collect()
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn trucks_share_the_streets_without_touching_or_jamming() {
         num_trucks += before.len();
         watch(&mut world, 45, &name);
         for (agent, driver) in trucks(&world) {
-            longest_m = longest_m.max(agent.appearance.size_lwh().x);
+            longest_m = longest_m.max(agent.actor().look.size_lwh().x);
             let stood_s = driver.standing_steps as f64 * DT_S;
             assert!(stood_s < 40.0, "{name}: truck {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
             if let Some((_, from)) = before.iter().find(|(id, _)| *id == agent.id) {
@@ -48,7 +48,7 @@ fn trucks_keep_to_lanes_that_have_room() {
         let roads = &world.arena.streets.roads;
         for (agent, driver) in trucks(&world) {
             let lane = roads.lane(driver.route.as_ref().unwrap().lanes[0]);
-            let width_m = agent.appearance.size_lwh().y;
+            let width_m = agent.actor().look.size_lwh().y;
             assert!(lane.width_m.iter().all(|lane_m| *lane_m > width_m), "{width_m} m wide on {:?}", lane.width_m);
             let standing = world.arena.around.standing.iter();
             let apart = |p: DVec2| move |o: &Footprint| (o.closest_point(p) - p).length();
@@ -87,8 +87,9 @@ fn a_long_van_does_not_turn_where_it_would_swing_into_the_oncoming_lane() {
         num_tight += roads.lanes().iter().filter(|l| l.junction.is_some() && !roads.fits(l.id, long)).count();
         for _ in 0..60 {
             world.step(SECOND);
-            for (agent, driver) in cars(&world).into_iter().filter(|(a, _)| a.class == ObjectClass::Van) {
-                let (size_lwh, lane) = (agent.appearance.size_lwh(), driver.route.as_ref().unwrap().lanes[0]);
+            for (agent, driver) in cars(&world).into_iter().filter(|(a, _)| a.actor().look.class() == ObjectClass::Van)
+            {
+                let (size_lwh, lane) = (agent.actor().look.size_lwh(), driver.route.as_ref().unwrap().lanes[0]);
                 num_looks += 1;
                 num_long += usize::from(size_lwh.x > 5.6);
                 assert!(world.arena.streets.roads.fits(lane, Needs::of_van(size_lwh)), "{} on {lane:?}", agent.id);
@@ -106,7 +107,8 @@ fn a_place_without_a_trailer_or_a_truck_holds_the_same_car() {
         let vehicle_classes = vehicle_classes.to_vec();
         let config = TrafficConfig { num_cars: 0, num_pedestrians: 0, vehicle_classes, ..TrafficConfig::default() };
         world.spawn_traffic(&config).unwrap();
-        let key = |a: &&Agent| (a.class, place(&world, a).to_string(), a.appearance.size_lwh().to_string());
+        let key =
+            |a: &&Agent| (a.actor().look.class(), place(&world, a).to_string(), a.actor().look.size_lwh().to_string());
         parked(&world).iter().map(key).collect::<Vec<_>>()
     };
     let is_rare = |v: &(ObjectClass, String, String)| !matches!(v.0, ObjectClass::Car | ObjectClass::Van);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::lamps::is_amber;
 use super::*;
-use crate::world::agents::Cyclist;
+use crate::world::look::{Ride, TurnSignal};
 
 /// Which sides of each vehicle's signals shine: left and right, by its id.
 fn lit(world: &World) -> BTreeMap<i32, [bool; 2]> {
@@ -28,12 +28,12 @@ fn busy(seed: u64, num_cyclists: usize) -> World {
 
 /// The yaw of a body, and whether it is on a lane of a junction.
 fn heading(world: &World, agent: &Agent) -> f64 {
-    let x = agent.body.world_from_box(&world.arena.physics).rotation * DVec3::X;
+    let x = agent.actor().body.world_from_box(&world.arena.physics).rotation * DVec3::X;
     math::atan2(x.y, x.x)
 }
 
 fn is_in_junction(world: &World, agent: &Agent) -> bool {
-    let lane = agent.controller.on_lane().map(|(lane, _)| lane);
+    let lane = agent.behavior().on_lane(0).map(|(lane, _)| lane);
     lane.is_some_and(|lane| world.arena.streets.roads.lane(lane).junction.is_some())
 }
 
@@ -102,8 +102,7 @@ fn passages(
 fn who_turns_off_signals_to_that_side_and_who_goes_straight_on_does_not() {
     let mut tally = [[0; 3]; 3];
     for seed in [3, 5] {
-        let of_seed =
-            passages(&mut busy(seed, 0), (240, 16), |a| a.controlled_by::<Driver>().is_some() && a.id > 0, lit);
+        let of_seed = passages(&mut busy(seed, 0), (240, 16), |a| a.as_car().is_some() && a.id > 0, lit);
         tally.as_flattened_mut().iter_mut().zip(of_seed.as_flattened()).for_each(|(sum, n)| *sum += n);
     }
     let [straight, left, right] = tally;
@@ -112,19 +111,31 @@ fn who_turns_off_signals_to_that_side_and_who_goes_straight_on_does_not() {
     assert!(straight[0] >= 4 && straight[1] + straight[2] <= straight[0] / 10, "{tally:?}");
 }
 
+fn show(agent: &mut Agent, signal: TurnSignal) {
+    match &mut agent.kind {
+        Kind::Car(car) => car.own.look.signal = signal,
+        Kind::Static(fixture) => {
+            if let Fixture::Vehicle(car) = fixture.as_mut() {
+                car.look.signal = signal;
+            }
+        }
+        _ => {}
+    }
+}
+
 #[test]
 fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
     let mut world = busy(3, 0);
     world.step(2 * SECOND);
     let (id, slot) = {
-        let (slot, agent, _) = world.arena.controlled_by::<Driver>().find(|(_, a, _)| a.id > 0).unwrap();
+        let (slot, agent, _) = world.arena.cars().find(|(_, a, _)| a.id > 0).unwrap();
         (agent.id, slot)
     };
     // Parked behind a script of its own: what it shows stays.
     let mut states = Vec::new();
     for _ in 0..4 * SECOND {
         world.step(1);
-        world.arena.agents[slot].appearance.indicate(crate::world::look::TurnSignal::Hazard);
+        show(&mut world.arena.agents[slot], TurnSignal::Hazard);
         let sides = lit(&world)[&id];
         assert_eq!(sides[0], sides[1], "both sides flash together");
         states.push(sides[0]);
@@ -134,7 +145,7 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
     assert!((lit_share - 0.5).abs() < 0.02 && flashes == 6, "{flashes} flashes in 4 s, lit for {lit_share}");
     let phases: Vec<bool> = {
         for k in 1..world.arena.agents.len() {
-            world.arena.agents[k].appearance.indicate(crate::world::look::TurnSignal::Left);
+            show(&mut world.arena.agents[k], TurnSignal::Left);
         }
         lit(&world).values().map(|sides| sides[0]).collect()
     };
@@ -145,16 +156,12 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
 #[test]
 fn cyclists_point_where_they_turn_and_nowhere_else() {
     let arms = |world: &World| {
-        let riders = world.arena.controlled_by::<Cyclist>();
-        let arm = |agent: &Agent| match &agent.appearance {
-            Appearance::Cyclist { ride, .. } => [ride.arm > 0.5, ride.arm < -0.5],
-            _ => [false; 2],
-        };
-        riders.map(|(_, agent, _)| (agent.id, arm(agent))).collect()
+        let arm = |ride: &Ride| [ride.arm > 0.5, ride.arm < -0.5];
+        world.arena.cyclists().map(|(_, agent, rider)| (agent.id, arm(&rider.own.look.ride))).collect()
     };
     let mut tally = [[0; 3]; 3];
     for seed in [3, 5, 8] {
-        let of_seed = passages(&mut busy(seed, 24), (240, 48), |a| a.controlled_by::<Cyclist>().is_some(), arms);
+        let of_seed = passages(&mut busy(seed, 24), (240, 48), |a| a.as_cyclist().is_some(), arms);
         tally.as_flattened_mut().iter_mut().zip(of_seed.as_flattened()).for_each(|(sum, n)| *sum += n);
     }
     let [straight, left, right] = tally;

@@ -1,0 +1,46 @@
+//! A body with its look: what is posed, seen, and labeled as one actor.
+
+use crate::actor::{AnnotatedBox, End};
+use crate::assets::annotation;
+use crate::math::DVec3;
+use crate::world::body::Body;
+use crate::world::footprint::Footprint;
+use crate::world::look::Look;
+use crate::world::physics::Physics;
+
+/// What an agent steers.
+pub(crate) struct Actor<B, L> {
+    pub body: B,
+    pub look: L,
+}
+
+impl<B: Body, L: Look> Actor<B, L> {
+    pub fn view(&self) -> ActorView<'_> {
+        ActorView { body: &self.body, look: &self.look }
+    }
+}
+
+/// The same of whatever kind.
+#[derive(Clone, Copy)]
+pub(crate) struct ActorView<'a> {
+    pub body: &'a dyn Body,
+    pub look: &'a dyn Look,
+}
+
+impl ActorView<'_> {
+    /// What the box covers.
+    pub fn footprint(&self, physics: &Physics) -> Footprint {
+        let velocity = self.body.velocity_world(physics).truncate();
+        Footprint::of_box(&self.body.world_from_box(physics), self.look.size_lwh(), velocity)
+    }
+
+    /// The end that annotators see, who look from an eye.
+    pub fn near_end(&self, physics: &Physics, eye_world: DVec3) -> End {
+        End::nearer(&self.body.world_from_box(physics), eye_world)
+    }
+
+    /// The box that annotators draw to whom an end is near.
+    pub fn annotated(&self, near_end: End) -> AnnotatedBox {
+        annotation::displaced(self.look.annotated(), self.look.class(), near_end)
+    }
+}
