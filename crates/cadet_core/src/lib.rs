@@ -30,6 +30,8 @@ pub mod lidar;
 pub mod material;
 pub mod math;
 pub mod parallel;
+mod polyline;
+pub mod rect;
 pub mod rig;
 pub mod rng;
 pub mod road_paint;

@@ -25,7 +25,7 @@ pub(super) fn plant(
 ) {
     let (min, max) = (placer.site.min, placer.site.max);
     let reach_m = PLOTS_M + belt_m;
-    let streets = Streets::new(frontages.iter().flat_map(|f| f.points.iter().step_by(8).copied()), reach_m);
+    let streets = Streets::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(8).copied()), reach_m);
     let reach = DVec2::splat(reach_m);
     let cells = ((max - min + reach * 2.0) / CELL_M).ceil();
     for i in 0..cells.x as usize {

@@ -1,12 +1,13 @@
 //! Paves what is left between the sidewalks and closed rows: before cut corners, and where streets meet at an angle.
 
 use super::frontage::{Frontage, right_of};
-use super::occupancy::{Occupancy, OrientedRect};
+use super::occupancy::Occupancy;
 use super::placer::Placer;
 use super::plot::Plot;
 use crate::assets::scenery::flagstones;
 use crate::frames;
 use crate::math::{DVec2, DVec3};
+use crate::rect::OrientedRect;
 
 /// Beyond an end of a frontage and along it, and behind the sidewalk's edge.
 const BEYOND_M: f64 = 11.0;

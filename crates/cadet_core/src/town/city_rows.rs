@@ -1,10 +1,11 @@
 //! Closed rows of houses along the streets of an inner city: corner houses, then what fits between them.
 
 use super::frontage::{Frontage, right_of};
-use super::occupancy::{Occupancy, OrientedRect, Site};
+use super::occupancy::{Occupancy, Site};
 use super::plot::{PlacedHouse, Plot};
 use crate::assets::scenery::{CityCorner, CityKind, HouseKind, NUM_CITY_HOUSES, SceneryModel, city_house};
 use crate::math::DVec2;
+use crate::rect::OrientedRect;
 use crate::rng::Stream;
 
 /// Between the sidewalk's edge and the walls: the foot of a house fills it.

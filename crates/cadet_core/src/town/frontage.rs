@@ -3,6 +3,7 @@
 use super::occupancy::Site;
 use super::{Lane, LaneId, LaneKind, RoadNetwork};
 use crate::math::DVec2;
+use crate::polyline::{Polyline, piece_at};
 
 /// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to
 /// the **right** of it and the street to its left.
@@ -11,11 +12,9 @@ pub(super) struct Frontage {
     /// The road that it belongs to.
     pub road: u32,
     /// Points about 1 m apart.
-    pub points: Vec<DVec2>,
+    pub line: Polyline,
     /// Distance from each point to the outer edge of the carriageway.
     pub sidewalk_m: Vec<f64>,
-    /// Distance along it at each point.
-    pub s_m: Vec<f64>,
     /// Speed limit of the lane beside it.
     pub speed_limit_mps: f64,
     /// Whether the road has a median or two lanes a direction.
@@ -27,20 +26,11 @@ pub(super) struct Frontage {
 impl Frontage {
     fn new(lane: &Lane, runs_along: bool, is_main_road: bool, mut edge: Vec<(DVec2, f64)>) -> Self {
         edge.dedup_by(|b, a| (b.0 - a.0).length() < 0.3);
-        let mut s_m = Vec::with_capacity(edge.len());
-        let mut s = 0.0;
-        for i in 0..edge.len() {
-            if i > 0 {
-                s += (edge[i].0 - edge[i - 1].0).length();
-            }
-            s_m.push(s);
-        }
         let (points, sidewalk_m) = edge.into_iter().unzip();
         Self {
             road: lane.road,
-            points,
+            line: Polyline::new(points),
             sidewalk_m,
-            s_m,
             speed_limit_mps: lane.speed_limit_mps,
             is_main_road,
             lane: runs_along.then_some(lane.id),
@@ -49,36 +39,28 @@ impl Frontage {
 
     /// Length along the edge.
     pub fn length_m(&self) -> f64 {
-        self.s_m.last().copied().unwrap_or(0.0)
-    }
-
-    fn segment(&self, s: f64) -> (usize, f64) {
-        let i = self.s_m.partition_point(|v| *v <= s).clamp(1, self.points.len() - 1);
-        (i, ((s - self.s_m[i - 1]) / (self.s_m[i] - self.s_m[i - 1])).clamp(0.0, 1.0))
+        self.line.length_m()
     }
 
     /// The point at a distance along the edge.
     pub fn at(&self, s: f64) -> DVec2 {
-        let (i, t) = self.segment(s);
-        self.points[i - 1].lerp(self.points[i], t)
+        self.line.at(s.clamp(0.0, self.length_m()))
     }
 
     /// The direction of travel at a distance along the edge.
     pub fn along(&self, s: f64) -> DVec2 {
-        let (i, _) = self.segment(s);
-        (self.points[i] - self.points[i - 1]).normalize()
+        self.line.tangent(s)
     }
 
     /// Width from the carriageway's edge to this edge.
     pub fn sidewalk_at(&self, s: f64) -> f64 {
-        let (i, t) = self.segment(s);
+        let (i, t) = piece_at(self.line.s_m(), s.clamp(0.0, self.length_m()));
         self.sidewalk_m[i - 1] + (self.sidewalk_m[i] - self.sidewalk_m[i - 1]) * t
     }
 
     /// The points strictly between two distances.
     pub fn between(&self, from: f64, to: f64) -> &[DVec2] {
-        let (i, j) = (self.s_m.partition_point(|v| *v <= from), self.s_m.partition_point(|v| *v < to));
-        &self.points[i.min(j)..j]
+        self.line.between(from, to)
     }
 }
 
@@ -158,7 +140,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
         for (side, edge) in sides.into_iter().enumerate() {
             if inner[side] * 2 <= count {
                 let frontage = Frontage::new(lane, side == 0, is_main_road, edge);
-                if frontage.points.len() > 3 {
+                if frontage.line.points().len() > 3 {
                     frontages.push(frontage);
                 }
             }

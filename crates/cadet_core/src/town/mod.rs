@@ -82,7 +82,7 @@ pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnin
 pub use prop_config::PropConfig;
 pub use roughness::Roughness;
 pub use signals::{Arm, Aspect, Head, Over, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
-pub use street_things::{Obstacle, Seat};
+pub use street_things::Seat;
 pub use suburb::{Suburb, generate as generate_suburb};
 pub use suburb_config::SuburbConfig;
 pub use walkway::walkways;
@@ -91,6 +91,7 @@ use self::wear::Wear;
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
+use crate::rect::OrientedRect;
 use crate::rng::StreamKey;
 
 /// Motorways are smoother than streets.
@@ -149,7 +150,7 @@ pub struct Town {
     /// Where people walk.
     pub walkways: Vec<Walkway>,
     /// Things on sidewalks and in parking places that people and cars keep off.
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<OrientedRect>,
     /// Where people may sit.
     pub seats: Vec<Seat>,
     /// Traffic lights; what stands of them is part of the scenery, their heads are not.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
+use crate::polyline::{nearest, piece_at};
 
 /// Index of a lane in its network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -163,11 +164,9 @@ impl Lane {
     }
 
     fn point_and_way_at(&self, s_m: f64) -> (DVec3, DVec3) {
-        let s = s_m.clamp(0.0, self.length_m());
-        let i = self.s_m.partition_point(|v| *v <= s).clamp(1, self.center.len() - 1);
+        let (i, share) = piece_at(&self.s_m, s_m.clamp(0.0, self.length_m()));
         let (a, b) = (self.center[i - 1], self.center[i]);
-        let t = (s - self.s_m[i - 1]) / (self.s_m[i] - self.s_m[i - 1]);
-        (a + (b - a) * t, b - a)
+        (a + (b - a) * share, b - a)
     }
 
     /// Width at distance `s_m` (clamped to the lane).
@@ -180,17 +179,7 @@ impl Lane {
     /// Distance along the lane of the point nearest to `position` in the plane, and how far away that is.
     #[must_use]
     pub fn project(&self, position: DVec3) -> (f64, f64) {
-        let mut best = (0.0, f64::INFINITY);
-        for i in 1..self.center.len() {
-            let (a, b) = (self.center[i - 1].truncate(), self.center[i].truncate());
-            let (p, d) = (position.truncate() - a, b - a);
-            let t = (p.dot(d) / d.length_squared()).clamp(0.0, 1.0);
-            let distance = (p - d * t).length();
-            if distance < best.1 {
-                best = (self.s_m[i - 1] + (self.s_m[i] - self.s_m[i - 1]) * t, distance);
-            }
-        }
-        best
+        nearest(self.center.iter().map(|p| p.truncate()), &self.s_m, position.truncate())
     }
 }
 

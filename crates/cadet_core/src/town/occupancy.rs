@@ -1,4 +1,4 @@
-//! What is taken: oriented rectangles in the plane, and the streets.
+//! What is taken: rectangles in the plane, and the streets.
 
 use std::collections::BTreeMap;
 
@@ -6,49 +6,7 @@ use super::fields::Crop;
 use super::ground_region::Ring;
 use super::{Ground, GroundKind};
 use crate::math::{DVec2, DVec3};
-
-/// A rectangle in the plane: `axis` is its unit x direction, `half` its half extents.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct OrientedRect {
-    pub center: DVec2,
-    pub axis: DVec2,
-    pub half: DVec2,
-}
-
-impl OrientedRect {
-    /// The corners, counter-clockwise.
-    pub fn corners(&self) -> [DVec2; 4] {
-        let (x, y) = (self.axis * self.half.x, self.axis.perp() * self.half.y);
-        [self.center - x - y, self.center + x - y, self.center + x + y, self.center - x + y]
-    }
-
-    /// True where the insides meet (separating axes).
-    pub fn overlaps(&self, other: &Self) -> bool {
-        let apart = |axis: DVec2| {
-            let reach = |r: &Self| r.axis.dot(axis).abs() * r.half.x + r.axis.perp().dot(axis).abs() * r.half.y;
-            (other.center - self.center).dot(axis).abs() >= reach(self) + reach(other)
-        };
-        ![self.axis, self.axis.perp(), other.axis, other.axis.perp()].into_iter().any(apart)
-    }
-
-    /// True inside, or within `margin_m` of it along its axes.
-    pub fn contains(&self, point: DVec2, margin_m: f64) -> bool {
-        let d = point - self.center;
-        d.dot(self.axis).abs() <= self.half.x + margin_m && d.dot(self.axis.perp()).abs() <= self.half.y + margin_m
-    }
-
-    /// Points inside, at most `step_m` apart, the corners among them.
-    pub fn samples(&self, step_m: f64) -> impl Iterator<Item = DVec2> + '_ {
-        let count = |half: f64| ((2.0 * half / step_m).ceil() as usize).max(1);
-        let (nx, ny) = (count(self.half.x), count(self.half.y));
-        (0..=nx).flat_map(move |i| {
-            (0..=ny).map(move |j| {
-                let (u, v) = (2.0 * i as f64 / nx as f64 - 1.0, 2.0 * j as f64 / ny as f64 - 1.0);
-                self.center + self.axis * (self.half.x * u) + self.axis.perp() * (self.half.y * v)
-            })
-        })
-    }
-}
+use crate::rect::OrientedRect;
 
 const CELL_M: f64 = 16.0;
 
@@ -219,31 +177,6 @@ impl<'a> Site<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{cos, sin};
-    use crate::rng::Stream;
-
-    #[test]
-    fn overlap_agrees_with_dense_samples() {
-        let mut s = Stream::from_seed("rects", 1);
-        for _ in 0..400 {
-            let mut draw = || {
-                let a = s.range(0.0, 6.0);
-                OrientedRect {
-                    center: DVec2::new(s.range(-5.0, 5.0), s.range(-5.0, 5.0)),
-                    axis: DVec2::new(cos(a), sin(a)),
-                    half: DVec2::new(s.range(0.5, 4.0), s.range(0.5, 4.0)),
-                }
-            };
-            let (p, q) = (draw(), draw());
-            let sampled = p.samples(0.1).any(|x| q.contains(x, -0.01)) || q.samples(0.1).any(|x| p.contains(x, -0.01));
-            if sampled {
-                assert!(p.overlaps(&q), "{p:?} {q:?}");
-            } else {
-                let shrunk = |r: OrientedRect| OrientedRect { half: r.half - DVec2::splat(0.12), ..r };
-                assert!(!shrunk(p).overlaps(&shrunk(q)), "{p:?} {q:?}");
-            }
-        }
-    }
 
     #[test]
     fn taken_ground_is_not_free_across_cells() {

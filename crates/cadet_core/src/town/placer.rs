@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::occupancy::{OrientedRect, Site};
+use super::occupancy::Site;
 use super::street_style::Boundary;
 use crate::assets::scenery::materials::{fence_palette, plant_palette};
 use crate::assets::scenery::{FenceKind, PIECE_LENGTHS_M, SceneryModel, TreeKind, fence, hedge, num_variants, tree};
@@ -10,6 +10,7 @@ use crate::frames;
 use crate::instance::Instance;
 use crate::material::Palette;
 use crate::math::{DVec2, DVec3, TAU, atan2};
+use crate::rect::OrientedRect;
 use crate::rng::Stream;
 
 /// What stands on the ground: for the tests, and for what is placed later.

@@ -2,11 +2,12 @@
 
 use super::city_rows;
 use super::frontage::{Frontage, right_of};
-use super::occupancy::{Occupancy, OrientedRect, Site};
+use super::occupancy::{Occupancy, Site};
 use super::plot::{PlacedHouse, Plot};
 use super::street_style::StreetStyle;
 use crate::assets::scenery::{HouseKind, house, num_variants};
 use crate::math::DVec2;
+use crate::rect::OrientedRect;
 use crate::rng::Stream;
 
 impl Plot {

@@ -37,11 +37,8 @@ impl Arena {
         let physics = Physics::new(Arc::clone(town))?;
         let streets = Streets::new(town);
         let mut around = TrafficState::new(&streets.roads);
-        for o in &town.obstacles {
-            let (half_length_m, half_width_m) = (o.half.x, o.half.y);
-            let footprint =
-                Footprint { center: o.center, heading: o.axis, half_length_m, half_width_m, velocity: DVec2::ZERO };
-            around.stand(footprint, &streets.roads);
+        for obstacle in &town.obstacles {
+            around.stand(Footprint::standing(obstacle), &streets.roads);
         }
         let (agents, active, vacant, labeled_ends) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
         Ok(Self { agents, physics, streets, around, active, vacant, next_id: 0, labeled_ends })

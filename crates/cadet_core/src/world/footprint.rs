@@ -2,6 +2,7 @@
 
 use super::params::SAME_WAY;
 use crate::math::{DPose3, DVec2, DVec3};
+use crate::rect::OrientedRect;
 
 /// A rectangle on the ground, and how it moves.
 #[derive(Debug, Clone, Copy)]
@@ -26,12 +27,21 @@ impl Footprint {
         }
     }
 
+    /// The rectangle alone.
+    pub fn rect(&self) -> OrientedRect {
+        let Self { center, heading, half_length_m, half_width_m, .. } = *self;
+        OrientedRect { center, axis: heading, half: DVec2::new(half_length_m, half_width_m) }
+    }
+
+    /// What stands there for good.
+    pub fn standing(rect: &OrientedRect) -> Self {
+        let OrientedRect { center, axis: heading, half } = *rect;
+        Self { center, heading, half_length_m: half.x, half_width_m: half.y, velocity: DVec2::ZERO }
+    }
+
     /// The point of the rectangle nearest to `p`.
     pub fn closest_point(&self, p: DVec2) -> DVec2 {
-        let d = p - self.center;
-        let along = d.dot(self.heading).clamp(-self.half_length_m, self.half_length_m);
-        let across = d.dot(self.heading.perp()).clamp(-self.half_width_m, self.half_width_m);
-        self.center + self.heading * along + self.heading.perp() * across
+        self.rect().closest_point(p)
     }
 
     /// Whether a point of the rectangle is nearer to `p` than `reach_m`.
@@ -41,16 +51,9 @@ impl Footprint {
         (self.center - p).length_squared() < farthest_m * farthest_m && (self.closest_point(p) - p).length() < reach_m
     }
 
-    /// Whether two rectangles overlap (separating axes).
+    /// Whether two rectangles overlap.
     pub fn overlaps(&self, other: &Self) -> bool {
-        let d = other.center - self.center;
-        let separated = |axis: DVec2| {
-            let extent = |o: &Self| {
-                o.half_length_m * o.heading.dot(axis).abs() + o.half_width_m * o.heading.perp().dot(axis).abs()
-            };
-            d.dot(axis).abs() > extent(self) + extent(other)
-        };
-        ![self.heading, self.heading.perp(), other.heading, other.heading.perp()].into_iter().any(separated)
+        self.rect().overlaps(&other.rect())
     }
 
     /// Whether it goes the same way as another and its front is farther on: of two side by side it goes first.

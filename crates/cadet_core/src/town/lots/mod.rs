@@ -11,7 +11,7 @@ mod tests;
 use super::frontage::{Frontage, frontages};
 use super::lot_use::LotUse;
 use super::network::PaintColor;
-use super::occupancy::{Occupancy, OrientedRect, Site};
+use super::occupancy::{Occupancy, Site};
 use super::place_streets::AISLE_KMH;
 use super::plot::Plot;
 use super::plots::{fits, plot_at};

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::super::occupancy::Occupancy;
 use super::super::placer::{Placer, boundary_palette};
-use super::super::street_things::{Obstacle, Seat, StreetThings};
+use super::super::street_things::{Seat, StreetThings};
 use super::layout::Item;
-use super::{Lot, Lots, OrientedRect};
+use super::{Lot, Lots};
 use crate::assets::scenery::{TreeKind, num_variants, tree};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
+use crate::rect::OrientedRect;
 use crate::rng::{Stream, StreamKey};
 
 /// Trunks keep so far from bays and from what stands.
@@ -52,7 +53,7 @@ impl Lot {
             }
             if !is_low {
                 taken.take(rect);
-                things.obstacles.push(Obstacle { center, axis, half: rect.half });
+                things.obstacles.push(rect);
             }
             placer.put(&item.model, Arc::clone(&item.palette), at, facing);
             if is_low {

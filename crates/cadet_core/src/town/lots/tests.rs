@@ -1,6 +1,6 @@
 //! Lots: nothing on them overlaps, floats, or stands on a street, and their bays are free.
 
-use super::super::occupancy::{OrientedRect, Site};
+use super::super::occupancy::Site;
 use super::super::props::place_props;
 use super::super::roughness::Roughness;
 use super::super::signals::Signals;
@@ -8,6 +8,7 @@ use super::super::wear::Wear;
 use super::super::{Ground, GroundKind, PropConfig, SpotKind, SuburbConfig, generate_suburb};
 use super::*;
 use crate::material::{Pattern, Semantic};
+use crate::rect::OrientedRect;
 
 struct Built {
     network: RoadNetwork,

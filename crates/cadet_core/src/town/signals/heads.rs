@@ -10,9 +10,9 @@ use crate::assets::scenery::{
 use crate::frames;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec2, DVec3, atan2};
+use crate::rect::OrientedRect;
 use crate::rng::StreamKey;
 use crate::town::placer::Placer;
-use crate::town::street_things::Obstacle;
 
 /// Posts stand so far before the junction, and so far behind the curb; farther where that is still a road.
 const POST_BEFORE_M: f64 = FORD_M.1 - 0.1;
@@ -61,7 +61,7 @@ impl Head {
 }
 
 /// Sets up the lights of a town; returns what people keep off.
-pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mut Placer) -> Vec<Obstacle> {
+pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mut Placer) -> Vec<OrientedRect> {
     let (mut heads, mut obstacles) = (Vec::new(), Vec::new());
     for (j, junction) in signals.junctions.iter().enumerate() {
         let s = &mut key.indexed("signals/posts", u64::from(junction.junction));
@@ -79,7 +79,7 @@ pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mu
 struct Posts<'a, 'b> {
     placer: &'a mut Placer<'b>,
     heads: &'a mut Vec<Head>,
-    obstacles: &'a mut Vec<Obstacle>,
+    obstacles: &'a mut Vec<OrientedRect>,
     arm: (usize, usize),
 }
 
@@ -118,7 +118,7 @@ impl Posts<'_, '_> {
     fn post(&mut self, kind: SignalPost, at: DVec2, facing: DVec2) {
         let model = signal_post(kind);
         self.placer.put(&model, Arc::clone(&model.palette), at, facing);
-        self.obstacles.push(Obstacle { center: at, axis: facing, half: DVec2::splat(POST_HALF_M) });
+        self.obstacles.push(OrientedRect { center: at, axis: facing, half: DVec2::splat(POST_HALF_M) });
     }
 
     fn head(&mut self, kind: HeadKind, at: DVec2, facing: DVec2, height_m: f64) {

@@ -1,7 +1,7 @@
 //! What stands in parking places instead of cars.
 
 use super::super::{ParkingSpot, SpotKind};
-use super::{Furnisher, Obstacle, footprint, rect_of};
+use super::{Furnisher, footprint, rect_of};
 use crate::assets::scenery::{THING_VARIANTS, ThingKind, thing, thing_palette};
 use crate::math::DVec2;
 use crate::rng::Stream;
@@ -64,7 +64,7 @@ fn put(f: &mut Furnisher, spot: &ParkingSpot, kind: ThingKind, s: &mut Stream, i
         if fits && f.taken.is_free(&rect) && f.ways.is_free(&rect) {
             f.placer.put(&model, palette, at, facing);
             f.taken.take(rect);
-            f.out.obstacles.push(Obstacle { center: rect.center, axis: rect.axis, half: rect.half });
+            f.out.obstacles.push(rect);
             return;
         }
     }

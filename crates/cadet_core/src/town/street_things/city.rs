@@ -5,13 +5,14 @@ use std::sync::Arc;
 use super::super::frontage::{Frontage, right_of};
 use super::super::plot::Plot;
 use super::super::street_style::CityStyle;
-use super::{Furnisher, Obstacle, OrientedRect, cafes, footprint, grown};
+use super::{Furnisher, cafes, footprint};
 use crate::assets::scenery::{
     SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree,
     tree_pit,
 };
 use crate::frames;
 use crate::math::{DVec2, atan2};
+use crate::rect::OrientedRect;
 use crate::rng::Stream;
 
 /// Nothing stands so near to the ends of a frontage.
@@ -57,9 +58,9 @@ pub(super) fn furnish(
     for plot in plots.iter().filter(|p| p.house.is_some()) {
         let (has_cafe, has_cycles, has_shop_front) = (s.chance(CAFE_SHARE), s.chance(0.25), s.chance(SHOP_FRONT_SHARE));
         let nearest = |p: &DVec2| (*p - plot.front).length();
-        let near = (0..frontage.points.len())
-            .min_by(|a, b| nearest(&frontage.points[*a]).total_cmp(&nearest(&frontage.points[*b])));
-        let Some(middle_m) = near.map(|i| frontage.s_m[i]) else { continue };
+        let near = (0..frontage.line.points().len())
+            .min_by(|a, b| nearest(&frontage.line.points()[*a]).total_cmp(&nearest(&frontage.line.points()[*b])));
+        let Some(middle_m) = near.map(|i| frontage.line.s_m()[i]) else { continue };
         if has_cafe && (CORNER_M..length_m - CORNER_M).contains(&middle_m) {
             cafes::terrace(f, frontage, (middle_m - 0.35 * plot.length_m).max(CORNER_M), s);
         } else if has_shop_front {
@@ -104,7 +105,7 @@ fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &
     let models = (0..num_variants()[1]).map(|k| tree(TreeKind::Street, variant + k));
     let Some(model) = models.into_iter().find(|m| m.footprint_max.x <= room_m) else { return };
     let trunk = OrientedRect { center: at, axis: out, half: DVec2::splat(0.22) };
-    if !(f.is_free(&trunk) && f.is_passable(&trunk) && f.parked.is_free(&grown(&trunk, 0.25))) {
+    if !(f.is_free(&trunk) && f.is_passable(&trunk) && f.parked.is_free(&trunk.grown(0.25))) {
         return;
     }
     let pit = tree_pit();
@@ -112,7 +113,7 @@ fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &
         let pose = frames::upright(f.placer.site.on_ground(at), atan2(out.y, out.x));
         f.placer.instances.push(pit.at(pose));
         f.taken.take(trunk);
-        f.out.obstacles.push(Obstacle { center: trunk.center, axis: trunk.axis, half: trunk.half });
+        f.out.obstacles.push(trunk);
     }
 }
 
@@ -144,10 +145,10 @@ fn cycles(f: &mut Furnisher, frontage: &Frontage, from_m: f64, s: &mut Stream) {
             let aside_m = if is_hoop { 0.0 } else { 0.3 };
             let at = curb + out * (CYCLES_M + deep_m.max(1.6) / 2.0) + along * aside_m;
             let rect = footprint(&model, at, facing);
-            if f.is_free(&rect) && f.parked.is_free(&grown(&rect, 0.3)) && f.is_passable(&rect) {
+            if f.is_free(&rect) && f.parked.is_free(&rect.grown(0.3)) && f.is_passable(&rect) {
                 f.placer.put(&model, Arc::clone(&palette), at, facing);
                 f.taken.take(rect);
-                f.out.obstacles.push(Obstacle { center: rect.center, axis: rect.axis, half: rect.half });
+                f.out.obstacles.push(rect);
             }
         }
     }

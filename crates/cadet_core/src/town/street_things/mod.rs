@@ -13,7 +13,7 @@ pub(super) use lots::is_cleared;
 use std::sync::Arc;
 
 use super::frontage::Frontage;
-use super::occupancy::{Occupancy, OrientedRect};
+use super::occupancy::Occupancy;
 use super::placer::Placer;
 use super::plot::Plot;
 use super::street_style::StreetStyle;
@@ -22,25 +22,9 @@ use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_door
 use crate::frames;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
+use crate::rect::OrientedRect;
 use crate::rng::{Stream, StreamKey};
 use edge::EdgePlace;
-
-/// What people and parked cars keep off: a rectangle on the ground.
-#[derive(Debug, Clone, Copy)]
-pub struct Obstacle {
-    /// Its middle.
-    pub center: DVec2,
-    /// Unit vector along its x axis.
-    pub axis: DVec2,
-    /// Half extents along and across the axis.
-    pub half: DVec2,
-}
-
-impl Obstacle {
-    fn rect(&self) -> OrientedRect {
-        OrientedRect { center: self.center, axis: self.axis, half: self.half }
-    }
-}
 
 /// Where somebody may sit.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +38,7 @@ pub struct Seat {
 /// What others need to know of the things.
 #[derive(Debug, Default)]
 pub(super) struct StreetThings {
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<OrientedRect>,
     pub seats: Vec<Seat>,
 }
 
@@ -183,10 +167,6 @@ fn doors(plot: &Plot) -> impl Iterator<Item = OrientedRect> + '_ {
     })
 }
 
-fn grown(rect: &OrientedRect, by_m: f64) -> OrientedRect {
-    OrientedRect { half: rect.half + DVec2::splat(by_m), ..*rect }
-}
-
 /// The ground that a model covers.
 fn footprint(model: &SceneryModel, at: DVec2, facing: DVec2) -> OrientedRect {
     let axis = facing.normalize_or(DVec2::X);
@@ -198,9 +178,9 @@ fn footprint(model: &SceneryModel, at: DVec2, facing: DVec2) -> OrientedRect {
 impl Furnisher<'_, '_> {
     /// Whether a rectangle is free of everything, of ways to doors, of carriageways and parked cars.
     fn is_free(&self, rect: &OrientedRect) -> bool {
-        self.taken.is_free(&grown(rect, APART_M))
+        self.taken.is_free(&rect.grown(APART_M))
             && self.ways.is_free(rect)
-            && self.parked.is_free(&grown(rect, APART_M))
+            && self.parked.is_free(&rect.grown(APART_M))
             && !rect.samples(0.4).any(|p| self.placer.site.is_road(p))
     }
 
@@ -231,12 +211,12 @@ impl Furnisher<'_, '_> {
             + rect.axis.dot(place.out).abs() * rect.half.x
             + rect.axis.perp().dot(place.out).abs() * rect.half.y;
         let has_room = depth_m + LEFT_FOR_WALKERS_M <= place.sidewalk_m;
-        if !(has_room && self.is_free(&rect) && self.parked.is_free(&grown(&rect, 0.8)) && self.is_passable(&rect)) {
+        if !(has_room && self.is_free(&rect) && self.parked.is_free(&rect.grown(0.8)) && self.is_passable(&rect)) {
             return false;
         }
         self.placer.put(model, palette, place.at, place.facing);
         self.taken.take(rect);
-        self.out.obstacles.push(Obstacle { center: rect.center, axis: rect.axis, half: rect.half });
+        self.out.obstacles.push(rect);
         true
     }
 
@@ -245,7 +225,7 @@ impl Furnisher<'_, '_> {
         let reach_m = rect.half.length() + 1.0;
         let is_near = |p: DVec2, within_m: f64| (p - rect.center).length() < within_m;
         let near: Vec<OrientedRect> =
-            self.out.obstacles.iter().map(Obstacle::rect).filter(|o| is_near(o.center, reach_m + 4.0)).collect();
+            self.out.obstacles.iter().copied().filter(|o| is_near(o.center, reach_m + 4.0)).collect();
         let is_about =
             |(low, high): &(DVec2, DVec2)| (rect.center.clamp(*low, *high) - rect.center).length() < reach_m + 2.0;
         let about = self.walkways.iter().zip(&self.walkway_bounds).filter(|(_, bounds)| is_about(bounds));

@@ -71,8 +71,8 @@ pub(super) fn furnish(
 /// Two to four bins before a plot.
 fn bins(f: &mut Furnisher, frontage: &Frontage, plot: &Plot, s: &mut Stream) {
     let is_flats = plot.house.as_ref().is_some_and(|h| matches!(h.kind, HouseKind::Flats | HouseKind::Block));
-    let near = frontage.points.iter().position(|p| (*p - plot.front).length() < 1.0);
-    let Some(middle_m) = near.map(|i| frontage.s_m[i]) else { return };
+    let near = frontage.line.points().iter().position(|p| (*p - plot.front).length() < 1.0);
+    let Some(middle_m) = near.map(|i| frontage.line.s_m()[i]) else { return };
     let mut at_m = middle_m + s.range(-0.4, 0.4) * plot.length_m;
     for _ in 0..1 + s.below(4) {
         let (model, palette) = if is_flats && s.chance(0.5) {
@@ -127,7 +127,7 @@ fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
         let sidewalk_m = frontage.sidewalk_at(at_m);
         let at = frontage.at(at_m) - out * (sidewalk_m - 0.32);
         let rect = super::footprint(&model, at, -out);
-        if sidewalk_m > 1.6 && f.is_free(&rect) && f.parked.is_free(&super::grown(&rect, 0.4)) {
+        if sidewalk_m > 1.6 && f.is_free(&rect) && f.parked.is_free(&rect.grown(0.4)) {
             f.placer.put(&model, Arc::clone(&model.palette), at, -out);
             f.taken.take(rect);
         }

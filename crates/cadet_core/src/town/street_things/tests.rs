@@ -8,6 +8,7 @@ use super::super::{
     Ground, GroundKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, parking_spots, walkways,
 };
 use super::*;
+use crate::rect::OrientedRect;
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 
@@ -47,7 +48,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
         let Placed { network, ground, parking, props } = placed(seed, 1.5);
         let things: Vec<_> = props.standing.iter().filter(|s| kind_of(&s.name).is_some()).collect();
         assert!(things.len() > 100, "seed {seed}: {}", things.len());
-        let bays: Vec<OrientedRect> = parking.iter().map(|spot| grown(&rect_of(spot), 0.12)).collect();
+        let bays: Vec<OrientedRect> = parking.iter().map(|spot| rect_of(spot).grown(0.12)).collect();
         for thing in &things {
             let is_parked = |p: DVec2| bays.iter().any(|bay| bay.contains(p, 0.0));
             for p in thing.rect.samples(0.3) {
@@ -80,13 +81,8 @@ fn people_get_past_what_stands_on_sidewalks() {
             let room_m = walkway.width_m / 2.0 - 0.1;
             for pair in walkway.center.windows(2) {
                 let (p, along) = (pair[0].truncate(), (pair[1] - pair[0]).truncate().normalize_or(DVec2::X));
-                let near: Vec<_> = props
-                    .things
-                    .obstacles
-                    .iter()
-                    .filter(|o| (o.center - p).length() < 6.0)
-                    .map(Obstacle::rect)
-                    .collect();
+                let near: Vec<_> =
+                    props.things.obstacles.iter().filter(|o| (o.center - p).length() < 6.0).copied().collect();
                 // Some line of those that people walk along keeps half a person's width from everything.
                 let is_free = |lateral: f64| {
                     let at = p + along.perp() * lateral;

@@ -1,14 +1,13 @@
 //! A polyline with times.
 
 use crate::math::DVec2;
+use crate::polyline::Polyline;
 use crate::world::course::Waypoint;
 
 /// A path that is known from its first time to its last.
 pub(crate) struct TimedPath {
     t_s: Vec<f64>,
-    at: Vec<DVec2>,
-    /// Distance along the path of each point.
-    s_m: Vec<f64>,
+    line: Polyline,
 }
 
 /// Where one is at some time.
@@ -23,43 +22,35 @@ pub(crate) struct OnPath {
 impl TimedPath {
     /// `points` with at least two of them and rising times.
     pub fn new(points: &[Waypoint]) -> Self {
-        let at: Vec<DVec2> = points.iter().map(|p| DVec2::new(p.x_m, p.y_m)).collect();
-        let mut s_m = vec![0.0];
-        for pair in at.windows(2) {
-            s_m.push(s_m[s_m.len() - 1] + (pair[1] - pair[0]).length());
-        }
-        Self { t_s: points.iter().map(|p| p.t_s).collect(), at, s_m }
+        let line = Polyline::new(points.iter().map(|p| DVec2::new(p.x_m, p.y_m)).collect());
+        Self { t_s: points.iter().map(|p| p.t_s).collect(), line }
     }
 
     pub fn length_m(&self) -> f64 {
-        self.s_m[self.s_m.len() - 1]
+        self.line.length_m()
     }
 
     /// Linear between the points, standing before the first and after the last.
     pub fn at_time(&self, t_s: f64) -> OnPath {
         let last = self.t_s.len() - 1;
+        let (points, s_m) = (self.line.points(), self.line.s_m());
         let i = self.t_s.partition_point(|t| *t <= t_s);
         if i == 0 || i > last {
             let k = i.min(last);
-            return OnPath { at: self.at[k], velocity: DVec2::ZERO, s_m: self.s_m[k] };
+            return OnPath { at: points[k], velocity: DVec2::ZERO, s_m: s_m[k] };
         }
         let (t0, t1) = (self.t_s[i - 1], self.t_s[i]);
-        let share = (t_s - t0) / (t1 - t0);
+        let (way, share) = (points[i] - points[i - 1], (t_s - t0) / (t1 - t0));
         OnPath {
-            at: self.at[i - 1].lerp(self.at[i], share),
-            velocity: (self.at[i] - self.at[i - 1]) / (t1 - t0),
-            s_m: self.s_m[i - 1] + (self.s_m[i] - self.s_m[i - 1]) * share,
+            at: points[i - 1] + way * share,
+            velocity: way / (t1 - t0),
+            s_m: s_m[i - 1] + (s_m[i] - s_m[i - 1]) * share,
         }
     }
 
     /// The place at a distance along the path, clamped to it.
     pub fn at_distance(&self, s_m: f64) -> DVec2 {
-        let i = self.s_m.partition_point(|s| *s <= s_m).clamp(1, self.s_m.len() - 1);
-        let length_m = self.s_m[i] - self.s_m[i - 1];
-        if length_m <= 0.0 {
-            return self.at[i];
-        }
-        self.at[i - 1].lerp(self.at[i], ((s_m - self.s_m[i - 1]) / length_m).clamp(0.0, 1.0))
+        self.line.at(s_m.clamp(0.0, self.length_m()))
     }
 
     /// Direction of the chord from `half_m` behind a place of the path to `half_m` ahead of it; `None` where the path

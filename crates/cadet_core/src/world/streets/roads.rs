@@ -222,12 +222,7 @@ fn allowed_speeds(lane: &Lane, curvatures: &[f64]) -> Vec<f64> {
 
 /// Curvature of the polyline at each point, to the left above 0, from the turn over about 3 m to either side.
 fn curvatures(lane: &Lane) -> Vec<f64> {
-    let at = |s: f64| {
-        let s = s.clamp(0.0, lane.length_m());
-        let i = lane.s_m.partition_point(|v| *v <= s).clamp(1, lane.center.len() - 1);
-        let t = (s - lane.s_m[i - 1]) / (lane.s_m[i] - lane.s_m[i - 1]);
-        lane.center[i - 1].truncate().lerp(lane.center[i].truncate(), t)
-    };
+    let at = |s_m: f64| lane.point_at(s_m).truncate();
     lane.s_m
         .iter()
         .map(|&s| {

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::roads::Roads;
 use super::room::Needs;
 use crate::math::{self, DVec2, DVec3};
+use crate::polyline::{nearest, piece_at};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId, LaneKind};
 use crate::world::params::TURNS_RAD;
@@ -256,10 +257,10 @@ impl Route {
             s -= lane.length_m();
             lane = roads.lane(*next);
         }
-        let i = lane.s_m.partition_point(|v| *v <= s).clamp(1, lane.center.len() - 1);
+        let (i, share) = piece_at(&lane.s_m, s);
         let (a, b) = (lane.center[i - 1].truncate(), lane.center[i].truncate());
         let tangent = (b - a).normalize();
-        let at = a + tangent * (s - lane.s_m[i - 1]) + tangent.perp() * self.offset_on(lane, s, roads);
+        let at = a + (b - a) * share + tangent.perp() * self.offset_on(lane, s, roads);
         Ahead { distance_m, at, tangent }
     }
 
@@ -305,19 +306,9 @@ impl Route {
 
 /// Distance along a lane of the point nearest to `position`, looked for around `hint_m` only.
 fn project_near(lane: &Lane, position: DVec3, hint_m: f64) -> f64 {
-    let first = lane.s_m.partition_point(|v| *v < hint_m - 3.0).clamp(1, lane.center.len() - 1);
-    let (mut best_s, mut best_d) = (hint_m, f64::INFINITY);
-    for i in first..lane.center.len() {
-        if lane.s_m[i - 1] > hint_m + 6.0 {
-            break;
-        }
-        let (a, b) = (lane.center[i - 1].truncate(), lane.center[i].truncate());
-        let (p, d) = (position.truncate() - a, b - a);
-        let t = (p.dot(d) / d.length_squared()).clamp(0.0, 1.0);
-        let distance = (p - d * t).length_squared();
-        if distance < best_d {
-            (best_d, best_s) = (distance, lane.s_m[i - 1] + (lane.s_m[i] - lane.s_m[i - 1]) * t);
-        }
-    }
-    best_s
+    let last = lane.center.len() - 1;
+    let first = lane.s_m.partition_point(|v| *v < hint_m - 3.0).clamp(1, last);
+    let end = lane.s_m.partition_point(|v| *v <= hint_m + 6.0).clamp(first, last);
+    let points = lane.center[first - 1..=end].iter().map(|p| p.truncate());
+    nearest(points, &lane.s_m[first - 1..=end], position.truncate()).0
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::math::DVec2;
+use crate::polyline::Polyline;
 use crate::town::{Town, Walkway};
 
 /// Ends nearer to each other than this are one corner.
@@ -11,7 +12,7 @@ const CORNER_M: f64 = 2.5;
 /// The walkways of a town with distances along them.
 pub(crate) struct Sidewalks {
     town: Arc<Town>,
-    s_m: Vec<Vec<f64>>,
+    middles: Vec<Polyline>,
     /// Walkways that go on at the (start, end) of each: (walkway, +1 from its start or -1 from its end).
     onward: Vec<[Vec<(usize, f64)>; 2]>,
     bounds: Vec<(DVec2, DVec2)>,
@@ -30,19 +31,7 @@ pub(crate) struct Spot {
 impl Sidewalks {
     pub fn new(town: Arc<Town>) -> Self {
         let lines = &town.walkways;
-        let s_m: Vec<Vec<f64>> = lines
-            .iter()
-            .map(|w| {
-                let mut s = 0.0;
-                let steps = w.center.windows(2).map(|p| (p[1] - p[0]).truncate().length());
-                std::iter::once(0.0)
-                    .chain(steps.map(|d| {
-                        s += d;
-                        s
-                    }))
-                    .collect()
-            })
-            .collect();
+        let middles = lines.iter().map(|w| Polyline::new(w.center.iter().map(|p| p.truncate()).collect())).collect();
         let ends = |w: &Walkway| [w.center.first(), w.center.last()].map(|p| p.map(|p| p.truncate()));
         let onward = lines
             .iter()
@@ -77,16 +66,16 @@ impl Sidewalks {
                 _ => false,
             })
             .collect();
-        Self { town, s_m, onward, bounds, is_closed }
+        Self { town, middles, onward, bounds, is_closed }
     }
 
     /// Indices of the walkways that can be walked: with a length.
     pub fn usable(&self) -> impl Iterator<Item = usize> {
-        (0..self.s_m.len()).filter(|i| self.length_m(*i) > 4.0)
+        (0..self.middles.len()).filter(|i| self.length_m(*i) > 4.0)
     }
 
     pub fn length_m(&self, walkway: usize) -> f64 {
-        self.s_m[walkway].last().copied().unwrap_or(0.0)
+        self.middles[walkway].length_m()
     }
 
     /// The most that a walker keeps off the middle line.
@@ -110,13 +99,9 @@ impl Sidewalks {
 
     /// The place at distance `s_m` along a walkway (clamped to it, unless it is a loop).
     pub fn spot(&self, walkway: usize, s_m: f64) -> Spot {
-        let (line, along) = (&self.town.walkways[walkway].center, &self.s_m[walkway]);
-        let s_m = self.wrapped(walkway, s_m).unwrap_or(s_m);
-        let i = along.partition_point(|v| *v <= s_m).clamp(1, line.len() - 1);
-        let (a, b) = (line[i - 1].truncate(), line[i].truncate());
-        let tangent = (b - a).normalize_or(DVec2::X);
-        let s = s_m.clamp(0.0, self.length_m(walkway));
-        Spot { at: a + tangent * (s - along[i - 1]), tangent }
+        let line = &self.middles[walkway];
+        let s_m = self.wrapped(walkway, s_m).unwrap_or(s_m).clamp(0.0, line.length_m());
+        Spot { at: line.at(s_m), tangent: line.tangent(s_m) }
     }
 
     /// The nearest other walkway straight across from a place: (walkway, distance along it, point), 5 to 18 m away and
@@ -128,14 +113,14 @@ impl Sidewalks {
             if (from - from.clamp(lo, hi)).length() > 18.0 {
                 continue;
             }
-            for (k, pair) in self.town.walkways[i].center.windows(2).enumerate() {
-                let (a, d) = (pair[0].truncate(), (pair[1] - pair[0]).truncate());
+            for (pair, s_m) in self.middles[i].points().windows(2).zip(self.middles[i].s_m()) {
+                let (a, d) = (pair[0], pair[1] - pair[0]);
                 let t = ((from - a).dot(d) / d.length_squared().max(1e-9)).clamp(0.0, 1.0);
                 let to = a + d * t - from;
                 let distance = to.length();
                 let straight = to.dot(across) > 0.966 * distance;
                 if straight && (5.0..18.0).contains(&distance) && best.is_none_or(|b| distance < b.3) {
-                    best = Some((i, self.s_m[i][k] + t * d.length(), a + d * t, distance));
+                    best = Some((i, s_m + t * d.length(), a + d * t, distance));
                 }
             }
         }

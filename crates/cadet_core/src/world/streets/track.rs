@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::roads::Roads;
 use crate::math::DVec2;
+use crate::polyline::Polyline;
 use crate::town::{LaneId, LaneKind};
 
 /// The longest line; one that closes on itself is gone round until it is so long.
@@ -16,9 +17,7 @@ const BEHIND_M: f64 = 120.0;
 pub(crate) struct Track {
     /// The lanes in order, and the distance along the line at which each begins.
     lanes: Vec<(LaneId, f64)>,
-    points: Vec<DVec2>,
-    /// Distance along the line of each point.
-    s_m: Vec<f64>,
+    line: Polyline,
 }
 
 impl Track {
@@ -45,35 +44,29 @@ impl Track {
     }
 
     fn of(ids: VecDeque<LaneId>, roads: &Roads) -> Self {
-        let (mut lanes, mut points, mut s_m): (Vec<_>, Vec<DVec2>, Vec<f64>) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut lanes, mut points): (Vec<_>, Vec<DVec2>) = (Vec::new(), Vec::new());
+        let mut length_m = 0.0;
         for id in ids {
-            lanes.push((id, s_m.last().copied().unwrap_or(0.0)));
-            for p in &roads.lane(id).center {
-                let p = p.truncate();
-                let Some(last) = points.last() else {
-                    (points, s_m) = (vec![p], vec![0.0]);
-                    continue;
-                };
-                let step_m = (p - *last).length();
+            lanes.push((id, length_m));
+            for p in roads.lane(id).center.iter().map(|p| p.truncate()) {
                 // Where two lanes meet, both have the point.
+                let step_m = points.last().map_or(f64::INFINITY, |last| (p - *last).length());
                 if step_m > 1e-3 {
-                    s_m.push(s_m[s_m.len() - 1] + step_m);
+                    length_m += if points.is_empty() { 0.0 } else { step_m };
                     points.push(p);
                 }
             }
         }
-        Self { lanes, points, s_m }
+        Self { lanes, line: Polyline::new(points) }
     }
 
     pub fn length_m(&self) -> f64 {
-        self.s_m[self.s_m.len() - 1]
+        self.line.length_m()
     }
 
     /// The place at a distance along the line; beyond its ends it goes straight on.
     pub fn at(&self, s_m: f64) -> DVec2 {
-        let i = self.s_m.partition_point(|v| *v <= s_m).clamp(1, self.points.len() - 1);
-        let (a, b) = (self.points[i - 1], self.points[i]);
-        a + (b - a) * ((s_m - self.s_m[i - 1]) / (self.s_m[i] - self.s_m[i - 1]))
+        self.line.at(s_m)
     }
 
     /// The lane at a distance along the line, and how far along that lane it is.

@@ -142,8 +142,9 @@ fn a_car_follows_a_cyclist_at_a_distance_and_a_scripted_one_goes_where_it_is_tol
     assert!(nearest_m > 4.0, "{nearest_m} m from middle to middle");
     let stand = Course::Stand { x_m: 0.0, y_m: 9.0, yaw_rad: 1.0 };
     world.add(ObjectClass::Cyclist, ModelChoice::Seed(6), &stand, Overlap::Refuse).unwrap();
-    let stands = world.arena.agents.last().unwrap();
-    assert!(ride(stands).0.stands);
+    let Kind::Static(fixture) = &world.arena.agents.last().unwrap().kind else { unreachable!("it stands") };
+    let Fixture::Cyclist(cyclist) = fixture.as_ref() else { unreachable!("it is a cyclist") };
+    assert!(cyclist.look.ride.stands);
     let again = world.add(ObjectClass::Cyclist, ModelChoice::Seed(7), &stand, Overlap::Refuse);
     assert!(matches!(again, Err(Error::Scene { .. })), "two at one place");
 }

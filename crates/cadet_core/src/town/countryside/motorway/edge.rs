@@ -3,11 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::super::occupancy::{Occupancy, OrientedRect};
+use super::super::super::occupancy::Occupancy;
 use super::super::super::placer::Placer;
 use super::Side;
 use crate::assets::scenery::{MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, PoleKind, motorway_thing, pole};
 use crate::math::DVec2;
+use crate::rect::OrientedRect;
 use crate::rng::Stream;
 
 /// Delineators stand so far apart and from the asphalt (HLB, German guideline for delineators).

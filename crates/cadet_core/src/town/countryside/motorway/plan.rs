@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::super::{Lane, LaneKind, RoadNetwork};
 use crate::math::{DVec2, DVec3};
+use crate::polyline::Polyline;
 use crate::rng::StreamKey;
 
 /// Shares of the roads with a bridge, with a gantry on each side, and with a board beside it.
@@ -18,8 +19,7 @@ const CONCRETE_SHARE: f64 = 0.4;
 pub(super) struct RoadPlan {
     pub road: u32,
     /// Points of its middle, and the distance along it at each.
-    points: Vec<DVec2>,
-    s_m: Vec<f64>,
+    line: Polyline,
     /// From the middle to the asphalt's outer edge, and to its inner one.
     pub half_paved_m: f64,
     pub half_median_m: f64,
@@ -37,15 +37,12 @@ pub(super) struct RoadPlan {
 
 impl RoadPlan {
     pub fn length_m(&self) -> f64 {
-        self.s_m.last().copied().unwrap_or(0.0)
+        self.line.length_m()
     }
 
     /// The middle of the median at a distance along the road, and the direction there.
     pub fn middle(&self, at_m: f64) -> (DVec2, DVec2) {
-        let i = self.s_m.partition_point(|s| *s <= at_m).clamp(1, self.points.len() - 1);
-        let (a, b) = (self.points[i - 1], self.points[i]);
-        let along = (b - a).normalize_or(DVec2::X);
-        (a + along * (at_m - self.s_m[i - 1]), along)
+        (self.line.at(at_m), self.line.tangent(at_m))
     }
 
     /// Whether something that reaches so far to both sides keeps off the bridge.
@@ -65,7 +62,7 @@ pub(super) fn draw(key: &StreamKey, network: &RoadNetwork) -> Vec<RoadPlan> {
         let of = |kind: LaneKind| lanes.iter().filter(move |l| l.kind == kind).copied();
         let median = of(LaneKind::Median).next()?;
         let half_median_m = median.width_at(0.0);
-        let points: Vec<DVec2> = (0..median.center.len())
+        let points = (0..median.center.len())
             .map(|i| {
                 let pose = median.pose_at(median.s_m[i]);
                 let left = (pose.rotation * DVec3::Y).truncate().normalize_or_zero();
@@ -73,10 +70,7 @@ pub(super) fn draw(key: &StreamKey, network: &RoadNetwork) -> Vec<RoadPlan> {
                 median.center[i].truncate() + left * (median.width_m[i] / 2.0)
             })
             .collect();
-        let mut s_m = vec![0.0];
-        for pair in points.windows(2) {
-            s_m.push(s_m[s_m.len() - 1] + (pair[1] - pair[0]).length());
-        }
+        let line = Polyline::new(points);
         let paved_m: f64 =
             [LaneKind::Driving, LaneKind::Shoulder].into_iter().flat_map(of).map(|l| l.width_at(0.0)).sum();
         let widest_m = of(LaneKind::Shoulder).map(|l| l.width_at(0.0)).fold(0.0, f64::max);
@@ -90,12 +84,11 @@ pub(super) fn draw(key: &StreamKey, network: &RoadNetwork) -> Vec<RoadPlan> {
             num_lanes: of(LaneKind::Driving).count() / 2,
             has_hard_shoulder: widest_m > 1.5,
             speed_kmh: (driving.speed_limit_mps * 3.6).round() as u32,
-            bridge_m: has_bridge.then(|| at * s_m[s_m.len() - 1]),
+            bridge_m: has_bridge.then(|| at * line.length_m()),
             variant,
             is_concrete,
             number,
-            points,
-            s_m,
+            line,
         })
     };
     by_road.into_iter().enumerate().filter_map(plan).collect()
