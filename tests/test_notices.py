@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cadet import Assets, CadetWarning, Environment, Scene
+from cadet import Assets, CadetWarning, Environment, Scene, SceneConfig
 from cadet.notices import notice
 from gen_process import FINE, SIZE, run
 from obj_meshes import assets_folder
@@ -58,6 +58,16 @@ def test_cadet_gen_prints_a_maps_losses_in_one_line_however_many_workers_read_it
     done = run(tmp_path / "out", "-n", 60, *SIZE, "--map", lossy, "--workers", 2)
     assert done.returncode == FINE, done.stderr
     assert [line for line in done.stderr.splitlines() if "lossy" in line] == [f"cadet-gen: warning: {LINE}"]
+
+
+def test_what_finds_no_room_is_warned_of_if_the_user_asked_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cadet._cadet.Scene.shortfalls", lambda self: [("num_cars", 500, 20), ("num_trams", 3, 0)])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        Scene.random(seed=4)
+        Scene.random(seed=4, config=SceneConfig(num_cars=500))
+    line = "config.num_cars: 20 of 500 find room around the ego (seed 4, episode 0)"
+    assert [(str(warning.message), warning.filename) for warning in caught] == [(line, __file__)]
 
 
 def test_meshes_that_say_too_little_are_warned_of_at_the_callers_line(

@@ -33,6 +33,10 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
     )
     if spec.road_map is not None:
         notice(scene.map_warnings(), about=spec.road_map)
+    for name, asked, placed in scene.shortfalls():
+        if name in spec.given:
+            line = f"config.{name}: {placed} of {asked} find room around the ego (seed {spec.seed}, episode {spec.episode})"
+            notice([line], about="shortfall", key=name)
     return scene
 
 

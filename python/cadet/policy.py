@@ -58,6 +58,8 @@ class EpisodeSpec:
     """How much deeper the ego stands in front than behind, by its load."""
     assets: Assets | None = None
     """The user's own vehicles."""
+    given: frozenset[str] = frozenset()
+    """The fields of `config` that were given, not drawn: what of them can't be met is said."""
 
     @property
     def mounted_rig(self) -> Rig:

@@ -59,4 +59,4 @@ def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int,
 
 def _draw_over(policy: ResetPolicy, given: SceneConfig, seed: int, episode: int, attempt: int) -> EpisodeSpec:
     spec = policy.draw(seed, episode, attempt)
-    return replace(spec, config=given.over(spec.config))
+    return replace(spec, config=given.over(spec.config), given=given.given)

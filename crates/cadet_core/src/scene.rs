@@ -17,7 +17,7 @@ use crate::rng::StreamKey;
 use crate::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
 use crate::town::{PropConfig, SuburbConfig, Town};
 use crate::weather::{Sun, Weather};
-use crate::world::{Course, EgoCommand, ModelChoice, Overlap, Snapshot, TrafficConfig, World};
+use crate::world::{Course, EgoCommand, ModelChoice, Overlap, Shortfall, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
 #[derive(Debug, Clone)]
@@ -104,6 +104,8 @@ struct Sensed {
 pub struct Scene {
     key: StreamKey,
     world: World,
+    /// What of the traffic found no room.
+    shortfalls: Vec<Shortfall>,
     weather: Weather,
     rig: Rig,
     label: LabelConfig,
@@ -136,7 +138,7 @@ impl Scene {
     ) -> Result<Self> {
         let mut scene = Self::bare(key, source, weather, rig, config)?;
         scene.weather = scene.weather.with_sun_turned(&mut key.stream("sun")).with_sun(&config.sun);
-        scene.world.spawn_traffic(&config.traffic)?;
+        scene.shortfalls = scene.world.spawn_traffic(&config.traffic)?;
         scene.step(SETTLE_S)?;
         Ok(scene)
     }
@@ -164,6 +166,7 @@ impl Scene {
         Ok(Self {
             key,
             world,
+            shortfalls: Vec::new(),
             weather,
             rig,
             label: config.label.clone().validated()?,
@@ -177,6 +180,12 @@ impl Scene {
     #[must_use]
     pub fn town(&self) -> &Town {
         self.world.town()
+    }
+
+    /// What of the traffic found no room.
+    #[must_use]
+    pub fn shortfalls(&self) -> &[Shortfall] {
+        &self.shortfalls
     }
 
     /// The weather.

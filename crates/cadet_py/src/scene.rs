@@ -109,6 +109,11 @@ impl Scene {
         self.with(py, |scene| Ok(scene.town().map_warnings.clone()))
     }
 
+    /// Which numbers of the traffic were not met: the field, how many it asks for, and how many found room.
+    fn shortfalls(&self, py: Python<'_>) -> Result<Vec<(&'static str, usize, usize)>, BorderError> {
+        self.with(py, |scene| Ok(scene.shortfalls().iter().map(|s| (s.setting, s.asked, s.placed)).collect()))
+    }
+
     #[getter]
     fn time_s(&self, py: Python<'_>) -> Result<f64, BorderError> {
         self.with(py, |scene| Ok(scene.time_s()))

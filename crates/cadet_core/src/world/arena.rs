@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::agents::{ActorView, Agent, Car, Cyclist, Fixture, Gone, Kind, Pedestrian, Tram};
+use super::agents::{ActorView, Agent, Car, Fixture, Gone, Kind, OfKind};
 use super::footprint::Footprint;
 use super::lane_use::OnLane;
 use super::physics::Physics;
@@ -23,8 +23,6 @@ pub(super) struct Arena {
     pub around: TrafficState,
     /// Slots of those that may move, rising.
     active: Vec<Slot>,
-    /// Slots of those who have left the world.
-    vacant: Vec<Slot>,
     next_id: i32,
     /// By id: the end of an actor that was near when it was first labeled. Its annotated box stays as it was drawn then.
     pub labeled_ends: BTreeMap<i32, End>,
@@ -40,8 +38,8 @@ impl Arena {
         for obstacle in &town.obstacles {
             around.stand(Footprint::standing(obstacle), &streets.roads);
         }
-        let (agents, active, vacant, labeled_ends) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
-        Ok(Self { agents, physics, streets, around, active, vacant, next_id: 0, labeled_ends })
+        let (agents, active, labeled_ends) = (Vec::new(), Vec::new(), BTreeMap::new());
+        Ok(Self { agents, physics, streets, around, active, next_id: 0, labeled_ends })
     }
 
     /// The id that the next newcomer gets; the ego's is 0.
@@ -50,11 +48,10 @@ impl Arena {
     }
 
     /// Puts an agent into the arena; returns its slot.
-    pub fn put(&mut self, kind: Kind) -> Slot {
+    pub fn put(&mut self, kind: impl Into<Kind>) -> Slot {
         let slot = self.agents.len();
-        let stays = matches!(&kind, Kind::Static(fixture) if matches!(fixture.as_ref(), Fixture::Vehicle(_)));
-        let agent = self.named(kind);
-        if stays {
+        let agent = self.named(kind.into());
+        if let Some(Fixture::Vehicle(_)) = agent.get() {
             self.around.stand(agent.actor().footprint(&self.physics), &self.streets.roads);
         } else {
             self.active.push(slot);
@@ -65,7 +62,7 @@ impl Arena {
     }
 
     /// The same for what the user puts there: it is never replaced. Returns its id.
-    pub fn put_placed(&mut self, kind: Kind) -> i32 {
+    pub fn put_placed(&mut self, kind: impl Into<Kind>) -> i32 {
         let slot = self.put(kind);
         let agent = &mut self.agents[slot];
         agent.is_placed = true;
@@ -74,8 +71,7 @@ impl Arena {
 
     /// Puts an agent that moves in the place of one that has gone.
     pub fn replace(&mut self, gone: Slot, kind: Kind) {
-        if let Some(i) = self.vacant.iter().position(|slot| *slot == gone) {
-            self.vacant.remove(i);
+        if self.agents[gone].get::<Gone>().is_some() {
             self.active.insert(self.active.partition_point(|slot| *slot < gone), gone);
         }
         self.clear(gone);
@@ -86,9 +82,8 @@ impl Arena {
     pub fn remove(&mut self, gone: Slot) {
         self.clear(gone);
         self.active.retain(|slot| *slot != gone);
-        self.vacant.push(gone);
         let class = self.agents[gone].actor().look.class();
-        self.agents[gone].kind = Kind::Gone(Gone { class });
+        self.agents[gone].kind = Gone { class }.into();
     }
 
     fn clear(&mut self, gone: Slot) {
@@ -103,14 +98,14 @@ impl Arena {
         }
     }
 
-    /// Slots of those who have left the world.
-    pub fn vacant(&self) -> &[Slot] {
-        &self.vacant
+    /// Slots of those who have left the world, with who had them.
+    pub fn vacant(&self) -> impl Iterator<Item = (Slot, &Gone)> {
+        self.agents.iter().enumerate().filter_map(|(slot, agent)| Some((slot, agent.get::<Gone>()?)))
     }
 
     /// All who are in the world, by slot.
     pub fn present(&self) -> impl Iterator<Item = (Slot, &Agent)> {
-        self.agents.iter().enumerate().filter(|(slot, _)| !self.vacant.contains(slot))
+        self.agents.iter().enumerate().filter(|(_, agent)| agent.get::<Gone>().is_none())
     }
 
     fn named(&mut self, kind: Kind) -> Agent {
@@ -126,13 +121,12 @@ impl Arena {
 
     /// The same, as the car that it is.
     pub fn ego_car(&self) -> &Car {
-        self.ego().as_car().expect("the ego is a car")
+        self.ego().get::<Car>().expect("the ego is a car")
     }
 
     /// The same to be changed, and the physics that its body is in.
     pub fn ego_car_mut(&mut self) -> (&mut Car, &mut Physics) {
-        let Kind::Car(car) = &mut self.agents[EGO].kind else { unreachable!("the ego is a car") };
-        (car, &mut self.physics)
+        (self.agents[EGO].get_mut::<Car>().expect("the ego is a car"), &mut self.physics)
     }
 
     /// Where the ego is and which way it looks, in the plane.
@@ -146,24 +140,9 @@ impl Arena {
         self.active.iter().map(|slot| (*slot, &self.agents[*slot]))
     }
 
-    /// The vehicles with somebody at the wheel, the ego first.
-    pub fn cars(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &Car)> {
-        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_car()?)))
-    }
-
-    /// Those who ride on their own.
-    pub fn cyclists(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &Cyclist)> {
-        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_cyclist()?)))
-    }
-
-    /// Those who walk, or stand, on their own.
-    pub fn pedestrians(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &Pedestrian)> {
-        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_pedestrian()?)))
-    }
-
-    /// The trains.
-    pub fn trams(&self) -> impl Iterator<Item = (Slot, &Agent, &Tram)> {
-        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.as_tram()?)))
+    /// Those who may move of one kind, by slot.
+    pub fn each<K: OfKind>(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &K)> {
+        self.active().filter_map(|(slot, agent)| Some((slot, agent, K::of(agent)?)))
     }
 
     fn active_actors(&self) -> impl Iterator<Item = (Slot, ActorView<'_>)> {
@@ -254,6 +233,7 @@ impl Arena {
     /// Gives all but the ego other slots.
     #[cfg(test)]
     pub fn shuffle(&mut self, stream: &mut crate::rng::Stream) {
+        use super::agents::Pedestrian;
         let mut order: Vec<Slot> = (1..self.agents.len()).collect();
         for i in (1..order.len()).rev() {
             order.swap(i, stream.below(i + 1));
@@ -266,15 +246,11 @@ impl Arena {
         let mut agents: Vec<Option<Agent>> = std::mem::take(&mut self.agents).into_iter().map(Some).collect();
         self.agents = order.iter().map(|old| agents[*old].take().expect("each once")).collect();
         for agent in &mut self.agents {
-            if let Kind::Pedestrian(pedestrian) = &mut agent.kind
-                && let Some(company) = &mut pedestrian.company
-            {
+            if let Some(company) = agent.get_mut::<Pedestrian>().and_then(|p| p.company.as_mut()) {
                 company.leader = new_slot[company.leader];
             }
         }
-        for slots in [&mut self.active, &mut self.vacant] {
-            slots.iter_mut().for_each(|slot| *slot = new_slot[*slot]);
-        }
+        self.active.iter_mut().for_each(|slot| *slot = new_slot[*slot]);
         self.active.sort_unstable();
     }
 }

@@ -29,4 +29,4 @@ pub use ego_command::{EgoCommand, MAX_LATERAL_M};
 pub use physics::DT_S;
 pub use simulation::World;
 pub use snapshot::{EgoState, Snapshot};
-pub use spawn::TrafficConfig;
+pub use spawn::{Shortfall, TrafficConfig};

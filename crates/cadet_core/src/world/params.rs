@@ -1,5 +1,10 @@
 //! The numbers of the traffic model that several rules share, each said once.
 
+use super::physics::DT_S;
+
+/// Steps between two looks, and the time: nobody needs more than 20 a second.
+pub(super) const LOOK_STEPS: u64 = 3;
+pub(super) const LOOK_S: f64 = LOOK_STEPS as f64 * DT_S;
 /// Slower vehicles stand.
 pub(super) const STANDS_MPS: f64 = 0.1;
 /// Slower vehicles have all but stopped: others reckon with them as if they stood.

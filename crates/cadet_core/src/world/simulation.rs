@@ -8,12 +8,13 @@ use super::body::{Body, settle};
 use super::course::{Course, ModelChoice, Overlap};
 use super::ego_command::EgoCommand;
 use super::footprint::Footprint;
+use super::params::LOOK_STEPS;
 use super::physics::DT_S;
 use super::slot::{EGO, Slot};
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
-    EgoStarts, RENEW_EVERY, Respawns, Spawner, TrafficConfig, add_cyclist, add_person, add_seated, add_vehicle, box_at,
-    check_free, fill, leave, place_ego, renew, too_short,
+    EgoStarts, RENEW_EVERY, Respawns, Shortfall, Spawner, TrafficConfig, add_cyclist, add_person, add_seated,
+    add_vehicle, box_at, check_free, fill, leave, place_ego, renew, too_short,
 };
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
@@ -23,12 +24,10 @@ use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
-use crate::world::agents::{Agent, Kind};
+use crate::world::agents::Agent;
 use crate::world::look::Look;
 use crate::world::streets::{EGO_STRAIGHT, Route};
 
-/// Steps between two looks around: nobody needs more than 20 a second.
-const LOOK_EVERY: u64 = 3;
 /// An ego whose front is nearer to the end of its road can't go on.
 const END_ROOM_M: f64 = 4.0;
 /// Steps between two looks at an ego that may come in anew, tries to find it a place, and the room that it needs there.
@@ -67,7 +66,7 @@ impl World {
     pub fn new(town: Arc<Town>, key: StreamKey) -> Result<Self> {
         let mut arena = Arena::new(&town)?;
         let ego = place_ego(&mut arena, &town, key)?;
-        arena.put(Kind::Car(Box::new(ego)));
+        arena.put(ego);
         Ok(Self {
             town,
             key,
@@ -173,18 +172,19 @@ impl World {
     }
 
     /// Fills the world: parked cars, then driven ones, then people, then cyclists. To be called once, before the first step.
+    /// Returns what found no room.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a configuration that makes no sense, [`Error::Map`] for roads that are too short to drive.
-    pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
+    pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<Vec<Shortfall>> {
         if self.arena.ego_car().route.is_none() && self.town.network.driving().next().is_some() {
             return Err(too_short(&self.town, &self.arena.streets.roads));
         }
         let Self { arena, key, user_vehicles, rains, .. } = self;
-        fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
+        let shortfalls = fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
         self.traffic = Some(config.clone());
         self.set_ego_driving(true);
-        Ok(())
+        Ok(shortfalls)
     }
 
     /// Sets the ego down at (x, y), settled and standing; it stays there until [`World::drive`].
@@ -351,7 +351,7 @@ impl World {
                 self.steps,
             );
         }
-        if self.steps.is_multiple_of(LOOK_EVERY) {
+        if self.steps.is_multiple_of(LOOK_STEPS) {
             leave(&mut self.arena);
             self.arena.look(self.steps);
         }

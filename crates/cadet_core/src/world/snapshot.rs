@@ -79,7 +79,7 @@ impl Snapshot {
                 class: look.class(),
                 model: look.name().to_owned(),
                 size_lwh: look.size_lwh(),
-                annotated: actor.annotated(near_end),
+                annotated: look.annotated_from(near_end),
                 world_from_box,
                 velocity_world: body.velocity_world(&arena.physics),
                 angular_velocity_world: body.angular_velocity_world(&arena.physics),

@@ -1,7 +1,6 @@
 //! A body with its look: what is posed, seen, and labeled as one actor.
 
-use crate::actor::{AnnotatedBox, End};
-use crate::assets::annotation;
+use crate::actor::End;
 use crate::math::DVec3;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
@@ -37,10 +36,5 @@ impl ActorView<'_> {
     /// The end that annotators see, who look from an eye.
     pub fn near_end(&self, physics: &Physics, eye_world: DVec3) -> End {
         End::nearer(&self.body.world_from_box(physics), eye_world)
-    }
-
-    /// The box that annotators draw to whom an end is near.
-    pub fn annotated(&self, near_end: End) -> AnnotatedBox {
-        annotation::displaced(self.look.annotated(), self.look.class(), near_end)
     }
 }

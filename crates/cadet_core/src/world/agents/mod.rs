@@ -31,63 +31,81 @@ pub(super) struct Agent {
     pub is_placed: bool,
 }
 
-/// What an agent is, with its bodies and its state.
-pub(super) enum Kind {
+/// Lists what an agent may be, with its bodies and its state.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $kind:ident,)*) => {
+        /// What an agent is.
+        pub(super) enum Kind {
+            $($(#[$doc])* $kind(Box<$kind>),)*
+        }
+
+        impl Agent {
+            pub fn behavior(&self) -> &dyn Behavior {
+                match &self.kind {
+                    $(Kind::$kind(own) => own.as_ref(),)*
+                }
+            }
+
+            pub fn behavior_mut(&mut self) -> &mut dyn Behavior {
+                match &mut self.kind {
+                    $(Kind::$kind(own) => own.as_mut(),)*
+                }
+            }
+        }
+
+        $(
+            impl From<$kind> for Kind {
+                fn from(own: $kind) -> Self {
+                    Self::$kind(Box::new(own))
+                }
+            }
+
+            impl OfKind for $kind {
+                fn of(agent: &Agent) -> Option<&Self> {
+                    if let Kind::$kind(own) = &agent.kind { Some(own) } else { None }
+                }
+
+                fn of_mut(agent: &mut Agent) -> Option<&mut Self> {
+                    if let Kind::$kind(own) = &mut agent.kind { Some(own) } else { None }
+                }
+            }
+        )*
+    };
+}
+
+kinds! {
     /// A vehicle with somebody at the wheel.
-    Car(Box<Car>),
+    Car,
     /// Somebody on a bicycle.
-    Cyclist(Box<Cyclist>),
+    Cyclist,
     /// Somebody on foot.
-    Pedestrian(Box<Pedestrian>),
+    Pedestrian,
     /// A train of several cars.
-    Tram(Box<Tram>),
+    Tram,
     /// Led by a user's script.
-    Scripted(Box<Scripted>),
+    Scripted,
     /// Stays where it is.
-    Static(Box<Fixture>),
+    Fixture,
     /// Has left the world: its slot is free.
-    Gone(Gone),
+    Gone,
+}
+
+/// A kind of agent.
+pub(super) trait OfKind: Sized + 'static {
+    fn of(agent: &Agent) -> Option<&Self>;
+
+    fn of_mut(agent: &mut Agent) -> Option<&mut Self>;
 }
 
 impl Agent {
-    pub fn behavior(&self) -> &dyn Behavior {
-        match &self.kind {
-            Kind::Car(car) => car.as_ref(),
-            Kind::Cyclist(cyclist) => cyclist.as_ref(),
-            Kind::Pedestrian(pedestrian) => pedestrian.as_ref(),
-            Kind::Tram(tram) => tram.as_ref(),
-            Kind::Scripted(scripted) => scripted.as_ref(),
-            Kind::Static(fixture) => fixture.as_ref(),
-            Kind::Gone(gone) => gone,
-        }
+    /// The agent, if it is of this kind.
+    pub fn get<K: OfKind>(&self) -> Option<&K> {
+        K::of(self)
     }
 
-    pub fn behavior_mut(&mut self) -> &mut dyn Behavior {
-        match &mut self.kind {
-            Kind::Car(car) => car.as_mut(),
-            Kind::Cyclist(cyclist) => cyclist.as_mut(),
-            Kind::Pedestrian(pedestrian) => pedestrian.as_mut(),
-            Kind::Tram(tram) => tram.as_mut(),
-            Kind::Scripted(scripted) => scripted.as_mut(),
-            Kind::Static(fixture) => fixture.as_mut(),
-            Kind::Gone(gone) => gone,
-        }
-    }
-
-    pub fn as_car(&self) -> Option<&Car> {
-        if let Kind::Car(car) = &self.kind { Some(car) } else { None }
-    }
-
-    pub fn as_cyclist(&self) -> Option<&Cyclist> {
-        if let Kind::Cyclist(cyclist) = &self.kind { Some(cyclist) } else { None }
-    }
-
-    pub fn as_pedestrian(&self) -> Option<&Pedestrian> {
-        if let Kind::Pedestrian(pedestrian) = &self.kind { Some(pedestrian) } else { None }
-    }
-
-    pub fn as_tram(&self) -> Option<&Tram> {
-        if let Kind::Tram(tram) = &self.kind { Some(tram) } else { None }
+    /// The same, to be changed.
+    pub fn get_mut<K: OfKind>(&mut self) -> Option<&mut K> {
+        K::of_mut(self)
     }
 
     /// Its actors, each with its id.

@@ -8,7 +8,7 @@ use crate::world::body::Upright;
 use crate::world::footprint::Footprint;
 use crate::world::look::PersonLook;
 use crate::world::outlook::Outlook;
-use crate::world::params::CRAWLS_MPS;
+use crate::world::params::{CRAWLS_MPS, LOOK_S};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Sidewalks, Streets};
@@ -40,8 +40,6 @@ const BLOCKED_S: f64 = 2.5;
 const ZEBRA_LEAD_M: f64 = 6.0;
 /// At the far curb among others one is over the road here.
 const OVER_M: f64 = 0.8;
-/// Seconds between two looks.
-const LOOK_S: f64 = 3.0 * DT_S;
 
 /// Somebody on foot.
 pub(crate) struct Pedestrian {

@@ -8,7 +8,7 @@ use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
 use crate::world::outlook::Claim;
-use crate::world::params::{CRAWLS_MPS, LONG_M};
+use crate::world::params::{CRAWLS_MPS, LONG_M, LOOK_STEPS};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Route};
@@ -32,9 +32,8 @@ const STAY_S: f64 = 4.0;
 const LEAST_MPS: f64 = 4.0;
 /// Who is no farther off needs no change to return.
 const HARDLY_LEFT_M: f64 = 0.4;
-/// Looks between two decisions, and steps between two looks.
+/// Looks between two decisions.
 const LOOKS: u64 = 6;
-const STEPS_A_LOOK: u64 = 3;
 
 /// Time of the way across.
 const ACROSS_S: f64 = 4.6;
@@ -140,7 +139,7 @@ impl LaneChoice {
         // From the two lanes beside one, nobody decides at the same look.
         let lane = route.lanes[0];
         let from_curb = std::iter::successors(Some(lane), |id| roads.outer_of(*id)).count() as u64 % 3;
-        if !(step / STEPS_A_LOOK + 2 * from_curb).is_multiple_of(LOOKS) {
+        if !(step / LOOK_STEPS + 2 * from_curb).is_multiple_of(LOOKS) {
             return;
         }
         let (inner, outer) = (roads.inner_of(lane), roads.outer_of(lane));
@@ -378,7 +377,7 @@ mod tests {
             let change = Some(LaneChange { is_inward: true, from_m, to_m: 0.0, share, returns: false });
             let mut choice = LaneChoice { change, ..LaneChoice::default() };
             let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };
-            for step in 0..LOOKS * STEPS_A_LOOK {
+            for step in 0..LOOKS * LOOK_STEPS {
                 choice.decide(&decider, &mut route, &TrafficState::new(&roads), &roads, step);
             }
             let is_back = route.lanes[0] == old.id;

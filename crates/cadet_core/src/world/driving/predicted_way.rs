@@ -60,7 +60,7 @@ mod tests {
     use super::*;
     use crate::rng::StreamKey;
     use crate::town::LaneId;
-    use crate::world::agents::axles_of;
+    use crate::world::agents::{Car, axles_of};
     use crate::world::body::Body;
     use crate::world::tests::towns::{main_roads, suburb};
     use crate::world::{TrafficConfig, World};
@@ -82,7 +82,7 @@ mod tests {
             for _ in 0..40 * 10 {
                 world.step(6);
                 let roads = &world.arena.streets.roads;
-                for (_, agent, driver) in world.arena.cars() {
+                for (_, agent, driver) in world.arena.each::<Car>() {
                     let (chassis, Some(route)) = (&driver.own.body, &driver.route) else { continue };
                     let box_at = chassis.world_from_box(&world.arena.physics);
                     let at = box_at.translation.truncate();

@@ -9,8 +9,9 @@ use crate::world::streets::Roads;
 /// From the middle to the end of the longest vehicle.
 const LONGEST_TAIL_M: f64 = 9.0;
 
-/// Who leaves too little room on the lanes after a junction, up to the next one. Trams stand for long at the ends of
-/// their lines: behind one that moves, too, another finds room or stops before the junction.
+/// Who leaves too little room on the lanes after a junction, up to the next one: who stands there, or who was promised the
+/// room that the lanes have. Trams stand for long at the ends of their lines: behind one that moves, too, another finds room
+/// or stops before the junction.
 pub(super) fn exit_blocked_by(own: &Request, lane_use: &LaneUse, junctions: &Junctions, roads: &Roads) -> Option<Slot> {
     let exit = *own.exits.first()?;
     let (promised_m, promised_to) = junctions
@@ -27,7 +28,7 @@ pub(super) fn exit_blocked_by(own: &Request, lane_use: &LaneUse, junctions: &Jun
             return None;
         }
     }
-    promised_to.filter(|_| own.is_tram && from_m < needed_m)
+    promised_to.filter(|_| from_m < needed_m)
 }
 
 #[cfg(test)]

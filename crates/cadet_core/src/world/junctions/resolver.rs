@@ -5,14 +5,15 @@ use super::request::{Request, Stage};
 use super::reservations::{Junctions, Queued, Refusal, Reservation};
 use crate::town::LaneId;
 use crate::world::lane_use::LaneUse;
+use crate::world::params::LOOK_S;
 use crate::world::slot::Slot;
 use crate::world::streets::Roads;
 
 /// Who yields goes if it has crossed so long before the other arrives: with the time that it needs to cross, this makes
 /// critical headways of 5 to 8 s from a standstill, where HCM 2010, exhibit 19-10, has 4.1 to 7.1 s.
 const MARGIN_S: f64 = 1.0;
-/// Who has asked at so many looks, 18 s, and was let by none, goes when its turn comes.
-const PATIENCE_LOOKS: u32 = 18 * 20;
+/// Who has asked for so long and was let by none goes when its turn comes.
+const PATIENCE_S: f64 = 18.0;
 
 /// A request with its place in the queue.
 struct Candidate<'a> {
@@ -30,7 +31,7 @@ impl Candidate<'_> {
 
     /// Whether it lets another go first whose way crosses its own.
     fn waits_for(&self, other: &Self) -> bool {
-        let is_patient = |a: &Self| a.queued.asked_looks < PATIENCE_LOOKS;
+        let is_patient = |a: &Self| f64::from(a.queued.asked_looks) * LOOK_S < PATIENCE_S;
         let is_let = |a: &Self, b: &Self| is_patient(a) || b.request.is_tram && b.asks;
         let yields = |a: &Self, b: &Self| a.request.yields_to(b.request) && is_let(a, b);
         if yields(self, other) {

@@ -14,7 +14,8 @@ pub(super) use ride::Ride;
 pub(super) use turn_signal::TurnSignal;
 pub(super) use vehicle::VehicleLook;
 
-use crate::actor::{AnnotatedBox, ObjectClass};
+use crate::actor::{AnnotatedBox, End, ObjectClass};
+use crate::assets::annotation;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
 
@@ -28,8 +29,13 @@ pub(super) trait Look: Send + Sync {
     /// Length, width, height.
     fn size_lwh(&self) -> DVec3;
 
-    /// The box that an annotator would draw.
+    /// The box that an annotator would draw of the model.
     fn annotated(&self) -> AnnotatedBox;
+
+    /// The same, displaced toward the ego as annotators of its class do, to whom an end is near.
+    fn annotated_from(&self, near_end: End) -> AnnotatedBox {
+        annotation::displaced(self.annotated(), self.class(), near_end)
+    }
 
     /// Appends the posed parts.
     fn parts(&self, posed: &PosedBox<'_>, parts: &mut Vec<Instance>);

@@ -6,7 +6,7 @@ use super::spawner::Spawner;
 use crate::assets::belongings::Thing;
 use crate::assets::person::PersonModel;
 use crate::rng::Stream;
-use crate::world::agents::{Kind, Pedestrian};
+use crate::world::agents::Pedestrian;
 use crate::world::slot::Slot;
 use crate::world::walking::Motion;
 
@@ -40,7 +40,7 @@ impl Spawner<'_> {
     pub(super) fn assign_belongings(&mut self, slots: &[Slot]) {
         for slot in slots {
             let agent = &self.arena.agents[*slot];
-            let Some(pedestrian) = agent.as_pedestrian() else { continue };
+            let Some(pedestrian) = agent.get::<Pedestrian>() else { continue };
             let model = &pedestrian.own.look.model;
             if agent.is_placed || model.belonging.is_some() {
                 continue;
@@ -52,7 +52,7 @@ impl Spawner<'_> {
                 let drawn = if stream.chance(0.35) { 1.0 } else { -1.0 };
                 let side = if thing == Thing::Dog && place.free_side != 0.0 { place.free_side } else { drawn };
                 let carrying = Arc::new(model.carrying(thing, side as f32));
-                if let Kind::Pedestrian(pedestrian) = &mut self.arena.agents[*slot].kind {
+                if let Some(pedestrian) = self.arena.agents[*slot].get_mut::<Pedestrian>() {
                     pedestrian.own.look.model = carrying;
                 }
             }
@@ -65,7 +65,7 @@ impl Spawner<'_> {
             Motion::Walks { direction, .. } => direction,
             _ => 1.0,
         };
-        let others = self.arena.pedestrians().filter(|(other, ..)| *other != slot);
+        let others = self.arena.each::<Pedestrian>().filter(|(other, ..)| *other != slot);
         let mut place = Place { is_first: true, is_last: true, free_side: 0.0 };
         for (other, _, pedestrian) in others {
             let (aside, behind) = match pedestrian.company {

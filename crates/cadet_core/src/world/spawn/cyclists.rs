@@ -73,7 +73,7 @@ impl Spawner<'_> {
 
     /// Where the cyclist who came last is, if they came just before and are not in a junction.
     fn last_cyclist(&self, slot: Slot) -> Option<(LaneId, f64)> {
-        let (other, agent, cyclist) = self.arena.cyclists().rev().find(|(other, ..)| *other != slot)?;
+        let (other, agent, cyclist) = self.arena.each::<Cyclist>().rev().find(|(other, ..)| *other != slot)?;
         let lane = cyclist.route.lanes[0];
         let is_near = other.abs_diff(slot) <= 2 && !agent.is_placed;
         (is_near && self.arena.streets.roads.lane(lane).junction.is_none()).then_some((lane, cyclist.route.s_m))
@@ -122,7 +122,7 @@ impl Spawner<'_> {
         let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.x, here.at.y, yaw_rad).ok()?;
         let velocity = here.tangent * speed_mps;
         let own = ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, stream.unit());
-        Some(Kind::Cyclist(Box::new(Cyclist::new(own, habits, route, speed_mps))))
+        Some(Cyclist::new(own, habits, route, speed_mps).into())
     }
 }
 

@@ -199,7 +199,7 @@ impl Spawner<'_> {
             }
             let physics = &mut self.arena.physics;
             let Some(chassis) = chassis_on(&route, &model, speed, physics, roads) else { continue };
-            return Some(Kind::Car(Box::new(Car::new(chassis, Some(route), idm))));
+            return Some(Car::new(chassis, Some(route), idm).into());
         }
         None
     }

@@ -6,7 +6,7 @@ use super::spawner::Spawner;
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::world::agents::{Kind, Pedestrian};
+use crate::world::agents::Pedestrian;
 use crate::world::slot::Slot;
 use crate::world::walking::{GroupPlace, Motion, nearness};
 
@@ -33,7 +33,7 @@ impl Spawner<'_> {
         away: Option<(DVec2, f64)>,
         stream: &mut Stream,
     ) -> Option<Slot> {
-        let earlier = self.arena.pedestrians().rev().filter(|(other, ..)| *other < slot);
+        let earlier = self.arena.each::<Pedestrian>().rev().filter(|(other, ..)| *other < slot);
         let leaders = earlier.take(JOINS_WITHIN).map(|(other, _, p)| p.company.map_or(other, |c| c.leader));
         let leader = leaders.into_iter().find(|leader| {
             let is_alike = match self.pedestrian(*leader).motion {
@@ -60,7 +60,7 @@ impl Spawner<'_> {
     }
 
     fn members(&self, leader: Slot) -> impl Iterator<Item = &Pedestrian> {
-        let people = self.arena.pedestrians().map(|(.., pedestrian)| pedestrian);
+        let people = self.arena.each::<Pedestrian>().map(|(.., pedestrian)| pedestrian);
         people.filter(move |p| p.company.is_some_and(|c| c.leader == leader))
     }
 
@@ -98,7 +98,7 @@ impl Spawner<'_> {
         }
         if aside.is_none() && is_aside {
             let kept_m = if side > 0.0 { lead_m.min(room - apart_m) } else { lead_m.max(apart_m - room) };
-            if let Kind::Pedestrian(pedestrian) = &mut self.arena.agents[leader].kind {
+            if let Some(pedestrian) = self.arena.agents[leader].get_mut::<Pedestrian>() {
                 pedestrian.keep_to(kept_m);
             }
         }
@@ -125,7 +125,7 @@ impl Spawner<'_> {
         }
         if !hidden
             && self.group_size(leader) == 1
-            && let Kind::Pedestrian(pedestrian) = &mut self.arena.agents[leader].kind
+            && let Some(pedestrian) = self.arena.agents[leader].get_mut::<Pedestrian>()
         {
             pedestrian.own.body.yaw_rad = bearing;
         }
@@ -137,7 +137,7 @@ impl Spawner<'_> {
 
     /// Who walks or stands in a slot.
     pub(super) fn pedestrian(&self, slot: Slot) -> &Pedestrian {
-        self.arena.agents[slot].as_pedestrian().expect("pedestrians join pedestrians")
+        self.arena.agents[slot].get::<Pedestrian>().expect("pedestrians join pedestrians")
     }
 
     fn place_of(&self, slot: Slot) -> DVec2 {

@@ -18,6 +18,7 @@ mod traffic;
 mod trams;
 
 pub use config::TrafficConfig;
+pub use traffic::Shortfall;
 
 pub(super) use ego::{EgoStarts, place_ego, too_short};
 pub(super) use overlap::check_free;

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
-use crate::world::agents::{Fixture, Kind};
+use crate::world::agents::Fixture;
 use crate::world::footprint::Footprint;
 use crate::world::look::TurnSignal;
 
@@ -121,7 +121,7 @@ impl Spawner<'_> {
             if let Some(opening) = opening(spot, seed) {
                 parked.look.open(opening);
             }
-            self.arena.put(Kind::Static(Box::new(Fixture::Vehicle(parked))));
+            self.arena.put(Fixture::Vehicle(parked));
         }
         Ok(())
     }

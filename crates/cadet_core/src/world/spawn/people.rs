@@ -8,6 +8,7 @@ use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::world::agents::{Kind, Pedestrian};
+use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
 use crate::world::walking::Motion;
 
@@ -16,7 +17,7 @@ const CROSSERS_SHARE: f64 = 0.4;
 /// Sidewalks this near to the ego's way are along it, and so many walk there of those who walk elsewhere.
 const BESIDE_EGO_WAY_M: f64 = 14.0;
 const PEOPLE_ON_EGO_WAY: f64 = 0.7;
-/// Between people who do not know each other, and between a person and a parked car.
+/// Between people who do not know each other, and between a person and a vehicle or a thing.
 const STRANGERS_M: f64 = 0.9;
 const CAR_M: f64 = 0.4;
 
@@ -40,7 +41,7 @@ impl Spawner<'_> {
                 _ => self.in_a_circle(slot, leader, stream, &model, is_newcomer),
             };
             if let Some(joined) = joined {
-                return Some(Kind::Pedestrian(Box::new(joined)));
+                return Some(joined.into());
             }
         }
         let way: Vec<DVec2> = self.ego_way().map_or_else(Vec::new, |r| {
@@ -73,7 +74,7 @@ impl Spawner<'_> {
             if self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, STRANGERS_M) {
                 let mut walker = self.walker_on(stream, model, (walkway, s_m, direction), lateral_m)?;
                 walker.crosser = walks && stream.chance(CROSSERS_SHARE);
-                return Some(Kind::Pedestrian(Box::new(walker)));
+                return Some(walker.into());
             }
         }
         None
@@ -84,11 +85,14 @@ impl Spawner<'_> {
         spot.at + spot.tangent.perp() * lateral_m
     }
 
-    /// Whether nobody but who is in `slot` is within `apart_m` of a place, and no parked car is near it.
+    /// Whether nobody but who is in `slot` is within `apart_m` of a place, and no vehicle or thing is near it.
     pub(super) fn has_room_for_person(&self, at: DVec2, slot: Slot, apart_m: f64) -> bool {
         let is_near_somebody =
             self.arena.people().any(|(other, place)| other != slot && (place - at).length() < apart_m);
-        !is_near_somebody && self.arena.around.standing.iter().all(|o| (o.closest_point(at) - at).length() >= CAR_M)
+        let is_near = |o: &Footprint| (o.closest_point(at) - at).length() < CAR_M;
+        !is_near_somebody
+            && !self.arena.around.standing.iter().any(is_near)
+            && !self.arena.vehicles().any(|(_, o)| is_near(&o))
     }
 
     pub(super) fn walker_on(

@@ -43,12 +43,12 @@ pub(crate) fn add_vehicle(
             let (at, yaw_rad, _) = script.start();
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
             let led = Led::Vehicle(guided_vehicle(arena, model, script.start())?);
-            Kind::Scripted(Box::new(Scripted { script, led }))
+            Kind::from(Scripted { script, led })
         }
         None => {
             let (at, yaw_rad) = standing(course)?;
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
-            Kind::Static(Box::new(Fixture::Vehicle(parked_vehicle(arena, model, at.x, at.y, yaw_rad)?)))
+            Fixture::Vehicle(parked_vehicle(arena, model, at.x, at.y, yaw_rad)?).into()
         }
     };
     Ok(arena.put_placed(newcomer))
@@ -77,9 +77,9 @@ pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, ov
         Some(script) => {
             let Actor { body, look } = person.own;
             let body = Upright { velocity_world: script.start().2.extend(0.0), ..body };
-            Kind::Scripted(Box::new(Scripted { script, led: Led::Person(Actor { body, look }) }))
+            Kind::from(Scripted { script, led: Led::Person(Actor { body, look }) })
         }
-        None => Kind::Pedestrian(Box::new(person)),
+        None => person.into(),
     };
     Ok(arena.put_placed(newcomer))
 }
@@ -106,8 +106,8 @@ pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, o
     let turn = Stream::from_seed("wheels", model_seed).unit();
     let own = ridden_bicycle(arena, model, (pose, yaw_rad), velocity, turn);
     let newcomer = match script {
-        Some(script) => Kind::Scripted(Box::new(Scripted { script, led: Led::Cyclist(own) })),
-        None => Kind::Static(Box::new(Fixture::Cyclist(own))),
+        Some(script) => Kind::from(Scripted { script, led: Led::Cyclist(own) }),
+        None => Fixture::Cyclist(own).into(),
     };
     Ok(arena.put_placed(newcomer))
 }

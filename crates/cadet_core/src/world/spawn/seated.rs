@@ -50,7 +50,7 @@ impl Spawner<'_> {
 /// Somebody on a seat.
 fn sitter(model: PersonModel, body: Upright) -> Kind {
     let look = PersonLook { model: Arc::new(model), phase: 0.0 };
-    Kind::Static(Box::new(Fixture::Person(Actor { body, look })))
+    Fixture::Person(Actor { body, look }).into()
 }
 
 /// Puts somebody on a seat, turned a little on it.

@@ -6,7 +6,7 @@ use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::agents::{Agent, Car, Cyclist, Gone, Kind};
+use crate::world::agents::{Agent, Car, Cyclist, Kind, Pedestrian};
 use crate::world::arena::Arena;
 use crate::world::driving::Cause;
 use crate::world::slot::{EGO, Slot};
@@ -36,12 +36,23 @@ const WAITS_STEPS: u64 = 60 * 2;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
+/// Agents of a kind of which fewer found room than were asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shortfall {
+    /// The field of [`super::TrafficConfig`] that asks for them.
+    pub setting: &'static str,
+    /// How many it asks for.
+    pub asked: usize,
+    /// How many there are.
+    pub placed: usize,
+}
+
 /// Fills a world: parked cars, then driven ones, then people on foot, then cyclists, then people who sit,
-/// then trams. To be called once, before the first step.
+/// then trams. To be called once, before the first step. Returns what found no room.
 ///
 /// # Errors
 /// [`crate::Error::OutOfRange`] for a configuration that makes no sense.
-pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
+pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<Vec<Shortfall>> {
     let config = spawner.config;
     config.check()?;
     spawner.park_cars(town)?;
@@ -51,14 +62,22 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     spawner.roll_ego();
     let car_m = car_m * if spawner.is_fast() { fast::FARTHER } else { 1.0 };
     spawner.refresh_traffic_state();
-    add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
-    add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
-    add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
-    let people: Vec<Slot> = spawner.arena.pedestrians().map(|(slot, ..)| slot).collect();
+    let cars = add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
+    let num_people = config.num_pedestrians;
+    let people = add(spawner, "people", num_people, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
+    let num_cyclists = config.num_cyclists;
+    let cyclists = add(spawner, "cyclists", num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
+    let placed = [
+        ("num_cars", config.num_cars, cars),
+        ("num_pedestrians", num_people, people),
+        ("num_cyclists", num_cyclists, cyclists),
+    ];
+    let people: Vec<Slot> = spawner.arena.each::<Pedestrian>().map(|(slot, ..)| slot).collect();
     spawner.assign_belongings(&people);
     spawner.seat_people(town);
-    spawner.fill_tracks();
-    Ok(())
+    let trams = ("num_trams", config.num_trams, spawner.fill_tracks());
+    let placed = placed.into_iter().chain([trams]).filter(|(_, asked, placed)| placed < asked);
+    Ok(placed.map(|(setting, asked, placed)| Shortfall { setting, asked, placed }).collect())
 }
 
 /// How many have been replaced, and when.
@@ -93,7 +112,9 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
 /// Makes somebody for a slot, between two distances from the ego; `None` where there is no place.
 type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<Kind>;
 
-fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) {
+/// Adds so many, or as many as find room; returns how many.
+fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) -> usize {
+    let before = spawner.arena.agents.len();
     let mut stream = spawner.key.stream(name);
     for _ in 0..count {
         let slot = spawner.arena.agents.len();
@@ -102,6 +123,7 @@ fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: 
             spawner.refresh_traffic_state();
         }
     }
+    spawner.arena.agents.len() - before
 }
 
 fn replace<'s>(
@@ -125,13 +147,14 @@ fn replace<'s>(
 /// Newcomers for those who have left the world, out of sight or, where no such place is free, at the map's edge.
 fn fill_vacant(spawner: &mut Spawner<'_>, respawns: &mut u64) {
     let appears_m = if spawner.is_fast() { fast::APPEARS_M } else { CAR_APPEARS_M };
-    for slot in spawner.arena.vacant().to_vec() {
-        let (make, appears_m): (Make<'_>, _) = match &spawner.arena.agents[slot].kind {
-            Kind::Gone(Gone { class: ObjectClass::Cyclist }) => (Spawner::new_cyclist, CYCLIST_APPEARS_M),
+    let vacant: Vec<(Slot, ObjectClass)> = spawner.arena.vacant().map(|(slot, gone)| (slot, gone.class)).collect();
+    for (slot, class) in vacant {
+        let (make, appears_m): (Make<'_>, _) = match class {
+            ObjectClass::Cyclist => (Spawner::new_cyclist, CYCLIST_APPEARS_M),
             _ => (Spawner::new_car, appears_m),
         };
         replace(spawner, "replacements", respawns, &[slot], (appears_m, Entry::Unseen), make);
-        if spawner.arena.vacant().contains(&slot) {
+        if spawner.arena.vacant().any(|(other, _)| other == slot) {
             replace(spawner, "arrivals", respawns, &[slot], ((EDGE_M, appears_m.1), Entry::MapEdge), make);
         }
     }
@@ -148,11 +171,11 @@ pub(crate) fn leave(arena: &mut Arena) {
         let waits = ego_is_over && standing_steps > WAITS_STEPS && agent.behavior().cause() == Cause::Vehicle(EGO);
         !agent.is_placed && (waits || route.leads_off_map(half_m, roads))
     };
-    let drivers = arena.cars().filter(|(slot, ..)| *slot != EGO);
+    let drivers = arena.each::<Car>().filter(|(slot, ..)| *slot != EGO);
     let drivers = drivers.filter_map(|(slot, agent, driver)| {
         is_over(agent, driver.route.as_ref()?, driver.standing_steps).then_some(slot)
     });
-    let cyclists = arena.cyclists();
+    let cyclists = arena.each::<Cyclist>();
     let cyclists = cyclists.filter(|(_, agent, cyclist)| is_over(agent, &cyclist.route, cyclist.standing_steps));
     let gone: Vec<Slot> = drivers.chain(cyclists.map(|(slot, ..)| slot)).collect();
     gone.into_iter().for_each(|slot| arena.remove(slot));
@@ -171,12 +194,12 @@ fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
             && driver.route.as_ref().is_some_and(|route| !route.fits(CORNER_AHEAD_M, &spawner.arena.streets.roads));
         *slot != EGO && !agent.is_placed && (to.length() >= gone_m || is_stuck || is_cornered)
     };
-    spawner.arena.cars().filter(is_gone).map(|(slot, ..)| slot).collect()
+    spawner.arena.each::<Car>().filter(is_gone).map(|(slot, ..)| slot).collect()
 }
 
 fn gone_walkers(spawner: &Spawner<'_>) -> Vec<Slot> {
     let (ego, _) = spawner.arena.ego_place();
-    let people = spawner.arena.pedestrians();
+    let people = spawner.arena.each::<Pedestrian>();
     people
         .filter(|(_, agent, pedestrian)| !agent.is_placed && (pedestrian.own.body.at() - ego).length() >= WALKER_GONE_M)
         .map(|(slot, ..)| slot)
@@ -191,5 +214,5 @@ fn gone_cyclists(spawner: &Spawner<'_>) -> Vec<Slot> {
         let is_stuck = is_hidden && cyclist.standing_steps > STUCK_STEPS;
         !agent.is_placed && (to.length() >= CYCLIST_GONE_M || is_stuck)
     };
-    spawner.arena.cyclists().filter(is_gone).map(|(slot, ..)| slot).collect()
+    spawner.arena.each::<Cyclist>().filter(is_gone).map(|(slot, ..)| slot).collect()
 }

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use super::spawner::{Entry, Spawner};
 use crate::assets::vehicle::VehicleModel;
-use crate::assets::vehicle::tram::{num_cars_of, train_of_traffic};
+use crate::assets::vehicle::tram::train_of_traffic;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
-use crate::world::agents::{Actor, Coupled, Kind, Train, Tram, TramCar};
+use crate::world::agents::{Actor, Coupled, Train, Tram, TramCar};
 use crate::world::body::{Guided, Settled, settle};
 use crate::world::footprint::Footprint;
 use crate::world::look::VehicleLook;
@@ -33,42 +33,41 @@ const BESIDE_M: f64 = 0.3;
 /// Speed at the start, and the deceleration at which it allows a stop before the next junction.
 const STARTS_MPS: (f64, f64) = (5.0, 10.0);
 const STOPS_MPS2: f64 = 1.0;
-/// Draws of a tram that has as many cars as the one whose slots it takes.
-const DRAWS: usize = 40;
 /// A cab stands over its bogie this far behind the front.
 const CAB_TO_BOGIE_M: f64 = 2.4;
 
 impl Spawner<'_> {
-    /// Places the trams of the start.
-    pub(super) fn fill_tracks(&mut self) {
+    /// Places the trams of the start; returns how many found room.
+    pub(super) fn fill_tracks(&mut self) -> usize {
+        let before = self.arena.agents.len();
         let mut stream = self.key.stream("trams");
         for _ in 0..self.config.num_trams {
             let seed = stream.next_u64();
             if let Some(tram) = self.new_tram(seed, &mut stream, STARTS_M, Entry::Anywhere, None) {
-                self.arena.put(Kind::Tram(Box::new(tram)));
+                self.arena.put(tram);
             }
         }
+        self.arena.agents.len() - before
     }
 
     /// Replaces a tram that has gone too far away, or has reached the end of its line, unseen; returns how many steps pass
     /// before the next one.
     pub(super) fn renew_tram(&mut self, respawns: &mut u64) -> Option<u64> {
-        for (slot, num_cars) in self.gone_trams() {
+        for slot in self.gone_trams() {
             let mut stream = self.key.indexed("new trams", *respawns);
             *respawns += 1;
-            let seeds = (0..DRAWS).map(|_| stream.next_u64()).collect::<Vec<_>>();
-            let Some(seed) = seeds.into_iter().find(|seed| num_cars_of(*seed) == num_cars) else { continue };
+            let seed = stream.next_u64();
             let Some(tram) = self.new_tram(seed, &mut stream, APPEARS_M, Entry::Unseen, Some(slot)) else { continue };
-            self.arena.replace(slot, Kind::Tram(Box::new(tram)));
+            self.arena.replace(slot, tram.into());
             return Some((stream.range(PAUSE_S.0, PAUSE_S.1) / DT_S) as u64);
         }
         None
     }
 
-    /// The slots of trams that may go, and how many cars each has.
-    fn gone_trams(&self) -> Vec<(Slot, usize)> {
+    /// The slots of trams that may go.
+    fn gone_trams(&self) -> Vec<Slot> {
         let (ego, view) = self.arena.ego_place();
-        let trams = self.arena.trams().filter(|(_, agent, _)| !agent.is_placed);
+        let trams = self.arena.each::<Tram>().filter(|(_, agent, _)| !agent.is_placed);
         let gone = trams.filter(|(_, agent, tram)| {
             agent.actors().all(|(_, car)| {
                 let to = car.body.world_from_box(&self.arena.physics).translation.truncate() - ego;
@@ -76,7 +75,7 @@ impl Spawner<'_> {
                 to.length() > GONE_M || (tram.train.is_at_end() && is_unseen)
             })
         });
-        gone.map(|(slot, _, tram)| (slot, tram.cars.len())).collect()
+        gone.map(|(slot, ..)| slot).collect()
     }
 
     /// The cars of a tram at a random free place of the tracks between two distances from the ego.
@@ -125,7 +124,7 @@ impl Spawner<'_> {
         if behind.take_while(|id| roads.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {
             return None;
         }
-        let is_spaced = self.arena.trams().all(|(slot, _, tram)| {
+        let is_spaced = self.arena.each::<Tram>().all(|(slot, _, tram)| {
             let other = &tram.train;
             let ahead_m = other.track.start_of(lane).map(|m| other.front_m - m - s_m - length_m / 2.0);
             but == Some(slot) || ahead_m.is_none_or(|m| m.abs() > SPACING_M)

@@ -54,7 +54,7 @@ fn nobody_walks_into_a_car_or_a_person() {
         for tick in 0..240 {
             world.step(15);
             let driven = cars(&world).into_iter().map(|(agent, _)| agent);
-            let ridden = world.arena.cyclists().map(|(_, agent, _)| agent);
+            let ridden = world.arena.each::<Cyclist>().map(|(_, agent, _)| agent);
             let vehicles: Vec<(i32, Footprint)> =
                 driven.chain(ridden).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
             let walkers = walkers(&world);
@@ -109,7 +109,7 @@ fn people_walk_in_groups_and_stay_together() {
         for (walker, pedestrian) in walkers(&world) {
             let Some(company) = pedestrian.company else { continue };
             let leader = &world.arena.agents[company.leader];
-            assert!(leader.as_pedestrian().unwrap().company.is_none(), "who leads follows nobody");
+            assert!(leader.get::<Pedestrian>().unwrap().company.is_none(), "who leads follows nobody");
             in_company += 1;
             behind += usize::from(company.behind_m > 0.0);
             let place_m = math::hypot(company.behind_m, company.aside_m);

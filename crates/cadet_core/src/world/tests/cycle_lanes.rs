@@ -9,7 +9,7 @@ use crate::world::DT_S;
 use crate::world::agents::Cyclist;
 
 fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
-    world.arena.cyclists().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
+    world.arena.each::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
 }
 
 /// Worlds of two minutes each.
@@ -35,8 +35,8 @@ struct Seen {
 /// Who somebody is, where, and what they are about.
 fn tell(world: &World, agent: &Agent) -> String {
     let own = footprint(world, agent);
-    let rides = world.arena.cyclists().find(|r| r.1.id == agent.id);
-    let drives = world.arena.cars().find(|d| d.1.id == agent.id);
+    let rides = world.arena.each::<Cyclist>().find(|r| r.1.id == agent.id);
+    let drives = world.arena.each::<Car>().find(|d| d.1.id == agent.id);
     let (route, cause) = match (rides, drives) {
         (Some((.., c)), _) => (Some(&c.route), Some(c.cause())),
         (_, Some((.., d))) => (d.route.as_ref(), Some(d.cause())),

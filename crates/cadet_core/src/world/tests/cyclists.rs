@@ -7,11 +7,11 @@ use crate::world::agents::Cyclist;
 use crate::world::look::{CyclistLook, Ride};
 
 fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
-    world.arena.cyclists().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
+    world.arena.each::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
 }
 
 fn ride(agent: &Agent) -> (Ride, f64, f64) {
-    let CyclistLook { model, ride } = &agent.as_cyclist().unwrap().own.look;
+    let CyclistLook { model, ride } = &agent.get::<Cyclist>().unwrap().own.look;
     (*ride, model.wheel_radius_m, model.wheelbase_m)
 }
 
@@ -142,8 +142,7 @@ fn a_car_follows_a_cyclist_at_a_distance_and_a_scripted_one_goes_where_it_is_tol
     assert!(nearest_m > 4.0, "{nearest_m} m from middle to middle");
     let stand = Course::Stand { x_m: 0.0, y_m: 9.0, yaw_rad: 1.0 };
     world.add(ObjectClass::Cyclist, ModelChoice::Seed(6), &stand, Overlap::Refuse).unwrap();
-    let Kind::Static(fixture) = &world.arena.agents.last().unwrap().kind else { unreachable!("it stands") };
-    let Fixture::Cyclist(cyclist) = fixture.as_ref() else { unreachable!("it is a cyclist") };
+    let Some(Fixture::Cyclist(cyclist)) = world.arena.agents.last().unwrap().get() else { unreachable!() };
     assert!(cyclist.look.ride.stands);
     let again = world.add(ObjectClass::Cyclist, ModelChoice::Seed(7), &stand, Overlap::Refuse);
     assert!(matches!(again, Err(Error::Scene { .. })), "two at one place");

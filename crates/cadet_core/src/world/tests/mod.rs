@@ -30,12 +30,12 @@ use std::sync::Arc;
 use super::body::Fixed;
 use super::footprint::Footprint;
 use super::junctions::{Junctions, Refusal, Request};
-use super::{Course, ModelChoice, Overlap, TrafficConfig, Waypoint, World};
+use super::{Course, ModelChoice, Overlap, Shortfall, TrafficConfig, Waypoint, World};
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::StreamKey;
-use crate::world::agents::{Actor, Agent, Behavior, Car, Fixture, Kind, Pedestrian};
+use crate::world::agents::{Actor, Agent, Behavior, Car, Cyclist, Fixture, Pedestrian};
 use crate::world::look::VehicleLook;
 use crate::world::streets::Roads;
 use crate::world::walking::Motion;
@@ -50,11 +50,11 @@ fn add(world: &mut World, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, 
 
 /// The cars in traffic, the ego first.
 fn cars(world: &World) -> Vec<(&Agent, &Car)> {
-    world.arena.cars().map(|(_, agent, driver)| (agent, driver)).collect()
+    world.arena.each::<Car>().map(|(_, agent, driver)| (agent, driver)).collect()
 }
 
 fn walkers(world: &World) -> Vec<(&Agent, &Pedestrian)> {
-    world.arena.pedestrians().map(|(_, agent, pedestrian)| (agent, pedestrian)).collect()
+    world.arena.each::<Pedestrian>().map(|(_, agent, pedestrian)| (agent, pedestrian)).collect()
 }
 
 fn parked(world: &World) -> Vec<&Agent> {
@@ -62,8 +62,7 @@ fn parked(world: &World) -> Vec<&Agent> {
 }
 
 fn parked_car(agent: &Agent) -> Option<&Actor<Fixed, VehicleLook>> {
-    let Kind::Static(fixture) = &agent.kind else { return None };
-    if let Fixture::Vehicle(car) = fixture.as_ref() { Some(car) } else { None }
+    if let Some(Fixture::Vehicle(car)) = agent.get() { Some(car) } else { None }
 }
 
 fn footprint(world: &World, agent: &Agent) -> Footprint {
@@ -276,6 +275,16 @@ fn parked_wheels_touch_sloping_and_bent_ground() {
             assert!((foot.z - ground).abs() < 0.01, "a wheel is {} m above the ground", foot.z - ground);
         }
     }
+}
+
+#[test]
+fn what_finds_no_room_is_told() {
+    let mut world = World::new(crossing(), StreamKey::scene(2)).unwrap();
+    let config = TrafficConfig { num_cars: 400, num_pedestrians: 3, num_trams: 1, ..TrafficConfig::default() };
+    let told = world.spawn_traffic(&config).unwrap();
+    let placed = cars(&world).len() - 1;
+    let cars = Shortfall { setting: "num_cars", asked: 400, placed };
+    assert_eq!(told, [cars, Shortfall { setting: "num_trams", asked: 1, placed: 0 }]);
 }
 
 #[test]

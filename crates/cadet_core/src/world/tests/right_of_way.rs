@@ -24,7 +24,7 @@ fn busy(seed: u64) -> World {
 
 /// The lane before the next junction of a vehicle, and how far its front is from it.
 fn approach(world: &World, agent: &Agent) -> Option<(LaneId, f64)> {
-    let route = match (agent.as_car(), agent.as_cyclist()) {
+    let route = match (agent.get::<Car>(), agent.get::<Cyclist>()) {
         (Some(driver), _) => driver.route.as_ref()?,
         (_, Some(cyclist)) => &cyclist.route,
         _ => return None,

@@ -32,8 +32,8 @@ fn two_dead_ends(keeps_left: bool, seed: u64) -> World {
 
 /// All who drive or ride but the ego.
 fn traffic(world: &World) -> Vec<&Agent> {
-    let drivers = world.arena.cars().filter(|(slot, ..)| *slot != EGO).map(|(_, agent, _)| agent);
-    drivers.chain(world.arena.cyclists().map(|(_, agent, _)| agent)).collect()
+    let drivers = world.arena.each::<Car>().filter(|(slot, ..)| *slot != EGO).map(|(_, agent, _)| agent);
+    drivers.chain(world.arena.each::<Cyclist>().map(|(_, agent, _)| agent)).collect()
 }
 
 /// Six minutes of traffic: everybody stays on the road and off each other, many come and go, and cyclists are overtaken.
@@ -53,7 +53,7 @@ fn flows(keeps_left: bool, seed: u64) {
                 let met = boxes[..i].iter().position(|other| other.overlaps(&boxes[i]));
                 assert_eq!(met.map(|k| traffic[k].id), None, "{minute}:{second}: {} at {at}", agent.id);
             }
-            let overtaking = world.arena.cars().filter(|(_, _, driver)| driver.overtakes());
+            let overtaking = world.arena.each::<Car>().filter(|(_, _, driver)| driver.overtakes());
             overtakers.extend(overtaking.map(|(_, agent, _)| agent.id));
             moving_s += boxes.iter().filter(|f| f.velocity.length() > 1.0).count();
             ids.extend(traffic.iter().map(|a| a.id));
@@ -115,7 +115,7 @@ fn cyclists_ride_beside_the_curb_whichever_side_traffic_keeps_to() {
         let mut seen = 0;
         for _ in 0..60 {
             world.step(SECOND / 2);
-            for (_, agent, _) in world.arena.cyclists() {
+            for (_, agent, _) in world.arena.each::<Cyclist>() {
                 let f = footprint(&world, agent);
                 let left_m = f.heading.perp().dot(f.center);
                 let to_curb_m = if keeps_left { left_m } else { -left_m };

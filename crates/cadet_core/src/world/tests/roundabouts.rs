@@ -38,9 +38,9 @@ fn traffic_goes_round_without_touching_or_jamming_and_signals_to_leave() {
                     continue;
                 };
                 let is_new = was_on.insert(agent.id);
-                entered += usize::from(is_new && agent.as_car().is_some());
-                cyclists_entered += usize::from(is_new && agent.as_cyclist().is_some());
-                if let Some(driver) = agent.as_car() {
+                entered += usize::from(is_new && agent.get::<Car>().is_some());
+                cyclists_entered += usize::from(is_new && agent.get::<Cyclist>().is_some());
+                if let Some(driver) = agent.get::<Car>() {
                     let shows = driver.signal() != TurnSignal::Off;
                     let is_late = s_m > lane.length_m() - 12.0;
                     early += usize::from(shows && s_m < lane.length_m() - 16.0);

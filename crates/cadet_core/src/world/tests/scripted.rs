@@ -21,8 +21,7 @@ fn actor(world: &World, id: i32) -> ActorState {
 }
 
 fn scripted(world: &World, slot: usize) -> &Scripted {
-    let Kind::Scripted(scripted) = &world.arena.agents[slot].kind else { unreachable!("it has a script") };
-    scripted
+    world.arena.agents[slot].get::<Scripted>().expect("it has a script")
 }
 
 /// The angle between a wheel's spoke and the box's vertical, as it is seen: its roll.

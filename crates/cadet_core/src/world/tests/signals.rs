@@ -29,7 +29,7 @@ fn fronts(world: &World) -> BTreeMap<i32, (LaneId, f64)> {
         (agent.id, (lane, roads.lane(lane).length_m() - s_m - half_m))
     };
     let cars = cars(world).into_iter().filter_map(|(a, d)| d.route.as_ref().map(|r| front(a, r.lanes[0], r.s_m)));
-    let cyclists = world.arena.cyclists().map(|(_, a, c)| front(a, c.route.lanes[0], c.route.s_m));
+    let cyclists = world.arena.each::<Cyclist>().map(|(_, a, c)| front(a, c.route.lanes[0], c.route.s_m));
     cars.chain(cyclists).collect()
 }
 

@@ -9,7 +9,7 @@ use crate::world::lane_use::LaneUse;
 
 /// The trams.
 pub(super) fn trains(world: &World) -> Vec<(&Agent, &Tram)> {
-    world.arena.trams().map(|(_, agent, tram)| (agent, tram)).collect()
+    world.arena.each::<Tram>().map(|(_, agent, tram)| (agent, tram)).collect()
 }
 
 /// What the cars of a train cover, the first ahead.
@@ -44,7 +44,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
             let others = world
                 .arena
                 .active()
-                .filter(|(_, agent)| agent.as_tram().is_none() && agent.actor().body.person().is_none());
+                .filter(|(_, agent)| agent.get::<Tram>().is_none() && agent.actor().body.person().is_none());
             let others: Vec<(i32, Footprint)> =
                 others.map(|(_, a)| a).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
             let trains = trains(&world);
@@ -127,7 +127,7 @@ fn trams_come_one_after_the_other() {
     for (seed, town) in towns_with_tracks(3) {
         let mut world = busy(seed, &town);
         let leaders = |world: &World| -> Vec<(i32, f64, LaneId)> {
-            let drivers = world.arena.trams();
+            let drivers = world.arena.each::<Tram>();
             drivers.map(|(_, a, d)| (a.id, d.train.front_m, d.train.track.lane_at(0.0).0)).collect()
         };
         let start = leaders(&world);

@@ -102,7 +102,7 @@ fn passages(
 fn who_turns_off_signals_to_that_side_and_who_goes_straight_on_does_not() {
     let mut tally = [[0; 3]; 3];
     for seed in [3, 5] {
-        let of_seed = passages(&mut busy(seed, 0), (240, 16), |a| a.as_car().is_some() && a.id > 0, lit);
+        let of_seed = passages(&mut busy(seed, 0), (240, 16), |a| a.get::<Car>().is_some() && a.id > 0, lit);
         tally.as_flattened_mut().iter_mut().zip(of_seed.as_flattened()).for_each(|(sum, n)| *sum += n);
     }
     let [straight, left, right] = tally;
@@ -112,14 +112,10 @@ fn who_turns_off_signals_to_that_side_and_who_goes_straight_on_does_not() {
 }
 
 fn show(agent: &mut Agent, signal: TurnSignal) {
-    match &mut agent.kind {
-        Kind::Car(car) => car.own.look.signal = signal,
-        Kind::Static(fixture) => {
-            if let Fixture::Vehicle(car) = fixture.as_mut() {
-                car.look.signal = signal;
-            }
-        }
-        _ => {}
+    if let Some(car) = agent.get_mut::<Car>() {
+        car.own.look.signal = signal;
+    } else if let Some(Fixture::Vehicle(car)) = agent.get_mut() {
+        car.look.signal = signal;
     }
 }
 
@@ -128,7 +124,7 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
     let mut world = busy(3, 0);
     world.step(2 * SECOND);
     let (id, slot) = {
-        let (slot, agent, _) = world.arena.cars().find(|(_, a, _)| a.id > 0).unwrap();
+        let (slot, agent, _) = world.arena.each::<Car>().find(|(_, a, _)| a.id > 0).unwrap();
         (agent.id, slot)
     };
     // Parked behind a script of its own: what it shows stays.
@@ -157,11 +153,11 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
 fn cyclists_point_where_they_turn_and_nowhere_else() {
     let arms = |world: &World| {
         let arm = |ride: &Ride| [ride.arm > 0.5, ride.arm < -0.5];
-        world.arena.cyclists().map(|(_, agent, rider)| (agent.id, arm(&rider.own.look.ride))).collect()
+        world.arena.each::<Cyclist>().map(|(_, agent, rider)| (agent.id, arm(&rider.own.look.ride))).collect()
     };
     let mut tally = [[0; 3]; 3];
     for seed in [3, 5, 8] {
-        let of_seed = passages(&mut busy(seed, 24), (240, 48), |a| a.as_cyclist().is_some(), arms);
+        let of_seed = passages(&mut busy(seed, 24), (240, 48), |a| a.get::<Cyclist>().is_some(), arms);
         tally.as_flattened_mut().iter_mut().zip(of_seed.as_flattened()).for_each(|(sum, n)| *sum += n);
     }
     let [straight, left, right] = tally;

@@ -55,13 +55,6 @@ pub(crate) fn train_of_traffic(seed: u64) -> Vec<Arc<VehicleModel>> {
     cars.collect()
 }
 
-/// The numbers of cars that a tram of traffic may have.
-#[must_use]
-pub(crate) fn num_cars_of(seed: u64) -> usize {
-    let number = Stream::from_seed("traffic tram", seed).below(NUM_TRAINS);
-    plan::train(&mut Stream::from_seed("tram", number as u64)).len()
-}
-
 fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
     let palette = work_paint::palette(ObjectClass::Tram, Livery::Tram, s);
     let size = Vec3::new(p.length, p.width, p.height);
