@@ -43,6 +43,14 @@ impl OrientedRect {
         self.center + self.axis * along + self.axis.perp() * across
     }
 
+    /// Whether a point of the rectangle is nearer to a place than a reach.
+    pub(crate) fn is_within(&self, place: DVec2, reach_m: f64) -> bool {
+        // Most are far away: the sum of the sides tells without a look at the axis.
+        let farthest_m = reach_m + self.half.x + self.half.y;
+        (self.center - place).length_squared() < farthest_m * farthest_m
+            && (self.closest_point(place) - place).length() < reach_m
+    }
+
     /// The rectangle grown on all sides.
     pub(crate) fn grown(&self, by_m: f64) -> Self {
         Self { half: self.half + DVec2::splat(by_m), ..*self }

@@ -46,9 +46,7 @@ impl Footprint {
 
     /// Whether a point of the rectangle is nearer to `p` than `reach_m`.
     pub fn is_within(&self, p: DVec2, reach_m: f64) -> bool {
-        // Most are far away: the sum of the sides tells without a look at the heading.
-        let farthest_m = reach_m + self.half_length_m + self.half_width_m;
-        (self.center - p).length_squared() < farthest_m * farthest_m && (self.closest_point(p) - p).length() < reach_m
+        self.rect().is_within(p, reach_m)
     }
 
     /// Whether two rectangles overlap.

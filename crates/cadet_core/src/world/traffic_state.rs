@@ -9,7 +9,7 @@ use crate::math::DVec2;
 use crate::world::streets::{Ahead, Roads};
 use crate::world::walking::Walk;
 
-/// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
+/// Room between a vehicle that stands beside a lane and the lane's middle at which drivers need not reckon with it.
 const OFF_LANES_M: f64 = 1.7;
 /// The same of a lane for bicycles.
 const OFF_CYCLE_LANES_M: f64 = 0.7;
@@ -75,7 +75,7 @@ impl TrafficState {
     /// Something stands there for good.
     pub fn stand(&mut self, footprint: Footprint, roads: &Roads) {
         self.standing.push(footprint);
-        if !roads.keeps_off_lanes(&footprint, OFF_LANES_M)
+        if !roads.is_beside_lanes(&footprint, OFF_LANES_M)
             || !roads.keeps_off_cycle_lanes(&footprint, OFF_CYCLE_LANES_M)
         {
             self.standing_in_lanes.push(footprint);
@@ -156,5 +156,34 @@ impl TrafficState {
     /// What a pedestrian was about at the last look.
     pub fn walk_of(&self, agent: Slot) -> Option<Walk> {
         self.walks[agent]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+    use crate::rect::OrientedRect;
+    use crate::town::LaneKind;
+    use crate::world::tests::towns::{main_roads, suburb};
+
+    #[test]
+    fn what_stands_in_a_lane_is_reckoned_with_however_wide_the_lane() {
+        let mut widest_m = 0.0_f64;
+        for town in [suburb(0), suburb(1), main_roads(0)] {
+            let roads = Roads::new(town);
+            for lane in roads.open_lanes().filter(|l| l.kind == LaneKind::Driving && l.length_m() > 6.0) {
+                let middle_m = lane.length_m() / 2.0;
+                let (pose, width_m) = (lane.pose_at(middle_m), lane.width_at(middle_m));
+                widest_m = widest_m.max(width_m);
+                let out = (pose.rotation * DVec3::Y).truncate() * lane.curb_side();
+                let center = pose.translation.truncate() + out * (width_m / 2.0 + 0.3);
+                let rect = OrientedRect { center, axis: out.perp(), half: DVec2::new(2.0, 0.45) };
+                let mut around = TrafficState::new(&roads);
+                around.stand(Footprint::standing(&rect), &roads);
+                assert_eq!(around.standing_in_lanes.len(), 1, "15 cm inside a lane of {width_m} m");
+            }
+        }
+        assert!(widest_m > 4.2, "{widest_m} m");
     }
 }

@@ -28,6 +28,8 @@ pub(crate) struct Roads {
     reach_m: Vec<f64>,
     /// Bounds of each lane in the plane.
     bounds: Vec<(DVec2, DVec2)>,
+    /// Width of the widest lane.
+    widest_m: f64,
     room: Room,
     /// The lanes abreast of each, toward the middle of the road and toward the curb.
     beside: Vec<[Option<LaneId>; 2]>,
@@ -53,10 +55,11 @@ impl Roads {
                 })
             })
             .collect();
+        let widest_m = lanes.iter().flat_map(|l| &l.width_m).copied().fold(0.0, f64::max);
         let reach_m = reaches(&town.network);
         let beside = abreast::neighbors(lanes);
         let right_of_way = rights_of_way(&town);
-        Self { town, allowed_mps, reach_m, bounds, room, beside, right_of_way }
+        Self { town, allowed_mps, reach_m, bounds, widest_m, room, beside, right_of_way }
     }
 
     /// Whether a lane is a motorway's, or as fast.
@@ -165,22 +168,25 @@ impl Roads {
 
     /// Whether a rectangle is at least `room_m` away from the middle of every driving lane.
     pub fn keeps_off_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
-        self.keeps_off(rectangle, room_m, LaneKind::Driving)
+        self.keeps_off(rectangle, LaneKind::Driving, (room_m, 0.0))
     }
 
     /// The same of every lane for bicycles.
     pub fn keeps_off_cycle_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
-        self.keeps_off(rectangle, room_m, LaneKind::Biking)
+        self.keeps_off(rectangle, LaneKind::Biking, (room_m, 0.0))
     }
 
-    fn keeps_off(&self, rectangle: &Footprint, room_m: f64, kind: LaneKind) -> bool {
-        let reach_m = rectangle.half_length_m + rectangle.half_width_m + room_m;
+    /// Whether it lies outside every driving lane, and at least `room_m` away from its middle.
+    pub fn is_beside_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
+        self.keeps_off(rectangle, LaneKind::Driving, (room_m, 0.5))
+    }
+
+    /// Whether it is a distance away from the middle of every lane, or the share of the lane's width if that is more.
+    fn keeps_off(&self, rectangle: &Footprint, kind: LaneKind, (room_m, of_width): (f64, f64)) -> bool {
+        let reach_m = rectangle.half_length_m + rectangle.half_width_m + room_m.max(of_width * self.widest_m);
         self.near(rectangle.center, reach_m, kind).all(|lane| {
-            lane.center
-                .iter()
-                .map(|p| p.truncate())
-                .filter(|p| (*p - rectangle.center).length() < reach_m)
-                .all(|p| (rectangle.closest_point(p) - p).length() > room_m)
+            let mut points = lane.center.iter().map(|p| p.truncate()).zip(&lane.width_m);
+            points.all(|(p, width_m)| !rectangle.rect().is_within(p, room_m.max(of_width * width_m)))
         })
     }
 
