@@ -8,8 +8,8 @@ use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::body::{Body, Chassis};
 use crate::world::driving::{
-    Axles, Cause, Decider, IdmParameters, LaneChoice, OVERTAKE_SPEED_FACTOR, OnRoute, Overtaking, leave_junctions,
-    perceive, pursue, signal_for, traffic_aside,
+    Axles, Cause, Decider, IdmParameters, LaneChoice, OnRoute, Overtaking, leave_junctions, perceive, pursue,
+    signal_for, traffic_aside,
 };
 use crate::world::ego_command::EgoCommand;
 use crate::world::footprint::Footprint;
@@ -17,34 +17,15 @@ use crate::world::junctions::Refusal;
 use crate::world::look::{Look, TurnSignal, VehicleLook};
 use crate::world::outlook::{Claim, Outlook};
 use crate::world::params::STANDS_MPS;
+use crate::world::params::driver::{
+    GIVES_UP_STEPS, HOLDS_BELOW_MPS, HOLDS_BELOW_MPS2, REDUCED_CLEARANCE_STEPS, RESPONSE_S, SHIFTING_M, SIDEWAYS_MPS,
+    SIDEWAYS_SHARE, STANDING_MPS2, STARTS_MPS2, STOPPED_STEPS, STOPS_MPS2, WAITED_STEPS,
+};
+use crate::world::params::overtaking::OVERTAKE_SPEED_FACTOR;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Route, Streets};
 use crate::world::traffic_state::TrafficState;
-
-/// A car that hardly moves is held below this acceleration, and then until it is worth starting: at one limit for both
-/// it would start and stop by turns, a millimeter at a time.
-const STOPS_MPS2: f64 = 0.05;
-const STARTS_MPS2: f64 = 0.15;
-/// What the brakes of a car that stands are pressed as if for.
-const STANDING_MPS2: f64 = -1.0;
-/// Speed and acceleration below which brake lamps stay lit.
-const HOLDS_BELOW_MPS: f64 = 0.05;
-const HOLDS_BELOW_MPS2: f64 = 0.3;
-/// How soon a commanded speed is to be reached, within what the pedals can do.
-const RESPONSE_S: f64 = 0.5;
-/// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
-const SIDEWAYS_MPS: f64 = 1.0;
-const SIDEWAYS_SHARE: f64 = 0.2;
-/// Who has stood for so long makes do with less room for a while.
-const WAITED_STEPS: u64 = 10 * 60;
-const REDUCED_CLEARANCE_STEPS: u64 = 8 * 60;
-/// Who has stood for so long before a junction takes another way across it, if that is free.
-const GIVES_UP_STEPS: u64 = 25 * 60;
-/// Who stands for so long has stopped for good where nothing follows.
-const STOPPED_STEPS: u64 = 3 * 60;
-/// Who is so far from the line that is wanted is changing lines, and shows it.
-const SHIFTING_M: f64 = 0.3;
 
 /// A vehicle on sprung wheels, and who drives it.
 pub(crate) struct Car {

@@ -10,33 +10,20 @@ use crate::world::driving::{Cause, IdmParameters, OnRoute, leave_junctions, perc
 use crate::world::footprint::Footprint;
 use crate::world::look::{CyclistLook, Look, TurnSignal};
 use crate::world::outlook::Outlook;
+use crate::world::params::cycling::{
+    ASIDE_M, COASTS_MPS2, CRUISE_LIMITS_MPS, CRUISE_MPS, KEEPS_M, POINTS_M, POINTS_MPS, POINTS_SHARE, SHIFT_M,
+    TIGHTEST_PER_M,
+};
 use crate::world::params::{CYCLIST, STANDS_MPS};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Route, Streets};
 use crate::world::traffic_state::TrafficState;
 
-/// Speed on a free road: mean and spread, least and greatest.
-const CRUISE_MPS: (f64, f64) = (5.0, 0.6);
-const CRUISE_LIMITS_MPS: (f64, f64) = (4.0, 6.0);
-/// From the border of the lane that is the curb or the row of parked cars.
-const KEEPS_M: (f64, f64) = (0.8, 1.2);
-/// Room beside what stands in the lane.
-const ASIDE_M: f64 = 0.30;
 /// How far ahead that is looked for, and in which steps; and behind the rear wheel, which is past it last.
 const LOOKS_M: f64 = 14.0;
 const LOOKS_BACK_M: f64 = 0.6;
 const STEP_M: f64 = 1.25;
-/// How fast one changes sides, meters a look.
-const SHIFT_M: f64 = 0.03;
-/// The tightest turn.
-const TIGHTEST_PER_M: f64 = 0.55;
-/// Who slows down by more than this does not pedal.
-const COASTS_MPS2: f64 = -0.3;
-/// Share of cyclists who point where they turn, between which distances of a junction, and from which speed on.
-const POINTS_SHARE: f64 = 0.8;
-const POINTS_M: (f64, f64) = (5.0, 25.0);
-const POINTS_MPS: f64 = 1.5;
 
 /// How somebody rides.
 pub(crate) struct Habits {

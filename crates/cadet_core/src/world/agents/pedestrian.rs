@@ -8,38 +8,18 @@ use crate::world::body::Upright;
 use crate::world::footprint::Footprint;
 use crate::world::look::PersonLook;
 use crate::world::outlook::Outlook;
+use crate::world::params::walking::{
+    BLOCKED_S, CROSSES_AGAIN, CROSSING_MPS, HELD_S, LOOKS_ACROSS, OFF_LINE_M, OVER_M, ROUND_OTHERS_M, SIDESTEP_MPS,
+    TOGETHER_M, TURN_RADPS, ZEBRA_LEAD_M,
+};
 use crate::world::params::{CRAWLS_MPS, LOOK_S};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Sidewalks, Streets};
 use crate::world::traffic_state::TrafficState;
 use crate::world::walking::{
-    CROSSING_MPS, GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind,
-    way_across,
+    GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, way_across,
 };
-
-/// How fast people side-step, m/s.
-const SIDESTEP_MPS: f64 = 0.5;
-/// How fast people turn.
-const TURN_RADPS: f64 = 3.0;
-/// Whoever is within this of the place beside or behind the one who leads turns round with them.
-const TOGETHER_M: f64 = 3.0;
-/// Share of those who have crossed a road that mean to cross another.
-const CROSSES_AGAIN: f64 = 0.7;
-/// How likely it is at each look that who means to cross looks for a way.
-const LOOKS_ACROSS: f64 = 0.06;
-/// Whoever is farther from their line than this goes there first, and then on along it.
-const OFF_LINE_M: f64 = 0.6;
-/// How far round others one may step off the line: not into the road.
-const ROUND_OTHERS_M: f64 = 0.45;
-/// Who could not set a step for this long turns round.
-const HELD_S: f64 = 1.2;
-/// Who found no free line for this long turns back.
-const BLOCKED_S: f64 = 2.5;
-/// So much of the way over a zebra crossing is kept free ahead of somebody.
-const ZEBRA_LEAD_M: f64 = 6.0;
-/// At the far curb among others one is over the road here.
-const OVER_M: f64 = 0.8;
 
 /// Somebody on foot.
 pub(crate) struct Pedestrian {

@@ -5,21 +5,12 @@ use super::on_route::{Cause, Constraint, OnRoute};
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Request;
+use crate::world::params::driver::{
+    BEFORE_END_M, SIDE_MOVING_M, SIDE_MOVING_REDUCED_M, SIDE_STANDING_M, SIDE_STANDING_REDUCED_M, SWEPT_M,
+};
 use crate::world::slot::EGO;
 use crate::world::streets::{Ahead, Roads};
 use crate::world::traffic_state::TrafficState;
-
-/// Room kept beside what stands, and beside what moves.
-pub(crate) const SIDE_STANDING_M: f64 = 0.12;
-const SIDE_MOVING_M: f64 = 0.25;
-/// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
-const SIDE_MOVING_REDUCED_M: f64 = 0.08;
-/// And beside a post or what else stands.
-const SIDE_STANDING_REDUCED_M: f64 = 0.04;
-/// What is kept in front of all of a vehicle that turns, usually and then.
-const SWEPT_M: (f64, f64) = (0.1, 0.03);
-/// Where the front stops before the end of a road.
-const BEFORE_END_M: f64 = 1.0;
 
 /// What who follows a route finds ahead, and asks of the next junction.
 pub(crate) struct Perceived {

@@ -1,38 +1,20 @@
 //! The junction ahead of who follows a route: what is asked of it, and the line to stop at until it may be crossed.
 
 use super::on_route::{Cause, Constraint, OnRoute};
-use super::stop_line::{LIGHT_LINE_M, STOP_LINE_M, line_m};
+use super::stop_line::line_m;
 use crate::math::{self, DVec3};
 use crate::town::{Aspect, LaneId, RightOfWay};
 use crate::world::driving::swing_out::vehicle_in_swept_path;
 use crate::world::junctions::{Junctions, Refusal, Request, Stage, Turn};
+use crate::world::params::junctions::{
+    AT_LINE_M, COMES_S, DECIDED_S, EARLY_M, EARLY_S, EXIT_ROOM_M, LIGHT_LINE_M, OVER_LINE_M, RED_MPS2, SEES_LIGHT_M,
+    STARTS_MPS, STOP_LINE_M, UNUSED_STEPS, YELLOW_MPS2,
+};
 use crate::world::params::{CRAWLS_MPS, STANDS_MPS};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Route};
 use crate::world::traffic_state::TrafficState;
-
-/// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
-const OVER_LINE_M: f64 = -0.7;
-/// Lights are heeded from so much before one has to brake.
-const SEES_LIGHT_M: f64 = 12.0;
-/// How hard drivers brake at most when a light turns yellow, and when it is red.
-const YELLOW_MPS2: f64 = 3.0;
-const RED_MPS2: f64 = 6.5;
-/// Others reckon with who is at the junction in this time; who is slower, as if it went so fast.
-const COMES_S: f64 = 12.0;
-const STARTS_MPS: f64 = 2.0;
-/// One brakes for a line from so much before it takes a comfortable deceleration.
-const EARLY_M: f64 = 6.0;
-const EARLY_S: f64 = 0.5;
-/// What is asked is decided by the next look: it's asked for so long before one would have to brake.
-const DECIDED_S: f64 = 0.1;
-/// Who crawls so near to a stop sign's line has stopped at it.
-const AT_LINE_M: f64 = 1.5;
-/// Who stands so long after it was let go does not go yet.
-const UNUSED_STEPS: u64 = 3 * 60;
-/// Kept free behind a vehicle that leaves a junction.
-const EXIT_ROOM_M: f64 = 2.5;
 
 /// What a look at the next junction finds.
 #[derive(Default)]

@@ -8,40 +8,20 @@ use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
 use crate::world::outlook::Claim;
+use crate::world::params::lane_change::{
+    ACROSS_S, BEFORE_END_M, BEFORE_JUNCTION_M, CRITICAL_MPS, LEAST_GAP_M, LEAST_GAP_S, LEAST_MPS, OUTER_BIAS_MPS2,
+    POLITENESS, SAFE_MPS2, STAY_S, STAYS_BEHIND_MPS2, THRESHOLD_MPS2,
+};
 use crate::world::params::{CRAWLS_MPS, LONG_M, LOOK_STEPS};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
 use crate::world::streets::{Roads, Route};
 use crate::world::traffic_state::TrafficState;
 
-/// How much others' gains and losses count.
-const POLITENESS: f64 = 0.25;
-/// A change is worth this at least.
-const THRESHOLD_MPS2: f64 = 0.1;
-/// Nobody is made to brake harder, neither who follows nor who changes.
-const SAFE_MPS2: f64 = 2.0;
-/// Kept free at least: ahead and behind, at a standstill and by seconds of the one behind.
-const LEAST_GAP_M: f64 = 3.0;
-const LEAST_GAP_S: f64 = 0.55;
-/// Faster than this nobody passes on the curb's side (StVO § 7 (2a)), braking so hard for it at most.
-const CRITICAL_MPS: f64 = 60.0 / 3.6;
-const STAYS_BEHIND_MPS2: f64 = 2.5;
-/// How long one stays in a lane before the next change.
-const STAY_S: f64 = 4.0;
-/// Slower vehicles don't change.
-const LEAST_MPS: f64 = 4.0;
 /// Who is no farther off needs no change to return.
 const HARDLY_LEFT_M: f64 = 0.4;
 /// Looks between two decisions.
 const LOOKS: u64 = 6;
-
-/// Time of the way across.
-const ACROSS_S: f64 = 4.6;
-/// What keeping to the curb's side is worth on a motorway. In towns any lane may be chosen (StVO § 7 (3)).
-const OUTER_BIAS_MPS2: f64 = 0.3;
-/// A change is over so far before a junction or the lane's end, on a motorway and in a town.
-const BEFORE_END_M: f64 = 45.0;
-const BEFORE_JUNCTION_M: f64 = 15.0;
 
 /// What a gap takes off a driver's acceleration; nothing where the lane is free.
 fn interaction_accel(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {

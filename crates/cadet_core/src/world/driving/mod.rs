@@ -13,13 +13,13 @@ mod stop_line;
 mod swing_out;
 mod turning;
 
-pub(super) use constraints::{SIDE_STANDING_M, perceive, traffic_aside};
+pub(super) use constraints::{perceive, traffic_aside};
 pub(super) use idm::IdmParameters;
 pub(super) use junction_ahead::leave_junctions;
 pub(super) use lane_change::{Decider, LaneChoice};
 pub(super) use lane_view::LaneView;
 pub(super) use on_route::{Cause, OnRoute};
-pub(super) use overtaking::{OVERTAKE_SPEED_FACTOR, Overtaking};
+pub(super) use overtaking::Overtaking;
 pub(super) use pursuit::{Axles, pursue};
 #[cfg(test)]
 pub(super) use stop_line::line_m;

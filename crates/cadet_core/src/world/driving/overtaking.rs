@@ -5,49 +5,20 @@ use super::on_route::OnRoute;
 use crate::math::{DVec2, DVec3};
 use crate::town::LaneKind;
 use crate::world::footprint::Footprint;
+use crate::world::params::overtaking::{
+    ACCELERATION_MPS2, AFTER_M, BEFORE_JUNCTION_M, BEHIND_S, BESIDE_M, FALLS_BACK_M, FALLS_BACK_MPS2, LEAST_GAIN_MPS,
+    LEAST_RIDER_MPS, LEAST_SPARE_M, LONGEST_S, MOST_ASIDE_M, ONCOMING_MPS, OVERTAKE_SPEED_FACTOR, RETURN_S,
+    SIDE_MOVING_M, SIDE_PEOPLE_M, SIDE_STANDING_M, SPARE_M, STEP_S,
+};
 use crate::world::params::{LONG_M, SAME_WAY};
 use crate::world::slot::Slot;
 use crate::world::streets::{Ahead, Roads, Route};
 use crate::world::traffic_state::TrafficState;
 
-/// Kept beside a cyclist: what StVO § 5 (4) asks for in towns.
-const BESIDE_M: f64 = 1.5;
-/// From the rear bumper to the front wheel of who has been overtaken, before one turns in.
-const AFTER_M: f64 = 3.0;
-/// How long it takes to be back in the lane.
-const RETURN_S: f64 = 1.5;
-/// So much faster than otherwise one drives meanwhile.
-pub(crate) const OVERTAKE_SPEED_FACTOR: f64 = 1.15;
-/// The farthest that anybody leaves the middle of the lane.
-const MOST_ASIDE_M: f64 = 3.0;
-/// Slower cyclists are about to stop or to turn; others are worth it if one gets so much faster on.
-const LEAST_RIDER_MPS: f64 = 2.0;
-const LEAST_GAIN_MPS: f64 = 1.5;
-/// How fast one gets faster meanwhile, and the longest that it may take.
-const ACCELERATION_MPS2: f64 = 0.9;
-const LONGEST_S: f64 = 15.0;
-const STEP_S: f64 = 0.25;
-/// Who comes the other way is at least so fast, standing or not, and so far away when one is done: at the start, and
-/// before one gives up.
-const ONCOMING_MPS: f64 = 8.0;
-const SPARE_M: f64 = 10.0;
-const LEAST_SPARE_M: f64 = 2.0;
-/// From there to the next junction: who is still behind the cyclist where drivers begin to look out for it brakes.
-const BEFORE_JUNCTION_M: f64 = 12.0;
-/// One can still fall back if the front is so far behind the cyclist once one is as slow, braking so hard.
-const FALLS_BACK_M: f64 = 1.5;
-const FALLS_BACK_MPS2: f64 = 2.0;
-/// Who comes up from behind on another lane is farther away than in such a time.
-const BEHIND_S: f64 = 3.0;
 /// The way that is looked at, ahead and behind.
 const LOOKS_M: f64 = 200.0;
 const LOOKS_BACK_M: f64 = 25.0;
 const SAMPLE_M: f64 = 2.5;
-/// Room beside what stands, and beside people.
-const SIDE_STANDING_M: f64 = 0.3;
-const SIDE_PEOPLE_M: f64 = 1.0;
-/// Room beside other vehicles on the way: what is farther to the side is not on it.
-const SIDE_MOVING_M: f64 = 0.6;
 
 /// On the way past a cyclist.
 #[derive(Debug, Clone, Copy)]

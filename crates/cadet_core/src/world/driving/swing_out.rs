@@ -104,13 +104,13 @@ fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, roads: &R
 mod tests {
     use super::super::idm::IdmParameters;
     use super::super::pursuit::Axles;
-    use super::super::stop_line::STOP_LINE_M;
     use super::*;
     use crate::math::{self, DVec3};
     use crate::rng::Stream;
     use crate::world::junctions::Request;
     use crate::world::lane_use::{LaneUse, OnLane};
     use crate::world::params::CAR;
+    use crate::world::params::junctions::STOP_LINE_M;
     use crate::world::streets::Needs;
     use crate::world::tests::towns::crossing;
 

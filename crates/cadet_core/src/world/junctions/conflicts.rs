@@ -2,16 +2,9 @@
 
 use crate::math::DVec3;
 use crate::town::{Lane, LaneId, LaneKind};
-
-/// Straight lanes nearer than this to each other can't be used at once.
-const CLEARANCE_M: f64 = 2.6;
-/// The same where one of them bends: a car sweeps more than its width there.
-const CLEARANCE_IN_BENDS_M: f64 = 3.3;
-/// The same of a bicycle's way and a car's, straight and in bends, and of two bicycles' ways.
-const BESIDE_CYCLES_M: (f64, f64) = (1.8, 2.6);
-const BETWEEN_CYCLES_M: f64 = 1.3;
-/// A lane that turns by more bends.
-const BENDS_RAD: f64 = 0.25;
+use crate::world::params::junctions::{
+    BENDS_RAD, BESIDE_CYCLES_M, BETWEEN_CYCLES_M, CLEARANCE_IN_BENDS_M, CLEARANCE_M,
+};
 
 /// For each lane the lanes that can't be used with it, and how far along it they come too near.
 #[derive(Debug, Default)]

@@ -3,11 +3,9 @@
 use super::request::Request;
 use super::reservations::Junctions;
 use crate::world::lane_use::LaneUse;
+use crate::world::params::junctions::LONGEST_TAIL_M;
 use crate::world::slot::Slot;
 use crate::world::streets::Roads;
-
-/// From the middle to the end of the longest vehicle.
-const LONGEST_TAIL_M: f64 = 9.0;
 
 /// Who leaves too little room on the lanes after a junction, up to the next one: who stands there, or who was promised the
 /// room that the lanes have. Trams stand for long at the ends of their lines: behind one that moves, too, another finds room

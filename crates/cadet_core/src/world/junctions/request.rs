@@ -3,10 +3,8 @@
 use crate::math::DVec2;
 use crate::town::{LaneId, RightOfWay};
 use crate::world::params::TURNS_RAD;
+use crate::world::params::junctions::ON_ONE_LINE;
 use crate::world::slot::Slot;
-
-/// Cosine of the greatest angle between two approaches that lie on one line.
-const ON_ONE_LINE: f64 = 0.75;
 
 /// How far a request has got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

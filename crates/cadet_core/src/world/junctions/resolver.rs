@@ -6,14 +6,9 @@ use super::reservations::{Junctions, Queued, Refusal, Reservation};
 use crate::town::LaneId;
 use crate::world::lane_use::LaneUse;
 use crate::world::params::LOOK_S;
+use crate::world::params::junctions::{MARGIN_S, PATIENCE_S};
 use crate::world::slot::Slot;
 use crate::world::streets::Roads;
-
-/// Who yields goes if it has crossed so long before the other arrives: with the time that it needs to cross, this makes
-/// critical headways of 5 to 8 s from a standstill, where HCM 2010, exhibit 19-10, has 4.1 to 7.1 s.
-const MARGIN_S: f64 = 1.0;
-/// Who has asked for so long and was let by none goes when its turn comes.
-const PATIENCE_S: f64 = 18.0;
 
 /// A request with its place in the queue.
 struct Candidate<'a> {

@@ -7,8 +7,8 @@ use crate::world::agents::ActorView;
 use crate::world::arena::Arena;
 use crate::world::course::Overlap;
 use crate::world::footprint::Footprint;
+use crate::world::params::walking::BODY_M;
 use crate::world::slot::{EGO, Slot};
-use crate::world::walking::BODY_M;
 
 /// Nobody appears where somebody who comes the other way will be by then, and the room kept beside that.
 const TOWARD_S: f64 = 6.0;

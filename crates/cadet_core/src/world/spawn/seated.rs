@@ -17,7 +17,7 @@ use crate::world::arena::Arena;
 use crate::world::body::Upright;
 use crate::world::course::{Course, Overlap};
 use crate::world::look::PersonLook;
-use crate::world::walking::BODY_M;
+use crate::world::params::walking::BODY_M;
 
 /// Seats this near to each other are used or left alone together.
 const TOGETHER_M: f64 = 12.0;

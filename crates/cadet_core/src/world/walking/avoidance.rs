@@ -1,20 +1,11 @@
 //! Which line along a sidewalk is free of things and people, and how fast one may walk behind others.
 
-use super::footing::{BODY_M, STRIDE_M};
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
+use crate::world::params::walking::{BODY_M, CLOSES_S, FOLLOWS_M, SHOULDER_M, STRIDE_M, WALKS_MPS};
 use crate::world::slot::Slot;
 use crate::world::streets::Sidewalks;
 use crate::world::traffic_state::{PersonAt, TrafficState};
-
-/// Half a person's width, and the room they leave to things.
-pub(crate) const SHOULDER_M: f64 = 0.3;
-
-/// Who walks nearer than this behind somebody goes at their pace, and the seconds in which a gap is closed.
-const FOLLOWS_M: f64 = 2.0;
-const CLOSES_S: f64 = 0.8;
-/// Slower people are walked round.
-const WALKS_MPS: f64 = 0.2;
 
 /// Somebody who walks along a walkway.
 pub(crate) struct OnWalkway {

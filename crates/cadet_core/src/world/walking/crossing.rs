@@ -1,21 +1,13 @@
 //! Where people cross a road, and when: where it is free, or on fords when their light is green.
 
-use super::avoidance::SHOULDER_M;
 use super::motion::Motion;
 use crate::math::{DVec2, DVec3};
 use crate::town::Over;
 use crate::world::params::CRAWLS_MPS;
+use crate::world::params::walking::{CROSSING_MPS, FAR_M, FIRM_MPS2, MARGIN_S, REACTION_S, SHOULDER_M};
 use crate::world::physics::DT_S;
 use crate::world::streets::Streets;
 use crate::world::traffic_state::TrafficState;
-
-/// Gap in traffic, in seconds before the car arrives, that people accept beyond the time they need.
-const MARGIN_S: f64 = 2.0;
-pub(crate) const CROSSING_MPS: f64 = 1.5;
-/// Vehicles farther away do not matter on a ford; who crawls lets pass; others stop so hard after so long.
-const FAR_M: f64 = 40.0;
-const FIRM_MPS2: f64 = 3.0;
-const REACTION_S: f64 = 0.6;
 
 /// The wait before crossing straight over from a place of a walkway: to a sidewalk with a driving lane between and nothing
 /// parked in the way.

@@ -2,13 +2,10 @@
 
 use crate::math::{self, DVec2};
 use crate::world::footprint::Footprint;
+use crate::world::params::walking::{BODY_M, STRIDE_M};
 use crate::world::slot::Slot;
 use crate::world::traffic_state::{PersonAt, VehicleAt};
 
-/// Radius of the circle in the plane that a person's trunk stays inside of; arms and legs swing beyond it.
-pub(crate) const BODY_M: f64 = 0.24;
-/// From the middle of one person to that of the next ahead: a stride, which legs and arms take up.
-pub(crate) const STRIDE_M: f64 = 0.9;
 /// Vehicles and people farther away than this are not met before the next look.
 const REACH_M: f64 = 1.5;
 /// The turns that are tried to get round what is in the way, first to the side on which one goes round already.

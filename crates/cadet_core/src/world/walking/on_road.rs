@@ -3,12 +3,8 @@
 use crate::math::DVec2;
 use crate::world::body::Upright;
 use crate::world::footprint::Footprint;
+use crate::world::params::walking::{NEAR_LANE_M, ROOM_M};
 use crate::world::streets::Roads;
-
-/// Half the width and length of a person with some room.
-const ROOM_M: f64 = 0.5;
-/// Nearer than this to the middle of a lane one is on it, unless there is a sidewalk.
-const NEAR_LANE_M: f64 = 2.6;
 
 /// Whether a place is where cars drive: `at`, at the height of somebody on foot.
 pub(crate) fn is_on_road(body: &Upright, at: DVec2, roads: &Roads) -> bool {

@@ -1,4 +1,12 @@
-//! The numbers of the traffic model that several rules share, each said once.
+//! The numbers of the traffic model: what several rules share here, those of one kind of behavior in a file each. What only
+//! says how finely or how far a rule looks stands beside it.
+
+pub(super) mod cycling;
+pub(super) mod driver;
+pub(super) mod junctions;
+pub(super) mod lane_change;
+pub(super) mod overtaking;
+pub(super) mod walking;
 
 use super::physics::DT_S;
 
