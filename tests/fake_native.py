@@ -273,9 +273,11 @@ class Scene:
         self.ego_is_at_road_end = False
         self.calls: list[str] = []
         self.map_warnings = lambda: [f'{map_name}: road "7": lost'] if map_name == "lossy.xodr" else []
-        self.shortfalls = lambda: []
         self.num_triangles, self.num_actors = 1, 1
         self.faults = dict(part.partition("=")[::2] for part in os.environ.get("CADET_FAKE", "").split(",") if part)
+
+    def shortfalls(self) -> list[tuple[str, int, int]]:
+        return []
 
     @staticmethod
     def random(

@@ -7,7 +7,7 @@ use super::plot::Plot;
 use crate::assets::scenery::flagstones;
 use crate::frames;
 use crate::math::{DVec2, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 
 /// Beyond an end of a frontage and along it, and behind the sidewalk's edge.
 const BEYOND_M: f64 = 11.0;

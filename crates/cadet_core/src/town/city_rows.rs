@@ -5,7 +5,7 @@ use super::occupancy::{Occupancy, Site};
 use super::plot::{PlacedHouse, Plot};
 use crate::assets::scenery::{CityCorner, CityKind, HouseKind, NUM_CITY_HOUSES, SceneryModel, city_house};
 use crate::math::DVec2;
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::Stream;
 
 /// Between the sidewalk's edge and the walls: the foot of a house fills it.

@@ -3,7 +3,7 @@
 use super::occupancy::Site;
 use super::{Lane, LaneId, LaneKind, RoadNetwork};
 use crate::math::DVec2;
-use crate::polyline::{Polyline, piece_at};
+use crate::plane::{Polyline, piece_at};
 
 /// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to
 /// the **right** of it and the street to its left.

@@ -91,7 +91,7 @@ use self::wear::Wear;
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 
 /// Motorways are smoother than streets.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
-use crate::polyline::{nearest, piece_at};
+use crate::plane::{nearest, piece_at};
 
 /// Index of a lane in its network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -6,7 +6,7 @@ use super::fields::Crop;
 use super::ground_region::Ring;
 use super::{Ground, GroundKind};
 use crate::math::{DVec2, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 
 const CELL_M: f64 = 16.0;
 

@@ -10,7 +10,7 @@ use crate::frames;
 use crate::instance::Instance;
 use crate::material::Palette;
 use crate::math::{DVec2, DVec3, TAU, atan2};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::Stream;
 
 /// What stands on the ground: for the tests, and for what is placed later.

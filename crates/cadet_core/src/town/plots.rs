@@ -7,7 +7,7 @@ use super::plot::{PlacedHouse, Plot};
 use super::street_style::StreetStyle;
 use crate::assets::scenery::{HouseKind, house, num_variants};
 use crate::math::DVec2;
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::Stream;
 
 impl Plot {

@@ -2,7 +2,7 @@
 
 use super::params::SAME_WAY;
 use crate::math::{DPose3, DVec2, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 
 /// A rectangle on the ground, and how it moves.
 #[derive(Debug, Clone, Copy)]

@@ -163,7 +163,7 @@ impl TrafficState {
 mod tests {
     use super::*;
     use crate::math::DVec3;
-    use crate::rect::OrientedRect;
+    use crate::plane::OrientedRect;
     use crate::town::LaneKind;
     use crate::world::tests::towns::{main_roads, suburb};
 

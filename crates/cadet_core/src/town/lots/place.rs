@@ -10,7 +10,7 @@ use super::{Lot, Lots};
 use crate::assets::scenery::{TreeKind, num_variants, tree};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
 
 /// Trunks keep so far from bays and from what stands.

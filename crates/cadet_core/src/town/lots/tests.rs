@@ -8,7 +8,7 @@ use super::super::wear::Wear;
 use super::super::{Ground, GroundKind, PropConfig, SpotKind, SuburbConfig, generate_suburb};
 use super::*;
 use crate::material::{Pattern, Semantic};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 
 struct Built {
     network: RoadNetwork,

@@ -10,7 +10,7 @@ use crate::assets::scenery::{
 use crate::frames;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec2, DVec3, atan2};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 use crate::town::placer::Placer;
 

@@ -12,7 +12,7 @@ use crate::assets::scenery::{
 };
 use crate::frames;
 use crate::math::{DVec2, atan2};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::Stream;
 
 /// Nothing stands so near to the ends of a frontage.

@@ -22,7 +22,7 @@ use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_door
 use crate::frames;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
 use edge::EdgePlace;
 

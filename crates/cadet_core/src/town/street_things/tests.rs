@@ -8,7 +8,7 @@ use super::super::{
     Ground, GroundKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, parking_spots, walkways,
 };
 use super::*;
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 

@@ -1,7 +1,7 @@
 //! A polyline with times.
 
 use crate::math::DVec2;
-use crate::polyline::Polyline;
+use crate::plane::Polyline;
 use crate::world::course::Waypoint;
 
 /// A path that is known from its first time to its last.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::roads::Roads;
 use super::room::Needs;
 use crate::math::{self, DVec2, DVec3};
-use crate::polyline::{nearest, piece_at};
+use crate::plane::{nearest, piece_at};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId, LaneKind};
 use crate::world::params::TURNS_RAD;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::math::DVec2;
-use crate::polyline::Polyline;
+use crate::plane::Polyline;
 use crate::town::{Town, Walkway};
 
 /// Ends nearer to each other than this are one corner.

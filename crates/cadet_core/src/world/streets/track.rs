@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::roads::Roads;
 use crate::math::DVec2;
-use crate::polyline::Polyline;
+use crate::plane::Polyline;
 use crate::town::{LaneId, LaneKind};
 
 /// The longest line; one that closes on itself is gone round until it is so long.

@@ -8,7 +8,7 @@ use super::super::super::placer::Placer;
 use super::Side;
 use crate::assets::scenery::{MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, PoleKind, motorway_thing, pole};
 use crate::math::DVec2;
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::Stream;
 
 /// Delineators stand so far apart and from the asphalt (HLB, German guideline for delineators).

@@ -18,7 +18,7 @@ use super::super::placer::{Placer, Standing};
 use crate::assets::scenery::{BRIDGE_DECK_M, RAMP_M, SceneryModel, overpass};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
-use crate::rect::OrientedRect;
+use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 
 /// An abutment stands so far from the asphalt; plants keep so far from the middle of a bridge.

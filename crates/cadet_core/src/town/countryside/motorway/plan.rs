@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::super::{Lane, LaneKind, RoadNetwork};
 use crate::math::{DVec2, DVec3};
-use crate::polyline::Polyline;
+use crate::plane::Polyline;
 use crate::rng::StreamKey;
 
 /// Shares of the roads with a bridge, with a gantry on each side, and with a board beside it.

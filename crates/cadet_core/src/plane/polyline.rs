@@ -50,7 +50,7 @@ impl Polyline {
 }
 
 /// Distance along a line of each of its points; the first is 0.
-pub(crate) fn distances_along(points: impl IntoIterator<Item = DVec2>) -> Vec<f64> {
+fn distances_along(points: impl IntoIterator<Item = DVec2>) -> Vec<f64> {
     let mut last: Option<(DVec2, f64)> = None;
     let points = points.into_iter().map(|p| {
         let s_m = last.map_or(0.0, |(q, s_m)| s_m + (p - q).length());
