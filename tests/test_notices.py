@@ -66,7 +66,7 @@ def test_what_finds_no_room_is_warned_of_if_the_user_asked_for_it(monkeypatch: p
         warnings.simplefilter("always")
         Scene.random(seed=4)
         Scene.random(seed=4, config=SceneConfig(num_cars=500))
-    line = "config.num_cars: 20 of 500 find room around the ego (seed 4, episode 0)"
+    line = "config.num_cars: 20 of 500 find room (seed 4, episode 0)"
     assert [(str(warning.message), warning.filename) for warning in caught] == [(line, __file__)]
 
 

@@ -258,8 +258,9 @@ class SceneConfig(_Overrides):
     """
 
     num_cars: int = _SCENE.default("num_cars")
-    """Driving vehicles kept around the ego, as many as find room (`Scene.agents` has them): cars, one in eleven a van,
-    and trucks where streets are wide."""
+    """Driving vehicles kept around the ego: cars, one in eleven a van, and trucks where streets are wide.
+
+    Where fewer find room than are asked for here, of these or of the next three, a `CadetWarning` says so."""
     num_pedestrians: int = _SCENE.default("num_pedestrians")
     """Pedestrians kept around the ego."""
     num_cyclists: int = _SCENE.default("num_cyclists")

@@ -35,8 +35,8 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
         notice(scene.map_warnings(), about=spec.road_map)
     for name, asked, placed in scene.shortfalls():
         if name in spec.given:
-            where = f"(seed {spec.seed}, episode {spec.episode})"
-            notice([f"config.{name}: {placed} of {asked} find room around the ego {where}"], about="shortfall", key=name)
+            line = f"config.{name}: {placed} of {asked} find room (seed {spec.seed}, episode {spec.episode})"
+            notice([line], about="shortfall", key=name)
     return scene
 
 
