@@ -130,11 +130,11 @@ fn it_agrees_with_the_plain_one_within_two_levels() {
     for (seed, weather, change) in SHOTS {
         let shot = Shot::of(seed, weather, change);
         let (share, far) = shot.agreement(&shot.plain(Rate::Coarse));
-        assert!(share > 0.996, "{seed} {weather}: {share}, others by class: {far:?}");
+        assert!(share > 0.995, "{seed} {weather}: {share}, others by class: {far:?}");
         sum += share;
     }
     let mean = sum / SHOTS.len() as f64;
-    assert!(mean > 0.999, "{mean}");
+    assert!(mean > 0.9985, "{mean}");
 }
 
 #[test]
