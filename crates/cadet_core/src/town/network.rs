@@ -158,7 +158,7 @@ impl Lane {
     }
 
     /// The middle of the lane at distance `s_m` (clamped to the lane), and the unit vector to its left, in the plane.
-    pub(super) fn middle_and_left(&self, s_m: f64) -> (DVec2, DVec2) {
+    pub(crate) fn middle_and_left(&self, s_m: f64) -> (DVec2, DVec2) {
         let pose = self.pose_at(s_m);
         (pose.translation.truncate(), (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
     }

@@ -34,9 +34,9 @@ impl Arena {
     pub fn new(town: &Arc<Town>) -> Result<Self> {
         let physics = Physics::new(Arc::clone(town))?;
         let streets = Streets::new(town);
-        let mut around = TrafficState::new(&streets.roads);
+        let mut around = TrafficState::new(&streets.graph);
         for obstacle in &town.obstacles {
-            around.stand(Footprint::standing(obstacle), &streets.roads);
+            around.stand(Footprint::standing(obstacle), &streets.graph);
         }
         let (agents, active, labeled_ends) = (Vec::new(), Vec::new(), BTreeMap::new());
         Ok(Self { agents, physics, streets, around, active, next_id: 0, labeled_ends })
@@ -52,7 +52,7 @@ impl Arena {
         let slot = self.agents.len();
         let agent = self.named(kind.into());
         if let Some(Fixture::Vehicle(_)) = agent.get() {
-            self.around.stand(agent.actor().footprint(&self.physics), &self.streets.roads);
+            self.around.stand(agent.actor().footprint(&self.physics), &self.streets.graph);
         } else {
             self.active.push(slot);
         }
@@ -162,7 +162,7 @@ impl Arena {
 
     /// What drivers have to keep off because of people on the road.
     pub fn on_road(&self) -> impl Iterator<Item = Footprint> {
-        self.active().filter_map(|(_, agent)| agent.behavior().on_road(&self.streets.roads))
+        self.active().filter_map(|(_, agent)| agent.behavior().on_road(&self.streets.graph))
     }
 
     /// All look around.
@@ -173,7 +173,7 @@ impl Arena {
             let behavior = self.agents[*slot].behavior_mut();
             outlooks.push((*slot, behavior.look(*slot, &self.around, &self.streets, step)));
         }
-        self.around.publish(outlooks, &self.streets.roads, step);
+        self.around.publish(outlooks, &self.streets.graph, step);
     }
 
     /// One physics step, with what all do before it and after it.
@@ -200,12 +200,12 @@ impl Arena {
         for slot in &self.active {
             let agent = &self.agents[*slot];
             let behavior = agent.behavior();
-            around.people_on_road.extend(behavior.on_road(&self.streets.roads));
+            around.people_on_road.extend(behavior.on_road(&self.streets.graph));
             for (k, (_, actor)) in agent.actors().enumerate() {
-                if let Some((lane, s_m)) = behavior.on_lane(k) {
+                if let Some(at) = behavior.on_lane(k) {
                     let half_length_m = actor.look.size_lwh().x / 2.0;
                     let speed_mps = actor.body.forward_mps(&self.physics);
-                    around.lane_use.push(OnLane { lane, agent: *slot, s_m, half_length_m, speed_mps });
+                    around.lane_use.push(OnLane { agent: *slot, at, half_length_m, speed_mps });
                 }
             }
         }

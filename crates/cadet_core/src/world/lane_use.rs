@@ -1,6 +1,7 @@
 //! Who is where on the lanes: nobody enters a junction without a way out of it, or past those ahead.
 
 use super::slot::Slot;
+use super::streets::LanePosition;
 use crate::town::LaneId;
 
 /// Who drives slower than this may still be at the start of a lane when another wants to leave a junction there.
@@ -9,10 +10,9 @@ const SLOW_MPS: f64 = 2.5;
 /// An agent on a lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OnLane {
-    pub lane: LaneId,
     pub agent: Slot,
-    /// Distance of its middle along the lane.
-    pub s_m: f64,
+    /// Where its middle is.
+    pub at: LanePosition,
     pub half_length_m: f64,
     pub speed_mps: f64,
 }
@@ -20,7 +20,7 @@ pub(super) struct OnLane {
 impl OnLane {
     /// Distance of its tail along the lane.
     pub fn tail_m(&self) -> f64 {
-        self.s_m - self.half_length_m
+        self.at.s_m - self.half_length_m
     }
 }
 
@@ -51,6 +51,6 @@ impl LaneUse {
 
     /// Who is on a lane.
     pub fn on(&self, lane: LaneId) -> impl Iterator<Item = &OnLane> {
-        self.0.iter().filter(move |a| a.lane == lane)
+        self.0.iter().filter(move |a| a.at.lane == lane)
     }
 }

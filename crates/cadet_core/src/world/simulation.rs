@@ -178,7 +178,7 @@ impl World {
     /// [`Error::OutOfRange`] for a configuration that makes no sense, [`Error::Map`] for roads that are too short to drive.
     pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<Vec<Shortfall>> {
         if self.arena.ego_car().route.is_none() && self.town.network.driving().next().is_some() {
-            return Err(too_short(&self.town, &self.arena.streets.roads));
+            return Err(too_short(&self.town, &self.arena.streets.graph));
         }
         let Self { arena, key, user_vehicles, rains, .. } = self;
         let shortfalls = fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
@@ -197,9 +197,9 @@ impl World {
         let cover = box_at(model.size_lwh, DVec2::new(x_m, y_m), yaw_rad);
         check_free(&self.arena, Some(EGO), model.class, &cover, overlap)?;
         let choices = self.key.indexed("ego route", self.steps);
-        let roads = &self.arena.streets.roads;
-        let nearest = roads.nearest(settled.world_from_box.translation, Some(yaw_rad), 3.0);
-        let route = nearest.map(|(lane, s_m, _)| Route::new(lane, s_m, 0.0, EGO_STRAIGHT, choices, roads));
+        let graph = &self.arena.streets.graph;
+        let nearest = graph.nearest(settled.world_from_box.translation, Some(yaw_rad), 3.0);
+        let route = nearest.map(|at| Route::new(at.lane, at.s_m, 0.0, EGO_STRAIGHT, choices, graph));
         self.arena.around.junctions.forget(EGO);
         let (ego, physics) = self.arena.ego_car_mut();
         ego.own.body.place(physics, &settled.world_from_box);
@@ -241,12 +241,12 @@ impl World {
 
     /// Puts the ego on another way, where nobody is near.
     fn bring_ego_in(&mut self) {
-        let starts = EgoStarts::of(&self.arena.streets.roads);
+        let starts = EgoStarts::of(&self.arena.streets.graph);
         let mut stream = self.key.indexed("ego comes in", self.steps);
         for _ in 0..RETURN_TRIES {
-            let roads = &self.arena.streets.roads;
-            let Some((lane, s_m)) = starts.draw(&mut stream, roads) else { return };
-            let pose = roads.lane(lane).pose_at(s_m);
+            let graph = &self.arena.streets.graph;
+            let Some((lane, s_m)) = starts.draw(&mut stream, graph) else { return };
+            let pose = graph.lane(lane).pose_at(s_m);
             let at = pose.translation.truncate();
             let is_near = |(slot, f): (Slot, Footprint)| slot != EGO && (f.center - at).length() < RETURN_ROOM_M;
             if self.arena.vehicles().any(is_near) {
@@ -301,7 +301,7 @@ impl World {
     #[must_use]
     pub fn ego_is_at_road_end(&self) -> bool {
         let half_m = self.arena.ego_car().own.look.size_lwh().x / 2.0;
-        let end_m = self.arena.ego_car().route.as_ref().and_then(|route| route.ends_in_m(&self.arena.streets.roads));
+        let end_m = self.arena.ego_car().route.as_ref().and_then(|route| route.ends_in_m(&self.arena.streets.graph));
         end_m.is_some_and(|m| m - half_m < END_ROOM_M)
     }
 

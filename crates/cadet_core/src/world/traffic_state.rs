@@ -6,7 +6,7 @@ use super::lane_use::LaneUse;
 use super::outlook::{Claim, Outlook};
 use super::slot::Slot;
 use crate::math::DVec2;
-use crate::world::streets::{Ahead, Roads};
+use crate::world::streets::{Ahead, LaneGraph};
 use crate::world::walking::Walk;
 
 /// Room between a vehicle that stands beside a lane and the lane's middle at which drivers need not reckon with it.
@@ -57,7 +57,7 @@ pub(super) struct TrafficState {
 }
 
 impl TrafficState {
-    pub fn new(roads: &Roads) -> Self {
+    pub fn new(graph: &LaneGraph) -> Self {
         Self {
             standing: Vec::new(),
             standing_in_lanes: Vec::new(),
@@ -65,7 +65,7 @@ impl TrafficState {
             people: Vec::new(),
             people_on_road: Vec::new(),
             lane_use: LaneUse::default(),
-            junctions: Junctions::new(roads),
+            junctions: Junctions::new(graph),
             ways_ahead: Vec::new(),
             walks: Vec::new(),
             claims: Vec::new(),
@@ -73,10 +73,10 @@ impl TrafficState {
     }
 
     /// Something stands there for good.
-    pub fn stand(&mut self, footprint: Footprint, roads: &Roads) {
+    pub fn stand(&mut self, footprint: Footprint, graph: &LaneGraph) {
         self.standing.push(footprint);
-        if !roads.is_beside_lanes(&footprint, OFF_LANES_M)
-            || !roads.keeps_off_cycle_lanes(&footprint, OFF_CYCLE_LANES_M)
+        if !graph.is_beside_lanes(&footprint, OFF_LANES_M)
+            || !graph.keeps_off_cycle_lanes(&footprint, OFF_CYCLE_LANES_M)
         {
             self.standing_in_lanes.push(footprint);
         }
@@ -125,7 +125,7 @@ impl TrafficState {
     }
 
     /// Lets all know what all have found at a look, and decides who may cross junctions.
-    pub fn publish(&mut self, outlooks: Vec<(Slot, Outlook)>, roads: &Roads, step: u64) {
+    pub fn publish(&mut self, outlooks: Vec<(Slot, Outlook)>, graph: &LaneGraph, step: u64) {
         let mut requests = Vec::new();
         for (slot, outlook) in outlooks {
             self.ways_ahead[slot] = outlook.way_ahead;
@@ -133,7 +133,7 @@ impl TrafficState {
             self.walks[slot] = outlook.walk;
             requests.extend(outlook.request);
         }
-        self.junctions.resolve(&requests, &self.lane_use, roads, step);
+        self.junctions.resolve(&requests, &self.lane_use, graph, step);
     }
 
     /// The places that somebody is changing to, by rising slot.
@@ -171,16 +171,16 @@ mod tests {
     fn what_stands_in_a_lane_is_reckoned_with_however_wide_the_lane() {
         let mut widest_m = 0.0_f64;
         for town in [suburb(0), suburb(1), main_roads(0)] {
-            let roads = Roads::new(town);
-            for lane in roads.open_lanes().filter(|l| l.kind == LaneKind::Driving && l.length_m() > 6.0) {
+            let graph = LaneGraph::new(town);
+            for lane in graph.open_lanes().filter(|l| l.kind == LaneKind::Driving && l.length_m() > 6.0) {
                 let middle_m = lane.length_m() / 2.0;
                 let (pose, width_m) = (lane.pose_at(middle_m), lane.width_at(middle_m));
                 widest_m = widest_m.max(width_m);
                 let out = (pose.rotation * DVec3::Y).truncate() * lane.curb_side();
                 let center = pose.translation.truncate() + out * (width_m / 2.0 + 0.3);
                 let rect = OrientedRect { center, axis: out.perp(), half: DVec2::new(2.0, 0.45) };
-                let mut around = TrafficState::new(&roads);
-                around.stand(Footprint::standing(&rect), &roads);
+                let mut around = TrafficState::new(&graph);
+                around.stand(Footprint::standing(&rect), &graph);
                 assert_eq!(around.standing_in_lanes.len(), 1, "15 cm inside a lane of {width_m} m");
             }
         }

@@ -1,13 +1,12 @@
 //! What all kinds of agents do.
 
 use super::actor::ActorView;
-use crate::town::LaneId;
 use crate::world::driving::Cause;
 use crate::world::footprint::Footprint;
 use crate::world::outlook::Outlook;
 use crate::world::physics::Physics;
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Streets};
+use crate::world::streets::{LaneGraph, LanePosition, Streets};
 use crate::world::traffic_state::TrafficState;
 
 /// An agent decides what its actors do: one, or as many as a train has cars.
@@ -27,8 +26,8 @@ pub(crate) trait Behavior: Send + Sync {
     /// After the physics step: finds out where the body has got to. `around` has everybody's new places.
     fn track(&mut self, _slot: Slot, _physics: &Physics, _around: &mut TrafficState, _streets: &Streets) {}
 
-    /// The lane that the `k`-th actor drives on, and how far along it its middle is.
-    fn on_lane(&self, _k: usize) -> Option<(LaneId, f64)> {
+    /// Where on the lanes the middle of the `k`-th actor drives.
+    fn on_lane(&self, _k: usize) -> Option<LanePosition> {
         None
     }
 
@@ -38,7 +37,7 @@ pub(crate) trait Behavior: Send + Sync {
     }
 
     /// What drivers have to keep off because of a person on the road.
-    fn on_road(&self, _roads: &Roads) -> Option<Footprint> {
+    fn on_road(&self, _roads: &LaneGraph) -> Option<Footprint> {
         None
     }
 

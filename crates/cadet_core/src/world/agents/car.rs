@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
 use crate::math::DVec3;
-use crate::town::LaneId;
 use crate::world::body::{Body, Chassis};
 use crate::world::driving::{
     Axles, Cause, Decider, IdmParameters, LaneChoice, OnRoute, Overtaking, leave_junctions, perceive, pursue,
@@ -24,7 +23,7 @@ use crate::world::params::driver::{
 use crate::world::params::overtaking::OVERTAKE_SPEED_FACTOR;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Route, Streets};
+use crate::world::streets::{LaneGraph, LanePosition, Route, Streets};
 use crate::world::traffic_state::TrafficState;
 
 /// A vehicle on sprung wheels, and who drives it.
@@ -71,8 +70,8 @@ impl Car {
     }
 
     /// The speed that the driver goes for where the road is free.
-    pub fn wanted_mps(&self, roads: &Roads) -> f64 {
-        let allowed_mps = self.route.as_ref().map_or(0.0, |r| r.speed_for_bends(30.0, 1.5, roads));
+    pub fn wanted_mps(&self, graph: &LaneGraph) -> f64 {
+        let allowed_mps = self.route.as_ref().map_or(0.0, |r| r.speed_for_bends(30.0, 1.5, graph));
         (self.idm.desired_speed_factor * allowed_mps).min(self.idm.top_speed_mps)
     }
 
@@ -127,9 +126,9 @@ impl Car {
     }
 
     /// Pulling out to overtake, turning in again, changing lanes, or turning off at the next junction.
-    fn intent(&self, speed_mps: f64, roads: &Roads) -> TurnSignal {
+    fn intent(&self, speed_mps: f64, graph: &LaneGraph) -> TurnSignal {
         let Some(route) = self.route.as_ref().filter(|_| self.drives) else { return TurnSignal::Off };
-        let outward = roads.lane(route.lanes[0]).curb_side();
+        let outward = graph.lane(route.lanes[0]).curb_side();
         if let Some(overtaking) = self.overtaking {
             let is_out = overtaking.is_out_by_m(route.offset_m) < SHIFTING_M;
             return if is_out { TurnSignal::Off } else { TurnSignal::toward(-outward) };
@@ -141,34 +140,34 @@ impl Car {
         if self.command.is_none() && self.own_offset_m.is_some_and(is_off) {
             return TurnSignal::toward(outward);
         }
-        signal_for(route, speed_mps, self.own.look.signal, roads)
+        signal_for(route, speed_mps, self.own.look.signal, graph)
     }
 
     /// Stays in the lane or begins to leave it.
-    fn choose_lane(&mut self, slot: Slot, own: &Footprint, around: &TrafficState, roads: &Roads, step: u64) {
+    fn choose_lane(&mut self, slot: Slot, own: &Footprint, around: &TrafficState, graph: &LaneGraph, step: u64) {
         self.remember_offset();
         let (Some(route), Some(offset_m)) = (&mut self.route, self.own_offset_m) else { return };
         let decider = Decider { slot, own, idm: &self.idm, offset_m };
-        self.lanes.decide(&decider, route, around, roads, step);
+        self.lanes.decide(&decider, route, around, graph, step);
     }
 
     /// Takes another way where somebody has long stood in the one that it would swing into: of two who wait for each
     /// other to get out of an arm that is too narrow for both, neither would ever move.
-    fn give_up(&mut self, roads: &Roads, step: u64) {
+    fn give_up(&mut self, graph: &LaneGraph, step: u64) {
         let is_barred = matches!(self.cause, Cause::Junction(Refusal::InSweep(_))) && self.command.is_none();
         if !is_barred || self.standing_steps < GIVES_UP_STEPS || step < self.patient_until {
             return;
         }
         self.patient_until = step + GIVES_UP_STEPS;
         if let Some(route) = &mut self.route {
-            route.turn_elsewhere(roads);
+            route.turn_elsewhere(graph);
         }
     }
 
     /// What others have to know of a lane change.
-    fn claim(&self, own: &Footprint, roads: &Roads) -> Option<Claim> {
+    fn claim(&self, own: &Footprint, graph: &LaneGraph) -> Option<Claim> {
         let (change, route) = (self.lanes.change.as_ref()?, self.route.as_ref()?);
-        Some(change.claim(own, route, roads))
+        Some(change.claim(own, route, graph))
     }
 
     /// Whether the driver is on the way past a cyclist.
@@ -200,7 +199,7 @@ impl Behavior for Car {
     }
 
     fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
-        let roads = &streets.roads;
+        let graph = &streets.graph;
         let mut outlook = Outlook::default();
         self.cause = Cause::Nothing;
         if let Some(route) = self.route.as_ref().filter(|_| self.drives)
@@ -208,7 +207,7 @@ impl Behavior for Car {
         {
             let speed = footprint.velocity.dot(footprint.heading);
             self.desired_mps =
-                (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
+                (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, graph)).min(self.idm.top_speed_mps);
             if self.standing_steps >= WAITED_STEPS {
                 self.reduced_clearance_until = step + REDUCED_CLEARANCE_STEPS;
             }
@@ -221,13 +220,13 @@ impl Behavior for Car {
                 train_m: None,
                 reduced_clearance: step < self.reduced_clearance_until,
             };
-            let ahead = rider.in_sight(roads);
-            let mut perceived = perceive(&rider, &ahead, around, roads, step);
+            let ahead = rider.in_sight(graph);
+            let mut perceived = perceive(&rider, &ahead, around, graph, step);
             let (_, cause) = rider.tightest(&perceived.constraints);
             self.overtaking = match (self.overtaking, cause) {
-                (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
+                (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, graph),
                 (None, Cause::Vehicle(other)) if self.command.is_none() => {
-                    Overtaking::begin(&rider, other, self.desired_mps, around, roads)
+                    Overtaking::begin(&rider, other, self.desired_mps, around, graph)
                 }
                 _ => None,
             };
@@ -237,19 +236,19 @@ impl Behavior for Car {
                 perceived.constraints.extend(traffic_aside(&rider, aside_m, &ahead, around));
             }
             (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
-            let may_change = self.command.is_none() && roads.allows_changes(route.lanes[0]);
+            let may_change = self.command.is_none() && graph.allows_changes(route.lanes[0]);
             if self.overtaking.is_some() {
                 self.remember_offset();
             } else if may_change {
-                self.choose_lane(slot, footprint, around, roads, step);
+                self.choose_lane(slot, footprint, around, graph, step);
                 self.interaction_mps2 = self.interaction_mps2.min(self.lanes.stays_behind_mps2);
             }
-            self.give_up(roads, step);
-            self.own.look.signal = self.intent(speed, roads);
+            self.give_up(graph, step);
+            self.own.look.signal = self.intent(speed, graph);
             outlook = Outlook {
                 way_ahead: ahead,
                 request: perceived.request,
-                claim: self.claim(footprint, roads),
+                claim: self.claim(footprint, graph),
                 walk: None,
             };
         } else {
@@ -270,7 +269,7 @@ impl Behavior for Car {
                 let heading = (pose.rotation * DVec3::X).truncate().normalize();
                 let axles = axles_of(chassis);
                 let rear_axle = pose.translation.truncate() - heading * axles.rear_m;
-                let steer = pursue(rear_axle, heading, axles, speed, (route, 0.0), &streets.roads);
+                let steer = pursue(rear_axle, heading, axles, speed, (route, 0.0), &streets.graph);
                 let starts_mps2 = if chassis.is_held() { STARTS_MPS2 } else { STOPS_MPS2 };
                 let stand = accel < starts_mps2 && speed < 0.4;
                 // Who has closed up keeps a foot on the brake, though centimeters are left to go.
@@ -291,7 +290,7 @@ impl Behavior for Car {
         let tail_m = self.own.look.size_lwh().x / 2.0 + 0.5;
         if let Some(route) = &mut self.route {
             let position = chassis.world_from_box(physics).translation;
-            leave_junctions(slot, route, position, tail_m, &mut around.junctions, &streets.roads);
+            leave_junctions(slot, route, position, tail_m, &mut around.junctions, &streets.graph);
         }
         let stands = chassis.forward_mps(physics).abs() < STANDS_MPS;
         self.standing_steps = if stands { self.standing_steps + 1 } else { 0 };
@@ -301,7 +300,7 @@ impl Behavior for Car {
         self.cause
     }
 
-    fn on_lane(&self, _k: usize) -> Option<(LaneId, f64)> {
-        self.route.as_ref().map(|r| (r.lanes[0], r.s_m))
+    fn on_lane(&self, _k: usize) -> Option<LanePosition> {
+        self.route.as_ref().map(Route::position)
     }
 }

@@ -4,7 +4,6 @@ use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::town::LaneId;
 use crate::world::body::{Body, Cycle, Step};
 use crate::world::driving::{Cause, IdmParameters, OnRoute, leave_junctions, perceive, turn_ahead};
 use crate::world::footprint::Footprint;
@@ -17,7 +16,7 @@ use crate::world::params::cycling::{
 use crate::world::params::{CYCLIST, STANDS_MPS};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Route, Streets};
+use crate::world::streets::{LaneGraph, LanePosition, Route, Streets};
 use crate::world::traffic_state::TrafficState;
 
 /// How far ahead that is looked for, and in which steps; and behind the rear wheel, which is past it last.
@@ -82,11 +81,11 @@ impl Behavior for Cyclist {
     }
 
     fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
-        let roads = &streets.roads;
+        let graph = &streets.graph;
         let Some(footprint) = around.vehicle(slot) else { return Outlook::default() };
-        let offset_m = free_offset_m(&self.route, footprint, around, roads);
+        let offset_m = free_offset_m(&self.route, footprint, around, graph);
         self.route.offset_m += (offset_m - self.route.offset_m).clamp(-SHIFT_M, SHIFT_M);
-        self.desired_mps = self.habits.idm.top_speed_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
+        self.desired_mps = self.habits.idm.top_speed_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, graph));
         let rider = OnRoute {
             slot,
             footprint,
@@ -96,11 +95,11 @@ impl Behavior for Cyclist {
             train_m: None,
             reduced_clearance: false,
         };
-        let ahead = rider.in_sight(roads);
-        let perceived = perceive(&rider, &ahead, around, roads, step);
+        let ahead = rider.in_sight(graph);
+        let perceived = perceive(&rider, &ahead, around, graph, step);
         (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         // In the bend both hands are needed.
-        let turn = turn_ahead(&self.route, roads).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));
+        let turn = turn_ahead(&self.route, graph).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));
         let is_shown = self.habits.points && self.speed_mps > POINTS_MPS;
         self.pointing = turn.filter(|_| is_shown).map_or(TurnSignal::Off, |(_, side)| side);
         Outlook { way_ahead: ahead, request: perceived.request, ..Outlook::default() }
@@ -115,7 +114,7 @@ impl Behavior for Cyclist {
         // Pure pursuit of the route.
         let heading = body.heading();
         let reach_m = (0.5 * self.speed_mps + 1.2).clamp(1.8, 4.2);
-        let to = self.route.ahead(reach_m, &streets.roads).at - body.at();
+        let to = self.route.ahead(reach_m, &streets.graph).at - body.at();
         let curvature = 2.0 * heading.perp_dot(to) / to.length_squared().max(1.0);
         let turn_rad = curvature.clamp(-TIGHTEST_PER_M, TIGHTEST_PER_M) * moved_m;
         let turned = |angle_rad: f64| {
@@ -131,7 +130,7 @@ impl Behavior for Cyclist {
     fn track(&mut self, slot: Slot, physics: &Physics, around: &mut TrafficState, streets: &Streets) {
         let tail_m = self.own.look.size_lwh().x / 2.0 + 0.5;
         let position = self.own.body.world_from_box(physics).translation;
-        leave_junctions(slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
+        leave_junctions(slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.graph);
         self.standing_steps = if self.speed_mps < STANDS_MPS { self.standing_steps + 1 } else { 0 };
     }
 
@@ -139,19 +138,19 @@ impl Behavior for Cyclist {
         self.cause
     }
 
-    fn on_lane(&self, _k: usize) -> Option<(LaneId, f64)> {
-        Some((self.route.lanes[0], self.route.s_m))
+    fn on_lane(&self, _k: usize) -> Option<LanePosition> {
+        Some(self.route.position())
     }
 }
 
 /// The offset to the left of the lane's middle at which one rides before anything is in the way.
-fn usual_offset_m(route: &Route, roads: &Roads) -> f64 {
-    route.usual_m(roads.lane(route.lanes[0]), route.s_m)
+fn usual_offset_m(route: &Route, graph: &LaneGraph) -> f64 {
+    route.usual_m(graph.lane(route.lanes[0]), route.s_m)
 }
 
 /// The same, farther off the curb where something stands in the lane.
-fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, roads: &Roads) -> f64 {
-    let usual_m = usual_offset_m(route, roads);
+fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, graph: &LaneGraph) -> f64 {
+    let usual_m = usual_offset_m(route, graph);
     let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;
     let near: Vec<&Footprint> = around.standing_in_lanes.iter().filter(is_near).collect();
     if near.is_empty() {
@@ -159,14 +158,14 @@ fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, roads: &
     }
     let behind_m = own.half_length_m + LOOKS_BACK_M;
     let places: Vec<(DVec2, DVec2)> = (0..((LOOKS_M + behind_m) / STEP_M) as usize)
-        .map(|k| route.ahead(k as f64 * STEP_M - behind_m, roads))
+        .map(|k| route.ahead(k as f64 * STEP_M - behind_m, graph))
         .map(|a| (a.at - a.tangent.perp() * route.offset_m, a.tangent.perp()))
         .collect();
     let is_free = |offset_m: f64| {
         let line = places.iter().map(|(middle, left)| *middle + *left * offset_m);
         line.into_iter().all(|p| near.iter().all(|o| (o.closest_point(p) - p).length() > own.half_width_m + ASIDE_M))
     };
-    let off_curb = -roads.lane(route.lanes[0]).curb_side();
+    let off_curb = -graph.lane(route.lanes[0]).curb_side();
     let lines_m = (0..12).map(|k| usual_m + off_curb * 0.12 * f64::from(k));
     lines_m.take_while(|m| off_curb * *m < 0.3).find(|m| is_free(*m)).unwrap_or(0.0)
 }
@@ -175,11 +174,12 @@ fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, roads: &
 mod tests {
     use super::*;
     use crate::rng::Stream;
+    use crate::town::LaneId;
     use crate::world::tests::towns::slope;
 
     #[test]
     fn a_cyclist_keeps_aside_until_the_rear_wheel_is_past_a_car() {
-        let roads = Roads::new(slope(0.0));
+        let graph = LaneGraph::new(slope(0.0));
         let car = Footprint {
             center: DVec2::new(10.0, -1.35),
             heading: DVec2::X,
@@ -187,16 +187,16 @@ mod tests {
             half_width_m: 0.9,
             velocity: DVec2::ZERO,
         };
-        let mut around = TrafficState::new(&roads);
-        around.stand(car, &roads);
+        let mut around = TrafficState::new(&graph);
+        around.stand(car, &graph);
         // By how much it rides farther to the left than usual, its middle so far beyond the car's front.
         let aside_m = |beyond_m: f64| {
             let s_m = 90.0 + 12.2 + beyond_m;
             let (seed, mut stream) = (Stream::from_seed("way", 1), Stream::from_seed("habits", 1));
-            let route = Route::by_bicycle(LaneId(0), s_m, 1.0, Habits::draw(&mut stream).keeps_m, seed, &roads);
-            let at = route.ahead(0.0, &roads);
+            let route = Route::by_bicycle(LaneId(0), s_m, 1.0, Habits::draw(&mut stream).keeps_m, seed, &graph);
+            let at = route.ahead(0.0, &graph);
             let own = Footprint { center: at.at, heading: at.tangent, half_length_m: 0.95, half_width_m: 0.33, ..car };
-            free_offset_m(&route, &own, &around, &roads) - usual_offset_m(&route, &roads)
+            free_offset_m(&route, &own, &around, &graph) - usual_offset_m(&route, &graph)
         };
         assert!(aside_m(-8.0) > 0.4, "before it: {}", aside_m(-8.0));
         for beyond_m in [-2.0, 0.0, 0.5, 0.9] {

@@ -15,7 +15,7 @@ use crate::world::params::walking::{
 use crate::world::params::{CRAWLS_MPS, LOOK_S};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Sidewalks, Streets};
+use crate::world::streets::{LaneGraph, Sidewalks, Streets};
 use crate::world::traffic_state::TrafficState;
 use crate::world::walking::{
     GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, way_across,
@@ -224,9 +224,9 @@ impl Behavior for Pedestrian {
             Motion::Walks { walkway, s_m, .. } => Some(self.target(sidewalks, walkway, s_m)),
             _ => None,
         };
-        let (roads, stray_m) = (&streets.roads, line.map_or(0.0, |line| ROUND_OTHERS_M.max((from - line).length())));
+        let (graph, stray_m) = (&streets.graph, line.map_or(0.0, |line| ROUND_OTHERS_M.max((from - line).length())));
         let leaves_sidewalk =
-            |p: DVec2, line: DVec2| !roads.is_sidewalk(p) && roads.is_sidewalk(from) && roads.is_sidewalk(line);
+            |p: DVec2, line: DVec2| !graph.is_sidewalk(p) && graph.is_sidewalk(from) && graph.is_sidewalk(line);
         let keeps_to_line =
             |p: DVec2| line.is_none_or(|line| (p - line).length() <= stray_m && !leaves_sidewalk(p, line));
         let step = if wanted == from {
@@ -248,7 +248,7 @@ impl Behavior for Pedestrian {
         if let Motion::Crosses { to: goal, walkway, s_m } = self.motion {
             let left_m = (goal - to).length();
             // Where others stand at the goal, any place beside the road will do.
-            let is_beside_goal = self.held_s > 0.5 && left_m < OVER_M && streets.roads.is_sidewalk(to);
+            let is_beside_goal = self.held_s > 0.5 && left_m < OVER_M && streets.graph.is_sidewalk(to);
             if left_m < 0.05 || is_beside_goal {
                 let direction = if self.choices.chance(0.5) { 1.0 } else { -1.0 };
                 self.start(walkway, s_m, direction, 0.0);
@@ -270,16 +270,16 @@ impl Behavior for Pedestrian {
     }
 
     /// A person on the road, and where they will be in the next second and a half.
-    fn on_road(&self, roads: &Roads) -> Option<Footprint> {
+    fn on_road(&self, graph: &LaneGraph) -> Option<Footprint> {
         let body = &self.own.body;
         match self.motion {
             Motion::Crosses { to, .. } => {
                 // Drivers let pass who is on a zebra crossing, and not only out of their own way.
-                let is_let_over = roads.signals().is_on_zebra(body.at());
+                let is_let_over = graph.signals().is_on_zebra(body.at());
                 let whole_m = (to - body.at()).length().min(ZEBRA_LEAD_M);
                 Some(keep_off(body, if is_let_over { whole_m } else { 1.5 * CROSSING_MPS }))
             }
-            Motion::Stands => is_on_road(body, body.at(), roads).then(|| keep_off(body, 0.0)),
+            Motion::Stands => is_on_road(body, body.at(), graph).then(|| keep_off(body, 0.0)),
             Motion::Walks { .. } | Motion::Waits { .. } => None,
         }
     }

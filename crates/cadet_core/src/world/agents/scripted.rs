@@ -10,7 +10,7 @@ use crate::world::look::{CyclistLook, PersonLook, VehicleLook};
 use crate::world::outlook::Outlook;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::{Ahead, Roads, Streets};
+use crate::world::streets::{Ahead, LaneGraph, Streets};
 use crate::world::traffic_state::TrafficState;
 use crate::world::walking::{is_on_road, keep_off};
 
@@ -126,11 +126,11 @@ impl Behavior for Scripted {
         }
     }
 
-    fn on_road(&self, roads: &Roads) -> Option<Footprint> {
+    fn on_road(&self, graph: &LaneGraph) -> Option<Footprint> {
         let Led::Person(Actor { body, .. }) = &self.led else { return None };
         let lead_m = body.velocity_world.truncate().length() * LEAD_S;
         let soon = body.at() + body.heading() * lead_m;
-        let is_on_road = is_on_road(body, body.at(), roads) || is_on_road(body, soon, roads);
+        let is_on_road = is_on_road(body, body.at(), graph) || is_on_road(body, soon, graph);
         is_on_road.then(|| keep_off(body, lead_m))
     }
 }

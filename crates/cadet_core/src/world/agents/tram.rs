@@ -6,7 +6,6 @@ use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::town::LaneId;
 use crate::world::body::{Body, Guided, Step};
 use crate::world::driving::{Cause, IdmParameters, OnRoute, leave_junctions, perceive};
 use crate::world::look::VehicleLook;
@@ -14,7 +13,7 @@ use crate::world::outlook::Outlook;
 use crate::world::params::{STANDS_MPS, TRAM};
 use crate::world::physics::{DT_S, Physics};
 use crate::world::slot::Slot;
-use crate::world::streets::{Route, Streets, Track};
+use crate::world::streets::{LanePosition, Route, Streets, Track};
 use crate::world::traffic_state::TrafficState;
 
 /// Where the first car stops before the end of its track.
@@ -54,9 +53,9 @@ impl Train {
         ((front + rear) / 2.0 - heading * (car.middle_m - between_m), heading)
     }
 
-    /// The lane that the middle of a car is on, and how far along it.
-    fn lane_of(&self, car: &Coupled) -> (LaneId, f64) {
-        self.track.lane_at(self.front_m - car.middle_m)
+    /// Where on the lanes the middle of a car is.
+    fn position_of(&self, car: &Coupled) -> LanePosition {
+        self.track.position(self.front_m - car.middle_m)
     }
 }
 
@@ -95,8 +94,7 @@ impl Tram {
     /// Of a train that is on its way.
     pub fn new(cars: Vec<TramCar>, train: Train, habits: &mut Stream) -> Self {
         let middle_m = train.front_m - cars[0].coupled.middle_m;
-        let (_, s_m) = train.track.lane_at(middle_m);
-        let route = Route::along(train.track.lanes_from(middle_m), s_m);
+        let route = Route::along(train.track.lanes_from(middle_m), train.track.position(middle_m).s_m);
         let (idm, desired_mps) = (IdmParameters::draw(&TRAM, habits), train.speed_mps);
         Self { cars, train, route, idm, desired_mps, interaction_mps2: 0.0, standing_steps: 0, cause: Cause::Nothing }
     }
@@ -109,11 +107,11 @@ impl Behavior for Tram {
 
     fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let Some(footprint) = around.vehicle(slot) else { return Outlook::default() };
-        let (roads, train) = (&streets.roads, &self.train);
+        let (graph, train) = (&streets.graph, &self.train);
         let end_m = train.track.length_m() - train.front_m - BEFORE_END_M;
         let for_end_mps = (2.0 * self.idm.comfortable_mps2 * end_m.max(0.0)).sqrt();
         self.desired_mps = (self.idm.desired_speed_factor
-            * self.route.speed_for_bends(train.speed_mps, self.idm.comfortable_mps2, roads))
+            * self.route.speed_for_bends(train.speed_mps, self.idm.comfortable_mps2, graph))
         .min(for_end_mps);
         let rider = OnRoute {
             slot,
@@ -124,8 +122,8 @@ impl Behavior for Tram {
             train_m: Some(train.length_m),
             reduced_clearance: false,
         };
-        let ahead = rider.in_sight(roads);
-        let perceived = perceive(&rider, &ahead, around, roads, step);
+        let ahead = rider.in_sight(graph);
+        let perceived = perceive(&rider, &ahead, around, graph, step);
         (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.
@@ -151,7 +149,7 @@ impl Behavior for Tram {
         // The train's tail, behind the middle of its first car.
         let tail_m = self.train.length_m - self.cars[0].coupled.middle_m + 0.5;
         let position = self.cars[0].own.body.world_from_box(physics).translation;
-        leave_junctions(slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
+        leave_junctions(slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.graph);
         self.standing_steps = if self.train.speed_mps < STANDS_MPS { self.standing_steps + 1 } else { 0 };
     }
 
@@ -159,11 +157,8 @@ impl Behavior for Tram {
         self.cause
     }
 
-    fn on_lane(&self, k: usize) -> Option<(LaneId, f64)> {
-        Some(if k == 0 {
-            (self.route.lanes[0], self.route.s_m)
-        } else {
-            self.train.lane_of(&self.cars.get(k)?.coupled)
-        })
+    fn on_lane(&self, k: usize) -> Option<LanePosition> {
+        let car = self.cars.get(k)?;
+        Some(if k == 0 { self.route.position() } else { self.train.position_of(&car.coupled) })
     }
 }

@@ -9,7 +9,7 @@ use crate::world::params::driver::{
     BEFORE_END_M, SIDE_MOVING_M, SIDE_MOVING_REDUCED_M, SIDE_STANDING_M, SIDE_STANDING_REDUCED_M, SWEPT_M,
 };
 use crate::world::slot::EGO;
-use crate::world::streets::{Ahead, Roads};
+use crate::world::streets::{Ahead, LaneGraph};
 use crate::world::traffic_state::TrafficState;
 
 /// What who follows a route finds ahead, and asks of the next junction.
@@ -39,17 +39,17 @@ pub(crate) fn perceive(
     own: &OnRoute<'_>,
     ahead: &[Ahead],
     around: &TrafficState,
-    roads: &Roads,
+    graph: &LaneGraph,
     step: u64,
 ) -> Perceived {
-    let junction = look_at_junction(own, around, roads, step);
-    let mut constraints = traffic_ahead(own, ahead, around, roads);
-    constraints.extend(road_end(own, roads).into_iter().chain(junction.stop));
+    let junction = look_at_junction(own, around, graph, step);
+    let mut constraints = traffic_ahead(own, ahead, around, graph);
+    constraints.extend(road_end(own, graph).into_iter().chain(junction.stop));
     Perceived { constraints, request: junction.request }
 }
 
 /// Vehicles and people on the route, or where the vehicle is about to sweep.
-fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, roads: &Roads) -> Vec<Constraint> {
+fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, graph: &LaneGraph) -> Vec<Constraint> {
     let footprint = own.footprint;
     let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
     let (side_standing_m, side_moving_m, swept_m) =
@@ -75,7 +75,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, road
         .collect();
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
     let swept = [0.8, 1.6, 2.6].into_iter().find_map(|reach_m| {
-        let there = own.route.ahead(reach_m, roads);
+        let there = own.route.ahead(reach_m, graph);
         let swept = Footprint { center: there.at, heading: there.tangent, ..*footprint }.grown(swept_m);
         let meets = |o: &Footprint| {
             let to = o.center - footprint.center;
@@ -89,10 +89,10 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, road
 }
 
 /// The end of the road. Where it is the map's, all but the ego drive on and leave the world.
-fn road_end(own: &OnRoute<'_>, roads: &Roads) -> Option<Constraint> {
+fn road_end(own: &OnRoute<'_>, graph: &LaneGraph) -> Option<Constraint> {
     let sight_m = own.sight_m();
-    let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, roads);
-    let end_m = own.route.ends_in_m(roads).filter(|m| stays && *m < sight_m)?;
+    let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, graph);
+    let end_m = own.route.ends_in_m(graph).filter(|m| stays && *m < sight_m)?;
     Some(own.stop_in(end_m - own.footprint.half_length_m - BEFORE_END_M, Cause::RoadEnd))
 }
 
@@ -109,21 +109,21 @@ mod tests {
     fn a_dead_end_is_seen_where_one_can_still_stop_comfortably() {
         let mut network = crate::town::RoadNetwork::default();
         lane(&mut network, &line(DVec2::ZERO, DVec2::new(400.0, 0.0)), None, &|_, _| 0.0);
-        let roads = Roads::new(town(network, ground(450.0, 10.0, &|_, _| 0.0), Vec::new()));
+        let graph = LaneGraph::new(town(network, ground(450.0, 10.0, &|_, _| 0.0), Vec::new()));
         let idm = IdmParameters::draw(&CAR, &mut Stream::from_seed("idm", 1));
         for speed_mps in [5.0, 14.0, 25.0, 36.0] {
             let stops_m = speed_mps * speed_mps / (2.0 * idm.comfortable_mps2);
             let route = Route::along([crate::town::LaneId(0)].into(), 400.0 - 2.2 - stops_m);
-            let at = route.ahead(0.0, &roads);
+            let at = route.ahead(0.0, &graph);
             let (half_length_m, half_width_m) = (2.2, 0.9);
             let velocity = at.tangent * speed_mps;
             let own = Footprint { center: at.at, heading: at.tangent, half_length_m, half_width_m, velocity };
             let (axles, train_m, reduced_clearance) = (None, None, false);
             let route = &route;
             let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };
-            let around = TrafficState::new(&roads);
-            let ahead = rider.in_sight(&roads);
-            let (_, cause) = rider.tightest(&perceive(&rider, &ahead, &around, &roads, 0).constraints);
+            let around = TrafficState::new(&graph);
+            let ahead = rider.in_sight(&graph);
+            let (_, cause) = rider.tightest(&perceive(&rider, &ahead, &around, &graph, 0).constraints);
             assert_eq!(cause, Cause::RoadEnd, "{speed_mps} m/s, {stops_m} m before the end");
         }
     }

@@ -13,7 +13,7 @@ use crate::world::params::junctions::{
 use crate::world::params::{CRAWLS_MPS, STANDS_MPS};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Route};
+use crate::world::streets::{LaneGraph, Route};
 use crate::world::traffic_state::TrafficState;
 
 /// What a look at the next junction finds.
@@ -31,82 +31,87 @@ pub(crate) fn leave_junctions(
     position: DVec3,
     tail_m: f64,
     junctions: &mut Junctions,
-    roads: &Roads,
+    graph: &LaneGraph,
 ) {
-    route.track(position, roads, |lane, end_m| junctions.leaving(slot, lane, end_m + tail_m));
+    route.track(position, graph, |lane, end_m| junctions.leaving(slot, lane, end_m + tail_m));
     junctions.advance(slot, route.lanes[0], route.s_m - tail_m);
     junctions.release(slot, route.odometer_m(), |lane| route.lanes.contains(&lane));
 }
 
 /// Looks at the next junction that is not one's own to cross.
-pub(crate) fn look_at_junction(own: &OnRoute<'_>, around: &TrafficState, roads: &Roads, step: u64) -> JunctionAhead {
+pub(crate) fn look_at_junction(
+    own: &OnRoute<'_>,
+    around: &TrafficState,
+    graph: &LaneGraph,
+    step: u64,
+) -> JunctionAhead {
     let (speed_mps, half_length_m) = (own.speed_mps().max(0.0), own.footprint.half_length_m);
     let junctions = &around.junctions;
-    let Some(next) = next_junction(own.route, roads, &|_| true) else { return JunctionAhead::default() };
+    let Some(next) = next_junction(own.route, graph, &|_| true) else { return JunctionAhead::default() };
     if let Some(held_up) =
-        wait_at_light(own, next, junctions, roads, step).or_else(|| give_back(own, next, junctions, roads, step))
+        wait_at_light(own, next, junctions, graph, step).or_else(|| give_back(own, next, junctions, graph, step))
     {
         return held_up;
     }
     let is_not_held = |id| !junctions.holds(own.slot, id);
-    let Some((k, start_m)) = next_junction(own.route, roads, &is_not_held) else { return JunctionAhead::default() };
+    let Some((k, start_m)) = next_junction(own.route, graph, &is_not_held) else { return JunctionAhead::default() };
     let before = own.route.lanes[k - 1];
     // Who is over the line before a ford waits at the junction itself.
-    let at_line_m = start_m - half_length_m - line_m(before, roads);
+    let at_line_m = start_m - half_length_m - line_m(before, graph);
     let front_m = if at_line_m > OVER_LINE_M { at_line_m } else { start_m - half_length_m - STOP_LINE_M };
     let brakes_m = own.idm.comfortable_stop_m(speed_mps) + EARLY_M + EARLY_S * speed_mps;
-    let is_green = roads.signals().aspect(before, step as f64 * DT_S).is_none_or(|a| a == Aspect::Green);
+    let is_green = graph.signals().aspect(before, step as f64 * DT_S).is_none_or(|a| a == Aspect::Green);
     if !is_green && at_line_m > OVER_LINE_M {
         return JunctionAhead::default();
     }
     if front_m > brakes_m + DECIDED_S * speed_mps {
-        let request = Some(request(own, (k, start_m), Stage::Comes, roads)).filter(|r| r.arrives_s < COMES_S);
+        let request = Some(request(own, (k, start_m), Stage::Comes, graph)).filter(|r| r.arrives_s < COMES_S);
         return JunctionAhead { stop: None, request };
     }
-    let has_to_stop = roads.right_of_way(before) == Some(RightOfWay::Stop)
+    let has_to_stop = graph.right_of_way(before) == Some(RightOfWay::Stop)
         && (speed_mps > CRAWLS_MPS || front_m > AT_LINE_M)
         && front_m > 0.0;
-    let in_sweep = vehicle_in_swept_path(own, &across(own.route, k, roads), start_m, around, roads);
+    let in_sweep = vehicle_in_swept_path(own, &across(own.route, k, graph), start_m, around, graph);
     let stage = if has_to_stop || in_sweep.is_some() { Stage::Waits } else { Stage::Asks };
     let refusal = in_sweep.map_or_else(|| junctions.refusal(own.slot), Refusal::InSweep);
     // Over the line there is no stopping any more.
     let stops = front_m < brakes_m && front_m > -STOP_LINE_M - 0.5;
     JunctionAhead {
         stop: stops.then(|| own.stop_in(front_m, Cause::Junction(refusal))),
-        request: Some(request(own, (k, start_m), stage, roads)),
+        request: Some(request(own, (k, start_m), stage, graph)),
     }
 }
 
 /// The first lane of a route that crosses a junction and `counts`: its place on the route, and how far ahead it begins.
-pub(crate) fn next_junction(route: &Route, roads: &Roads, counts: &dyn Fn(LaneId) -> bool) -> Option<(usize, f64)> {
+pub(crate) fn next_junction(route: &Route, graph: &LaneGraph, counts: &dyn Fn(LaneId) -> bool) -> Option<(usize, f64)> {
     let mut start_m = -route.s_m;
     for (i, id) in route.lanes.iter().enumerate() {
-        if i > 0 && roads.lane(*id).junction.is_some() && counts(*id) {
+        if i > 0 && graph.lane(*id).junction.is_some() && counts(*id) {
             return Some((i, start_m));
         }
-        start_m += roads.lane(*id).length_m();
+        start_m += graph.lane(*id).length_m();
     }
     None
 }
 
 /// The lanes across the junction that begins at the `k`-th of a route.
-fn across(route: &Route, k: usize, roads: &Roads) -> Vec<LaneId> {
-    route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect()
+fn across(route: &Route, k: usize, graph: &LaneGraph) -> Vec<LaneId> {
+    route.lanes.iter().skip(k).copied().take_while(|l| graph.lane(*l).junction.is_some()).collect()
 }
 
 /// What is asked of the junction that begins at the `k`-th lane of a route, `start_m` ahead of the vehicle's middle.
-fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, roads: &Roads) -> Request {
+fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, graph: &LaneGraph) -> Request {
     let (route, is_tram) = (own.route, own.train_m.is_some());
-    let lanes = across(route, k, roads);
-    let leads_on = |l: &LaneId| roads.lane(*l).junction.is_none();
+    let lanes = across(route, k, graph);
+    let leads_on = |l: &LaneId| graph.lane(*l).junction.is_none();
     let exits = route.lanes.iter().skip(k + lanes.len()).copied().take_while(leads_on).collect();
-    let (first, last) = (roads.lane(lanes[0]), roads.lane(lanes[lanes.len() - 1]));
+    let (first, last) = (graph.lane(lanes[0]), graph.lane(lanes[lanes.len() - 1]));
     let heading = first.start_tangent();
     let turn_rad = math::turn_rad(heading, last.end_tangent());
     let speed_mps = own.speed_mps().max(0.0);
     let front_m = start_m - own.footprint.half_length_m;
-    let across_m: f64 = lanes.iter().map(|l| roads.lane(*l).length_m()).sum();
-    let allowed = lanes.iter().flat_map(|l| roads.allowed_mps(*l)).copied();
+    let across_m: f64 = lanes.iter().map(|l| graph.lane(*l).length_m()).sum();
+    let allowed = lanes.iter().flat_map(|l| graph.allowed_mps(*l)).copied();
     let goes_mps = allowed.fold(f64::INFINITY, f64::min);
     Request {
         slot: own.slot,
@@ -115,7 +120,7 @@ fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, roads: &
         exits,
         room_m: own.length_m() + EXIT_ROOM_M,
         is_tram,
-        right_of_way: roads.right_of_way(route.lanes[k - 1]).filter(|_| !roads.is_in_roundabout(lanes[0])),
+        right_of_way: graph.right_of_way(route.lanes[k - 1]).filter(|_| !graph.is_in_roundabout(lanes[0])),
         heading,
         turn: Turn::of(first.curb_side() * turn_rad),
         curb_side: first.curb_side(),
@@ -132,12 +137,12 @@ fn give_back(
     own: &OnRoute<'_>,
     (k, start_m): (usize, f64),
     junctions: &Junctions,
-    roads: &Roads,
+    graph: &LaneGraph,
     step: u64,
 ) -> Option<JunctionAhead> {
     let since_step = junctions.holds_since(own.slot, own.route.lanes[k])?;
     let is_unused = own.speed_mps() < STANDS_MPS && step > since_step + UNUSED_STEPS;
-    let request = is_unused.then(|| request(own, (k, start_m), Stage::Waits, roads))?;
+    let request = is_unused.then(|| request(own, (k, start_m), Stage::Waits, graph))?;
     Some(JunctionAhead { stop: None, request: Some(request) })
 }
 
@@ -146,11 +151,11 @@ fn wait_at_light(
     own: &OnRoute<'_>,
     (k, start_m): (usize, f64),
     junctions: &Junctions,
-    roads: &Roads,
+    graph: &LaneGraph,
     step: u64,
 ) -> Option<JunctionAhead> {
     let speed_mps = own.speed_mps().max(0.0);
-    let aspect = roads.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S)?;
+    let aspect = graph.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S)?;
     let front_m = start_m - own.footprint.half_length_m - LIGHT_LINE_M;
     let braking_m = speed_mps * speed_mps / 2.0;
     let seen_m = braking_m / own.idm.comfortable_mps2 + speed_mps + SEES_LIGHT_M;
@@ -163,5 +168,5 @@ fn wait_at_light(
         return None;
     }
     let stop = Some(own.stop_in(front_m, Cause::Junction(Refusal::Light)));
-    Some(JunctionAhead { stop, request: Some(request(own, (k, start_m), Stage::Waits, roads)) })
+    Some(JunctionAhead { stop, request: Some(request(own, (k, start_m), Stage::Waits, graph)) })
 }

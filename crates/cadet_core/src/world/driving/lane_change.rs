@@ -15,7 +15,7 @@ use crate::world::params::lane_change::{
 use crate::world::params::{CRAWLS_MPS, LONG_M, LOOK_STEPS};
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Route};
+use crate::world::streets::{LaneGraph, Route};
 use crate::world::traffic_state::TrafficState;
 
 /// Who is no farther off needs no change to return.
@@ -87,8 +87,8 @@ impl LaneChange {
     }
 
     /// What the changer claims: its place in the new lane, whatever it still covers of the old one.
-    pub fn claim(&self, own: &Footprint, route: &Route, roads: &Roads) -> Claim {
-        let place = route.ahead(0.0, roads);
+    pub fn claim(&self, own: &Footprint, route: &Route, graph: &LaneGraph) -> Claim {
+        let place = route.ahead(0.0, graph);
         let center = place.at + place.tangent.perp() * self.left_m(route.offset_m);
         Claim { footprint: Footprint { center, heading: place.tangent, ..*own }, is_inward: self.is_inward }
     }
@@ -115,14 +115,14 @@ pub(crate) struct Decider<'a> {
 impl LaneChoice {
     /// Looks at both neighbors of a lane that allows changes now and then, and begins a change where it is worth it and safe: then the route
     /// leads along the new lane.
-    pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &TrafficState, roads: &Roads, step: u64) {
+    pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &TrafficState, graph: &LaneGraph, step: u64) {
         // From the two lanes beside one, nobody decides at the same look.
         let lane = route.lanes[0];
-        let from_curb = std::iter::successors(Some(lane), |id| roads.outer_of(*id)).count() as u64 % 3;
+        let from_curb = std::iter::successors(Some(lane), |id| graph.outer_of(*id)).count() as u64 % 3;
         if !(step / LOOK_STEPS + 2 * from_curb).is_multiple_of(LOOKS) {
             return;
         }
-        let (inner, outer) = (roads.inner_of(lane), roads.outer_of(lane));
+        let (inner, outer) = (graph.inner_of(lane), graph.outer_of(lane));
         self.stays_behind_mps2 = 0.0;
         let Decider { slot, own, idm, .. } = *by;
         let speed_mps = own.velocity.dot(own.heading).max(0.0);
@@ -134,18 +134,18 @@ impl LaneChoice {
             && !change.returns
             && let Some(back) = if change.is_inward { outer } else { inner }
         {
-            let from_m = route.change_to(back, roads);
+            let from_m = route.change_to(back, graph);
             let returning =
                 LaneChange { is_inward: !change.is_inward, from_m, to_m: by.offset_m, share: 0.0, returns: true };
             self.change = Some(returning).filter(|c| (c.to_m - c.from_m).abs() > HARDLY_LEFT_M);
             return;
         }
         let view = |lane: LaneId| {
-            let here = route.ahead(0.0, roads).at;
-            let (s_m, _) = roads.lane(lane).project(DVec3::new(here.x, here.y, 0.0));
-            LaneView::of(lane, s_m, own.half_length_m, Some(slot), around, roads)
+            let here = route.ahead(0.0, graph).at;
+            let (s_m, _) = graph.lane(lane).project(DVec3::new(here.x, here.y, 0.0));
+            LaneView::of(lane, s_m, own.half_length_m, Some(slot), around, graph)
         };
-        let here = LaneView::of(lane, route.s_m, own.half_length_m, Some(slot), around, roads);
+        let here = LaneView::of(lane, route.s_m, own.half_length_m, Some(slot), around, graph);
         let own_mps2 = interaction_accel(idm, speed_mps, here.leader);
         let inner_view = inner.map(view);
         let inner_leader = inner_view.and_then(|v| v.leader);
@@ -158,22 +158,22 @@ impl LaneChoice {
         // What is long keeps to the two lanes at the curb, and in towns, where it would stand across two, to its lane.
         let is_long = 2.0 * own.half_length_m > LONG_M;
         if self.change.is_some()
-            || (is_long && !roads.is_fast(lane))
+            || (is_long && !graph.is_fast(lane))
             || step < self.next_change_step
             || speed_mps < LEAST_MPS
-            || !has_way(route, speed_mps, roads)
+            || !has_way(route, speed_mps, graph)
         {
             return;
         }
-        let leads_inward = |id: &LaneId| !is_long || roads.outer_of(lane).is_none() || roads.inner_of(*id).is_some();
-        let bias_mps2 = if roads.is_fast(lane) { OUTER_BIAS_MPS2 } else { 0.0 };
+        let leads_inward = |id: &LaneId| !is_long || graph.outer_of(lane).is_none() || graph.inner_of(*id).is_some();
+        let bias_mps2 = if graph.is_fast(lane) { OUTER_BIAS_MPS2 } else { 0.0 };
         let targets = [
             inner.filter(leads_inward).zip(inner_view).map(|(id, v)| (id, v, true)),
             outer.map(|id| (id, view(id), false)),
         ];
         let mut best: Option<(LaneId, bool, f64)> = None;
         for (id, v, is_inward) in targets.into_iter().flatten() {
-            if v.is_taken || !route.may_use(id, roads) || !is_safe(idm, speed_mps, v.leader, v.follower) {
+            if v.is_taken || !route.may_use(id, graph) || !is_safe(idm, speed_mps, v.leader, v.follower) {
                 continue;
             }
             let changed_mps2 = interaction_accel(idm, speed_mps, v.leader);
@@ -190,7 +190,7 @@ impl LaneChoice {
             }
         }
         if let Some((id, is_inward, _)) = best {
-            let from_m = route.change_to(id, roads);
+            let from_m = route.change_to(id, graph);
             self.change = Some(LaneChange { is_inward, from_m, to_m: by.offset_m, share: 0.0, returns: false });
             self.next_change_step = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
         }
@@ -206,10 +206,10 @@ fn between(view: &LaneView, own: &Footprint, speed_mps: f64, idm: &IdmParameters
 }
 
 /// Whether there is way enough before the next junction, or where the lanes end.
-fn has_way(route: &Route, speed_mps: f64, roads: &Roads) -> bool {
-    let free_m = next_junction(route, roads, &|_| true).map_or(route.remaining_m(roads), |(_, m)| m);
-    let rest_m = if roads.is_fast(route.lanes[0]) { BEFORE_END_M } else { BEFORE_JUNCTION_M };
-    roads.lane(route.lanes[0]).junction.is_none() && free_m > (ACROSS_S + 1.0) * speed_mps + rest_m
+fn has_way(route: &Route, speed_mps: f64, graph: &LaneGraph) -> bool {
+    let free_m = next_junction(route, graph, &|_| true).map_or(route.remaining_m(graph), |(_, m)| m);
+    let rest_m = if graph.is_fast(route.lanes[0]) { BEFORE_END_M } else { BEFORE_JUNCTION_M };
+    graph.lane(route.lanes[0]).junction.is_none() && free_m > (ACROSS_S + 1.0) * speed_mps + rest_m
 }
 
 #[cfg(test)]
@@ -339,13 +339,13 @@ mod tests {
 
     #[test]
     fn who_has_come_to_stand_early_in_a_change_stays_in_the_old_lane() {
-        let roads = Roads::new(long_main_roads(1));
-        let is_right = |l: &&Lane| l.junction.is_none() && roads.inner_of(l.id).is_some() && l.length_m() > 60.0;
-        let old = roads.lanes().iter().find(is_right).expect("a lane beside another");
+        let graph = LaneGraph::new(long_main_roads(1));
+        let is_right = |l: &&Lane| l.junction.is_none() && graph.inner_of(l.id).is_some() && l.length_m() > 60.0;
+        let old = graph.lanes().iter().find(is_right).expect("a lane beside another");
         let stands_after = |share: f64, speed_mps: f64| {
-            let mut route = Route::new(old.id, 20.0, 0.0, 1.0, Stream::from_seed("change", 1), &roads);
-            let begun = route.ahead(0.0, &roads);
-            let from_m = route.change_to(roads.inner_of(old.id).unwrap(), &roads);
+            let mut route = Route::new(old.id, 20.0, 0.0, 1.0, Stream::from_seed("change", 1), &graph);
+            let begun = route.ahead(0.0, &graph);
+            let from_m = route.change_to(graph.inner_of(old.id).unwrap(), &graph);
             route.offset_m = from_m * (1.0 - share_across(share));
             let own = Footprint {
                 center: begun.at,
@@ -358,12 +358,12 @@ mod tests {
             let mut choice = LaneChoice { change, ..LaneChoice::default() };
             let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };
             for step in 0..LOOKS * LOOK_STEPS {
-                choice.decide(&decider, &mut route, &TrafficState::new(&roads), &roads, step);
+                choice.decide(&decider, &mut route, &TrafficState::new(&graph), &graph, step);
             }
             let is_back = route.lanes[0] == old.id;
             assert!(choice.change.is_none_or(|change| change.is_inward != is_back && change.returns == is_back));
             // The line does not jump.
-            let line = route.ahead(0.0, &roads).at;
+            let line = route.ahead(0.0, &graph).at;
             assert!((line - begun.at).length() < (from_m * share_across(share)).abs() + 0.05, "{line}");
             is_back
         };

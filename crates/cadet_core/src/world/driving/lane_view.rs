@@ -3,7 +3,7 @@
 use crate::math::DVec2;
 use crate::town::{Lane, LaneId};
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
+use crate::world::streets::LaneGraph;
 use crate::world::traffic_state::TrafficState;
 
 /// How far a driver looks along a lane, ahead and behind.
@@ -38,10 +38,10 @@ impl LaneView {
         half_length_m: f64,
         own: Option<Slot>,
         around: &TrafficState,
-        roads: &Roads,
+        graph: &LaneGraph,
     ) -> Self {
-        let path = Path::about(roads.lane(lane), s_m, roads);
-        let half_width_m = roads.lane(lane).width_at(s_m) / 2.0;
+        let path = Path::about(graph.lane(lane), s_m, graph);
+        let half_width_m = graph.lane(lane).width_at(s_m) / 2.0;
         let mut view = Self::default();
         let vehicles = around.vehicles.iter().map(|v| (Some(v.agent), &v.footprint));
         let standing = around.standing_in_lanes.iter().map(|o| (None, o));
@@ -73,11 +73,11 @@ struct Path {
 }
 
 impl Path {
-    fn about(lane: &Lane, s_m: f64, roads: &Roads) -> Self {
+    fn about(lane: &Lane, s_m: f64, graph: &LaneGraph) -> Self {
         // Back to where the view begins, then forward in steps. Where ways part, the first one is looked at.
         let (mut first, mut from_m) = (lane, s_m - BEHIND_M);
         while from_m < 0.0
-            && let Some(before) = first.predecessors.first().map(|id| roads.lane(*id))
+            && let Some(before) = first.predecessors.first().map(|id| graph.lane(*id))
         {
             from_m += before.length_m();
             first = before;
@@ -89,7 +89,7 @@ impl Path {
         let mut points = Vec::with_capacity(count);
         for _ in 0..count {
             while at_m > on.length_m() {
-                let Some(next) = on.successors.first().map(|id| roads.lane(*id)) else {
+                let Some(next) = on.successors.first().map(|id| graph.lane(*id)) else {
                     return Self { points, behind_m };
                 };
                 at_m -= on.length_m();

@@ -5,7 +5,7 @@ use super::pursuit::Axles;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
 use crate::world::slot::Slot;
-use crate::world::streets::{Ahead, Roads, Route};
+use crate::world::streets::{Ahead, LaneGraph, Route};
 
 /// How far a driver looks.
 const SIGHT_M: f64 = 60.0;
@@ -68,10 +68,10 @@ impl OnRoute<'_> {
     }
 
     /// The places ahead on its route, from its middle on, that matter at its speed.
-    pub fn in_sight(&self, roads: &Roads) -> Vec<Ahead> {
-        let most_m = if roads.is_fast(self.route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
+    pub fn in_sight(&self, graph: &LaneGraph) -> Vec<Ahead> {
+        let most_m = if graph.is_fast(self.route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
         let count = (self.sight_m().min(most_m) / SAMPLE_M) as usize;
-        (0..count).map(|k| self.route.ahead(k as f64 * SAMPLE_M, roads)).collect()
+        (0..count).map(|k| self.route.ahead(k as f64 * SAMPLE_M, graph)).collect()
     }
 
     /// How far ahead of its middle it matters what stands: where it stops comfortably, and two seconds more.

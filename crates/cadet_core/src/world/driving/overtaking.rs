@@ -12,7 +12,7 @@ use crate::world::params::overtaking::{
 };
 use crate::world::params::{LONG_M, SAME_WAY};
 use crate::world::slot::Slot;
-use crate::world::streets::{Ahead, Roads, Route};
+use crate::world::streets::{Ahead, LaneGraph, Route};
 use crate::world::traffic_state::TrafficState;
 
 /// The way that is looked at, ahead and behind.
@@ -46,7 +46,7 @@ impl Overtaking {
         ahead: Slot,
         desired_mps: f64,
         around: &TrafficState,
-        roads: &Roads,
+        graph: &LaneGraph,
     ) -> Option<Self> {
         let rider = *around.cyclist(ahead)?;
         let rider_mps = rider.velocity.dot(own.footprint.heading);
@@ -55,18 +55,24 @@ impl Overtaking {
         if !is_worth_it || 2.0 * own.footprint.half_length_m > LONG_M {
             return None;
         }
-        let way = Way::of(own.route, roads);
+        let way = Way::of(own.route, graph);
         let inward_m = offset_beside(&way, &rider, own.footprint).filter(|m| *m < MOST_ASIDE_M)?;
         let begun = Self { cyclist: ahead, inward_m, inward: way.inward };
         (begun.is_out_by_m(own.route.offset_m) > 0.0
-            && begun.is_clear(own, &rider, desired_mps, SPARE_M, &way, around, roads))
+            && begun.is_clear(own, &rider, desired_mps, SPARE_M, &way, around, graph))
         .then_some(begun)
     }
 
     /// Goes on, until it is done or must be given up.
-    pub fn go_on(mut self, own: &OnRoute<'_>, desired_mps: f64, around: &TrafficState, roads: &Roads) -> Option<Self> {
+    pub fn go_on(
+        mut self,
+        own: &OnRoute<'_>,
+        desired_mps: f64,
+        around: &TrafficState,
+        graph: &LaneGraph,
+    ) -> Option<Self> {
         let rider = *around.cyclist(self.cyclist)?;
-        let way = Way::of(own.route, roads);
+        let way = Way::of(own.route, graph);
         // Beside the cyclist nobody turns in, wherever the cyclist goes.
         self.inward_m = self.inward_m.max(offset_beside(&way, &rider, own.footprint)?.min(MOST_ASIDE_M));
         let (ahead_m, _) = way.place_of(rider.center)?;
@@ -75,7 +81,7 @@ impl Overtaking {
         let gaining_mps = (own_mps - rider_mps).max(0.0);
         let braking_m = gaining_mps * gaining_mps / (2.0 * FALLS_BACK_MPS2);
         let can_fall_back = ahead_m - lengths_m > FALLS_BACK_M + braking_m;
-        if can_fall_back && !self.is_clear(own, &rider, desired_mps, LEAST_SPARE_M, &way, around, roads) {
+        if can_fall_back && !self.is_clear(own, &rider, desired_mps, LEAST_SPARE_M, &way, around, graph) {
             return None;
         }
         (ahead_m > -lengths_m - AFTER_M).then_some(self)
@@ -91,7 +97,7 @@ impl Overtaking {
         spare_m: f64,
         way: &Way,
         around: &TrafficState,
-        roads: &Roads,
+        graph: &LaneGraph,
     ) -> bool {
         let (footprint, half_width_m) = (own.footprint, own.footprint.half_width_m);
         let Some((ahead_m, _)) = way.place_of(rider.center) else { return false };
@@ -100,8 +106,8 @@ impl Overtaking {
         let Some((time_s, way_m)) = time_and_way(gain_m, speeds_mps, OVERTAKE_SPEED_FACTOR * desired_mps) else {
             return false;
         };
-        let free_m = next_junction(own.route, roads, &|_| true).map_or(own.route.remaining_m(roads), |(_, m)| m);
-        if roads.lane(own.route.lanes[0]).junction.is_some()
+        let free_m = next_junction(own.route, graph, &|_| true).map_or(own.route.remaining_m(graph), |(_, m)| m);
+        if graph.lane(own.route.lanes[0]).junction.is_some()
             || way_m + footprint.half_length_m + BEFORE_JUNCTION_M > free_m
         {
             return false;
@@ -112,7 +118,7 @@ impl Overtaking {
             passed.iter().map(move |a| (a.at + inward(a) * self.inward_m, inward(a)))
         };
         let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > SAME_WAY);
-        let is_road = || lines().all(|(at, inward)| is_on_lane(at + inward * half_width_m, roads));
+        let is_road = || lines().all(|(at, inward)| is_on_lane(at + inward * half_width_m, graph));
         let keeps_off = |o: &Footprint, side_m: f64| !lines().any(|(at, _)| o.is_within(at, half_width_m + side_m));
         let meets = |o: &Footprint| {
             let Some((distance_m, inward_m)) = way.place_of(o.center) else { return false };
@@ -165,8 +171,8 @@ fn time_and_way(gain_m: f64, [own_mps, rider_mps]: [f64; 2], desired_mps: f64) -
 }
 
 /// Whether cars drive at a place, and no junction is there.
-fn is_on_lane(at: DVec2, roads: &Roads) -> bool {
-    roads.driving_near(at, MOST_ASIDE_M).any(|lane| {
+fn is_on_lane(at: DVec2, graph: &LaneGraph) -> bool {
+    graph.driving_near(at, MOST_ASIDE_M).any(|lane| {
         let (s_m, distance_m) = lane.project(DVec3::new(at.x, at.y, 0.0));
         lane.kind == LaneKind::Driving && lane.junction.is_none() && distance_m < lane.width_at(s_m) / 2.0
     })
@@ -180,13 +186,13 @@ struct Way {
 }
 
 impl Way {
-    fn of(route: &Route, roads: &Roads) -> Self {
+    fn of(route: &Route, graph: &LaneGraph) -> Self {
         let count = ((LOOKS_M + LOOKS_BACK_M) / SAMPLE_M) as usize;
         let middle = |k: usize| {
-            let place = route.ahead(k as f64 * SAMPLE_M - LOOKS_BACK_M, roads);
+            let place = route.ahead(k as f64 * SAMPLE_M - LOOKS_BACK_M, graph);
             Ahead { at: place.at - place.tangent.perp() * route.offset_m, ..place }
         };
-        Self { middle: (0..count).map(middle).collect(), inward: -roads.lane(route.lanes[0]).curb_side() }
+        Self { middle: (0..count).map(middle).collect(), inward: -graph.lane(route.lanes[0]).curb_side() }
     }
 
     /// How far ahead a place is, and how far toward the road's middle off the lane's; `None` for what is nowhere near.

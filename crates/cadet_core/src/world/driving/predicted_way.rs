@@ -3,12 +3,12 @@
 use super::pursuit::{Axles, pursue};
 use crate::math::{self, DVec2};
 use crate::world::body::{MAX_STEER_RAD, STEER_RATE_RADPS};
-use crate::world::streets::{Roads, Route};
+use crate::world::streets::{LaneGraph, Route};
 
 /// Middle and heading of a vehicle, every half meter along its route, if it goes at one speed.
 pub(crate) struct PredictedWay<'a> {
     route: &'a Route,
-    roads: &'a Roads,
+    graph: &'a LaneGraph,
     axles: Axles,
     speed_mps: f64,
     /// How far along the route it is.
@@ -23,10 +23,10 @@ impl<'a> PredictedWay<'a> {
     pub const STEP_M: f64 = 0.5;
 
     /// From a place of the route on, where it is on its line with the wheels straight.
-    pub fn from(route: &'a Route, from_m: f64, axles: Axles, speed_mps: f64, roads: &'a Roads) -> Self {
-        let here = route.ahead(from_m, roads);
+    pub fn from(route: &'a Route, from_m: f64, axles: Axles, speed_mps: f64, graph: &'a LaneGraph) -> Self {
+        let here = route.ahead(from_m, graph);
         let (heading, rear_axle) = (here.tangent, here.at - here.tangent * axles.rear_m);
-        Self { route, roads, axles, speed_mps, from_m, rear_axle, heading, steer_rad: 0.0 }
+        Self { route, graph, axles, speed_mps, from_m, rear_axle, heading, steer_rad: 0.0 }
     }
 }
 
@@ -35,7 +35,7 @@ impl Iterator for PredictedWay<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let wanted_rad =
-            pursue(self.rear_axle, self.heading, self.axles, self.speed_mps, (self.route, self.from_m), self.roads);
+            pursue(self.rear_axle, self.heading, self.axles, self.speed_mps, (self.route, self.from_m), self.graph);
         let most_rad = STEER_RATE_RADPS * Self::STEP_M / self.speed_mps;
         let wanted_rad = wanted_rad.clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
         self.steer_rad += (wanted_rad - self.steer_rad).clamp(-most_rad, most_rad);
@@ -46,7 +46,7 @@ impl Iterator for PredictedWay<'_> {
         self.heading = turned(turn_rad);
         let middle = self.rear_axle + self.heading * self.axles.rear_m;
         self.from_m += Self::STEP_M;
-        let line = self.route.ahead(self.from_m, self.roads);
+        let line = self.route.ahead(self.from_m, self.graph);
         self.from_m += (middle - line.at).dot(line.tangent);
         Some((middle, self.heading))
     }
@@ -81,7 +81,7 @@ mod tests {
             let mut ways: HashMap<i32, Predicted> = HashMap::new();
             for _ in 0..40 * 10 {
                 world.step(6);
-                let roads = &world.arena.streets.roads;
+                let graph = &world.arena.streets.graph;
                 for (_, agent, driver) in world.arena.each::<Car>() {
                     let (chassis, Some(route)) = (&driver.own.body, &driver.route) else { continue };
                     let box_at = chassis.world_from_box(&world.arena.physics);
@@ -95,15 +95,15 @@ mod tests {
                         off_m.push(ahead.perp_dot(at - there).abs());
                         off_rad.push(math::asin(ahead.perp_dot(heading)).abs());
                     }
-                    let Some((k, start_m)) = next_junction(route, roads, &|_| true) else { continue };
-                    let lane = roads.lane(route.lanes[k]);
+                    let Some((k, start_m)) = next_junction(route, graph, &|_| true) else { continue };
+                    let lane = graph.lane(route.lanes[k]);
                     let turn = (lane.center[1] - lane.center[0]).truncate().normalize();
                     let n = lane.center.len();
                     let out = (lane.center[n - 1] - lane.center[n - 2]).truncate().normalize();
-                    let is_turn = turn.dot(out) < 0.7 && !roads.is_in_roundabout(lane.id);
+                    let is_turn = turn.dot(out) < 0.7 && !graph.is_in_roundabout(lane.id);
                     if (6.0..9.0).contains(&start_m) && is_turn && ways.get(&agent.id).is_none_or(|w| w.0 != lane.id) {
-                        let mps = roads.allowed_mps(lane.id).iter().copied().fold(f64::INFINITY, f64::min);
-                        let way = PredictedWay::from(route, 0.0, axles_of(chassis), mps, roads);
+                        let mps = graph.allowed_mps(lane.id).iter().copied().fold(f64::INFINITY, f64::min);
+                        let way = PredictedWay::from(route, 0.0, axles_of(chassis), mps, graph);
                         let count = (start_m + lane.length_m() + 12.0) / PredictedWay::STEP_M;
                         ways.insert(agent.id, (lane.id, way.take(count as usize).collect()));
                         turns += 1;

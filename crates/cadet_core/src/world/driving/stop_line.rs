@@ -2,10 +2,10 @@
 
 use crate::town::LaneId;
 use crate::world::params::junctions::{LIGHT_LINE_M, STOP_LINE_M};
-use crate::world::streets::Roads;
+use crate::world::streets::LaneGraph;
 
 /// Where the front bumper stops at the end of a lane before a junction: fords are kept free.
-pub(crate) fn line_m(before: LaneId, roads: &Roads) -> f64 {
-    let has_ford = roads.signals().arm_of(before).is_some() || roads.signals().has_zebra(before);
+pub(crate) fn line_m(before: LaneId, graph: &LaneGraph) -> f64 {
+    let has_ford = graph.signals().arm_of(before).is_some() || graph.signals().has_zebra(before);
     if has_ford { LIGHT_LINE_M } else { STOP_LINE_M }
 }

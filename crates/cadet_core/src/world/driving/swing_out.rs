@@ -10,7 +10,7 @@ use crate::world::driving::predicted_way::PredictedWay;
 use crate::world::footprint::Footprint;
 use crate::world::params::CRAWLS_MPS;
 use crate::world::slot::Slot;
-use crate::world::streets::{Ahead, Roads, Route};
+use crate::world::streets::{Ahead, LaneGraph, Route};
 use crate::world::traffic_state::{TrafficState, VehicleAt};
 
 /// The room that those who turn need beside who crawls or stands.
@@ -33,19 +33,19 @@ pub(crate) fn vehicle_in_swept_path(
     chain: &[LaneId],
     start_m: f64,
     around: &TrafficState,
-    roads: &Roads,
+    graph: &LaneGraph,
 ) -> Option<Slot> {
     if own.axles.is_none() && own.train_m.is_none() {
         return None;
     }
     let length_m = 2.0 * own.footprint.half_length_m;
-    let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
+    let across_m: f64 = chain.iter().map(|lane| graph.lane(*lane).length_m()).sum();
     let line: Vec<Ahead> =
-        (0..(across_m + length_m) as u32).map(|k| own.route.ahead(start_m + f64::from(k), roads)).collect();
+        (0..(across_m + length_m) as u32).map(|k| own.route.ahead(start_m + f64::from(k), graph)).collect();
     let reach_m = STOPS_SOON_M + across_m + length_m;
     let stands_or_stops = |v: &VehicleAt| {
         let stands = v.footprint.velocity.length() < CRAWLS_MPS;
-        if stands { Some(v.footprint) } else { at_its_line(v, chain[0], around, roads) }
+        if stands { Some(v.footprint) } else { at_its_line(v, chain[0], around, graph) }
     };
     let is_beside = |o: &Footprint| {
         let near_m = o.half_length_m + own.footprint.half_length_m + BESIDE_M;
@@ -66,37 +66,37 @@ pub(crate) fn vehicle_in_swept_path(
     }
     let Some(axles) = own.axles else {
         return line.iter().find_map(|there| {
-            let behind = own.route.ahead((there.distance_m - CHORD_OF_LENGTH * length_m).max(0.0), roads);
+            let behind = own.route.ahead((there.distance_m - CHORD_OF_LENGTH * length_m).max(0.0), graph);
             met(there.at, (there.at - behind.at).normalize_or(there.tangent), TRAM_SWEEP_ROOM_M)
         });
     };
-    let allowed_mps = chain.iter().flat_map(|lane| roads.allowed_mps(*lane)).copied().fold(f64::INFINITY, f64::min);
+    let allowed_mps = chain.iter().flat_map(|lane| graph.allowed_mps(*lane)).copied().fold(f64::INFINITY, f64::min);
     let from_m = (start_m - BEFORE_M).max(0.0);
-    let way = PredictedWay::from(own.route, from_m, axles, allowed_mps.max(LEAST_MPS), roads);
+    let way = PredictedWay::from(own.route, from_m, axles, allowed_mps.max(LEAST_MPS), graph);
     let steps = (start_m - from_m + across_m + length_m) / PredictedWay::STEP_M;
     way.take(steps as usize).find_map(|(center, heading)| met(center, heading, SWEEP_ROOM_M))
 }
 
 /// Where who comes toward the junction of a lane will stand, if it has no right to enter it.
-fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, roads: &Roads) -> Option<Footprint> {
-    let on = around.lane_use.of(other.agent).filter(|on| roads.lane(on.lane).junction.is_none())?;
-    let mut to_junction_m = roads.lane(on.lane).length_m() - on.s_m;
-    let mut lanes = VecDeque::from([on.lane]);
-    let mut next = roads.lane(on.lane).successors.first()?;
-    while roads.lane(*next).junction.is_none() {
-        to_junction_m += roads.lane(*next).length_m();
+fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, graph: &LaneGraph) -> Option<Footprint> {
+    let on = around.lane_use.of(other.agent).filter(|on| graph.lane(on.at.lane).junction.is_none())?;
+    let mut to_junction_m = graph.lane(on.at.lane).length_m() - on.at.s_m;
+    let mut lanes = VecDeque::from([on.at.lane]);
+    let mut next = graph.lane(on.at.lane).successors.first()?;
+    while graph.lane(*next).junction.is_none() {
+        to_junction_m += graph.lane(*next).length_m();
         lanes.push_back(*next);
-        next = roads.lane(*next).successors.first()?;
+        next = graph.lane(*next).successors.first()?;
         if to_junction_m > STOPS_SOON_M {
             return None;
         }
     }
-    let goes_m = to_junction_m - line_m(lanes[lanes.len() - 1], roads) - on.half_length_m;
-    let is_ours = roads.lane(*next).junction == roads.lane(lane).junction;
+    let goes_m = to_junction_m - line_m(lanes[lanes.len() - 1], graph) - on.half_length_m;
+    let is_ours = graph.lane(*next).junction == graph.lane(lane).junction;
     if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || around.junctions.holds_any(other.agent) {
         return None;
     }
-    let line = Route::along(lanes, on.s_m).ahead(goes_m, roads);
+    let line = Route::along(lanes, on.at.s_m).ahead(goes_m, graph);
     Some(Footprint { center: line.at, heading: line.tangent, ..other.footprint })
 }
 
@@ -134,15 +134,15 @@ mod tests {
 
     fn in_the_way_of(size_lwh: DVec3, needs: Needs, oncoming_m: f64, comes: Oncoming) -> Option<Slot> {
         let oncoming_mps = comes.mps;
-        let roads = Roads::new(crossing());
-        let into = roads.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
+        let graph = LaneGraph::new(crossing());
+        let into = graph.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
         let turns_right = |route: &Route| {
-            let c = &roads.lane(route.lanes[1]).center;
+            let c = &graph.lane(route.lanes[1]).center;
             (c[1] - c[0]).truncate().perp_dot((c[c.len() - 1] - c[0]).truncate()) < -1.0
         };
         let routes = (0..99).map(|seed| {
             let s_m = into.length_m() - 12.0;
-            Route::with_needs(into.id, s_m, 0.0, 1e-9, needs, Stream::from_seed("ways", seed), &roads)
+            Route::with_needs(into.id, s_m, 0.0, 1e-9, needs, Stream::from_seed("ways", seed), &graph)
         });
         let route = routes.into_iter().find(turns_right).unwrap();
         let chain = [route.lanes[1]];
@@ -153,26 +153,26 @@ mod tests {
             half_width_m: size_lwh.y / 2.0,
             velocity: heading * speed_mps,
         };
-        let here = route.ahead(0.0, &roads);
+        let here = route.ahead(0.0, &graph);
         let footprint = rectangle(here.at, here.tangent, size_lwh, 2.0);
         // The lane that leads into the junction beside the one that is left on.
-        let exit = route.ahead(12.0 + roads.lane(chain[0]).length_m() + oncoming_m, &roads);
+        let exit = route.ahead(12.0 + graph.lane(chain[0]).length_m() + oncoming_m, &graph);
         let beside = exit.at + exit.tangent.perp() * comes.apart_m;
         let oncoming = rectangle(beside, -exit.tangent, comes.size_lwh, oncoming_mps);
         let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
         let heading_rad = math::atan2(oncoming.heading.y, oncoming.heading.x);
-        let (lane, s_m, _) = roads.nearest(oncoming.center.extend(0.0), Some(heading_rad), 1.0).unwrap();
-        let mut around = TrafficState::new(&roads);
+        let at = graph.nearest(oncoming.center.extend(0.0), Some(heading_rad), 1.0).unwrap();
+        let mut around = TrafficState::new(&graph);
         around.vehicles = vec![vehicle(1, footprint), vehicle(2, oncoming)];
-        around.lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
+        around.lane_use.push(OnLane { agent: 2, at, half_length_m: 2.2, speed_mps: oncoming_mps });
         if comes.holds {
-            around.junctions.resolve(&[Request::of_car(2, &chain)], &LaneUse::default(), &roads, 0);
+            around.junctions.resolve(&[Request::of_car(2, &chain)], &LaneUse::default(), &graph, 0);
         }
         let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
         let idm = IdmParameters::draw(&CAR, &mut Stream::from_seed("idm", 1));
         let (route, footprint) = (&route, &footprint);
         let own = OnRoute { slot: 1, route, footprint, idm: &idm, axles, train_m: None, reduced_clearance: false };
-        vehicle_in_swept_path(&own, &chain, 12.0, &around, &roads)
+        vehicle_in_swept_path(&own, &chain, 12.0, &around, &graph)
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::math::{self, DVec2};
 use crate::world::look::TurnSignal;
 use crate::world::params::TURNS_RAD;
-use crate::world::streets::{Roads, Route};
+use crate::world::streets::{LaneGraph, Route};
 
 /// Leaving a roundabout begins so far before its lane's end.
 const LEAVING_M: f64 = 14.0;
@@ -13,12 +13,12 @@ const AHEAD_M: (f64, f64) = (30.0, 50.0);
 
 /// The next junction of a route, if it is turned off there: how far away it begins, below 0 inside it, and to which side.
 /// A roundabout is turned off from at its end, to the curb's side; entering it is no turning (StVO 8 (1a)).
-pub(crate) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSignal)> {
+pub(crate) fn turn_ahead(route: &Route, graph: &LaneGraph) -> Option<(f64, TurnSignal)> {
     let mut start_m = -route.s_m;
     let mut through: Option<(f64, DVec2, DVec2)> = None;
     for id in &route.lanes {
-        let lane = roads.lane(*id);
-        if through.is_none() && roads.is_in_roundabout(*id) {
+        let lane = graph.lane(*id);
+        if through.is_none() && graph.is_in_roundabout(*id) {
             let leaves_in_m = start_m + lane.length_m() - LEAVING_M;
             return (leaves_in_m <= 0.0).then_some((leaves_in_m, TurnSignal::toward(lane.curb_side())));
         }
@@ -37,8 +37,8 @@ pub(crate) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSigna
 }
 
 /// What a driver at a speed shows of the next junction; who has begun goes on.
-pub(crate) fn signal_for(route: &Route, speed_mps: f64, shown: TurnSignal, roads: &Roads) -> TurnSignal {
-    let Some((distance_m, side)) = turn_ahead(route, roads) else { return TurnSignal::Off };
+pub(crate) fn signal_for(route: &Route, speed_mps: f64, shown: TurnSignal, graph: &LaneGraph) -> TurnSignal {
+    let Some((distance_m, side)) = turn_ahead(route, graph) else { return TurnSignal::Off };
     let from_m = if shown == side { AHEAD_M.1 } else { (AHEAD_S * speed_mps).clamp(AHEAD_M.0, AHEAD_M.1) };
     if distance_m < from_m { side } else { TurnSignal::Off }
 }

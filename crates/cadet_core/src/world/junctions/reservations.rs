@@ -3,7 +3,7 @@
 use super::conflicts::Conflicts;
 use crate::town::LaneId;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
+use crate::world::streets::LaneGraph;
 
 /// One vehicle's right to cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,8 +58,8 @@ pub(in crate::world) struct Junctions {
 }
 
 impl Junctions {
-    pub fn new(roads: &Roads) -> Self {
-        Self { conflicts: Conflicts::of(roads.lanes()), held: Vec::new(), queue: Vec::new() }
+    pub fn new(graph: &LaneGraph) -> Self {
+        Self { conflicts: Conflicts::of(graph.lanes()), held: Vec::new(), queue: Vec::new() }
     }
 
     /// Lanes that can't be used together with this one.

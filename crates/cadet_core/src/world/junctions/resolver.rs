@@ -8,7 +8,7 @@ use crate::world::lane_use::LaneUse;
 use crate::world::params::LOOK_S;
 use crate::world::params::junctions::{MARGIN_S, PATIENCE_S};
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
+use crate::world::streets::LaneGraph;
 
 /// A request with its place in the queue.
 struct Candidate<'a> {
@@ -39,7 +39,7 @@ impl Candidate<'_> {
 impl Junctions {
     /// Decides on all requests of one look. Who may go holds the lanes across from now on; what others hold who have
     /// not entered yet and have to wait after all is free again.
-    pub fn resolve(&mut self, requests: &[Request], lane_use: &LaneUse, roads: &Roads, step: u64) {
+    pub fn resolve(&mut self, requests: &[Request], lane_use: &LaneUse, graph: &LaneGraph, step: u64) {
         for waits in requests.iter().filter(|r| r.stage == Stage::Waits) {
             self.held.retain(|h| h.slot != waits.slot || !waits.lanes.contains(&h.lane));
         }
@@ -54,7 +54,7 @@ impl Junctions {
             .map(|(request, queued)| Candidate { request, queued: *queued, asks: request.stage == Stage::Asks })
             .collect();
         // Nobody waits for who has no way out.
-        let blocked = |c: &Candidate<'_>| exit_blocked_by(c.request, lane_use, self, roads).filter(|_| c.asks);
+        let blocked = |c: &Candidate<'_>| exit_blocked_by(c.request, lane_use, self, graph).filter(|_| c.asks);
         let blocked: Vec<(Slot, Slot)> =
             candidates.iter().filter_map(|c| Some((c.request.slot, blocked(c)?))).collect();
         for (slot, by) in blocked {
@@ -63,7 +63,7 @@ impl Junctions {
         }
         candidates.sort_by_key(|c| (!c.request.is_tram, c.came()));
         for own in candidates.iter().filter(|c| c.asks) {
-            let decision = match self.hindrance(own, lane_use, roads) {
+            let decision = match self.hindrance(own, lane_use, graph) {
                 Some(refusal) => Err(refusal),
                 None => self.first_before(own, &candidates).map_or(Ok(()), |by| Err(Refusal::Yields(by))),
             };
@@ -72,7 +72,7 @@ impl Junctions {
                 Err(refusal) => self.refuse(own.request.slot, refusal),
             }
         }
-        self.break_circles(&candidates, lane_use, roads, step);
+        self.break_circles(&candidates, lane_use, graph, step);
     }
 
     /// Gives every request its place in the queue, in the order of the requests; who asks no more loses it.
@@ -89,8 +89,8 @@ impl Junctions {
     }
 
     /// What is in the way of a request whoever goes first.
-    fn hindrance(&self, own: &Candidate<'_>, lane_use: &LaneUse, roads: &Roads) -> Option<Refusal> {
-        if let Some(by) = exit_blocked_by(own.request, lane_use, self, roads) {
+    fn hindrance(&self, own: &Candidate<'_>, lane_use: &LaneUse, graph: &LaneGraph) -> Option<Refusal> {
+        if let Some(by) = exit_blocked_by(own.request, lane_use, self, graph) {
             return Some(Refusal::ExitFull(by));
         }
         let is_in_the_way = |r: &&Reservation| {
@@ -131,7 +131,7 @@ impl Junctions {
     }
 
     /// Where each of some waits for another of them, who came first goes: four who come from each other's right.
-    fn break_circles(&mut self, candidates: &[Candidate<'_>], lane_use: &LaneUse, roads: &Roads, step: u64) {
+    fn break_circles(&mut self, candidates: &[Candidate<'_>], lane_use: &LaneUse, graph: &LaneGraph, step: u64) {
         for own in candidates.iter().filter(|c| c.asks) {
             let waits_for = |slot: Slot| match self.refusal(slot) {
                 Refusal::Yields(by) => Some(by),
@@ -143,7 +143,7 @@ impl Junctions {
             }
             // The candidates stand in their order: the first of a circle is the first to be looked at.
             if waits_for(circle[circle.len() - 1]) == Some(own.request.slot)
-                && self.hindrance(own, lane_use, roads).is_none()
+                && self.hindrance(own, lane_use, graph).is_none()
             {
                 self.grant(own.request, step);
             }

@@ -5,7 +5,7 @@ use crate::math::{self, DVec2};
 use crate::town::RightOfWay;
 use crate::world::lane_use::LaneUse;
 use crate::world::slot::Slot;
-use crate::world::streets::Roads;
+use crate::world::streets::LaneGraph;
 use crate::world::tests::towns::crossing;
 
 const EAST: f64 = 0.0;
@@ -14,11 +14,11 @@ const WEST: f64 = math::PI;
 const SOUTH: f64 = -0.5 * math::PI;
 
 /// The crossing of four streets, and the way across it of who comes heading so and turns so.
-struct Crossing(Roads);
+struct Crossing(LaneGraph);
 
 impl Crossing {
     fn new() -> Self {
-        Self(Roads::new(crossing()))
+        Self(LaneGraph::new(crossing()))
     }
 
     fn request(&self, slot: Slot, heading_rad: f64, turn: Turn, right_of_way: RightOfWay) -> Request {

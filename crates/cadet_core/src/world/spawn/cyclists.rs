@@ -13,7 +13,7 @@ use crate::world::agents::{Cyclist, Habits, Kind};
 use crate::world::body::stand_up;
 use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
-use crate::world::streets::{Roads, Route};
+use crate::world::streets::{LaneGraph, Route};
 
 /// How likely straight on is for a cyclist against turning off.
 const STRAIGHT: f64 = 1.5;
@@ -51,13 +51,13 @@ impl Spawner<'_> {
                 return Some(joined);
             }
         }
-        let places = self.places_on(lanes_to_ride(&self.arena.streets.roads), model.size_lwh.x / 2.0, ring_m, entry);
+        let places = self.places_on(lanes_to_ride(&self.arena.streets.graph), model.size_lwh.x / 2.0, ring_m, entry);
         // On narrow streets who starts ahead of the ego would be followed for long; who comes toward it is seen.
         let way: Vec<LaneId> = self.ego_way().map_or_else(Vec::new, |route| route.lanes.into());
-        let roads = &self.arena.streets.roads;
-        let share = |id: LaneId| match roads.lane(id).road {
+        let graph = &self.arena.streets.graph;
+        let share = |id: LaneId| match graph.lane(id).road {
             _ if way.contains(&id) => ON_EGO_WAY,
-            road if way.iter().any(|on_way| roads.lane(*on_way).road == road) => TOWARD_EGO,
+            road if way.iter().any(|on_way| graph.lane(*on_way).road == road) => TOWARD_EGO,
             _ => 1.0,
         };
         let weights: Vec<f64> = places.iter().map(|(lane, _, weight)| weight * share(*lane)).collect();
@@ -76,7 +76,7 @@ impl Spawner<'_> {
         let (other, agent, cyclist) = self.arena.each::<Cyclist>().rev().find(|(other, ..)| *other != slot)?;
         let lane = cyclist.route.lanes[0];
         let is_near = other.abs_diff(slot) <= 2 && !agent.is_placed;
-        (is_near && self.arena.streets.roads.lane(lane).junction.is_none()).then_some((lane, cyclist.route.s_m))
+        (is_near && self.arena.streets.graph.lane(lane).junction.is_none()).then_some((lane, cyclist.route.s_m))
     }
 
     /// A cyclist at a place of a lane, if it is free.
@@ -88,11 +88,11 @@ impl Spawner<'_> {
         headway_m: f64,
         stream: &mut Stream,
     ) -> Option<Kind> {
-        let roads = &self.arena.streets.roads;
+        let graph = &self.arena.streets.graph;
         let seed = self.key.indexed("cyclist route", stream.next_u64());
         let habits = Habits::draw(&mut Stream::from_seed("cyclist habits", stream.next_u64()));
-        let route = Route::by_bicycle(lane, s_m, STRAIGHT, habits.keeps_m, seed, roads);
-        let here = route.ahead(0.0, roads);
+        let route = Route::by_bicycle(lane, s_m, STRAIGHT, habits.keeps_m, seed, graph);
+        let here = route.ahead(0.0, graph);
         let rectangle = Footprint {
             center: here.at,
             heading: here.tangent,
@@ -110,14 +110,14 @@ impl Spawner<'_> {
             other != slot && (is_near || comes_toward(&f, &rectangle))
         }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.2).overlaps(o))
             || self.arena.on_road().any(|o| long.overlaps(&o));
-        if is_taken || route.remaining_m(roads) < SHORTEST_WAY_M {
+        if is_taken || route.remaining_m(graph) < SHORTEST_WAY_M {
             return None;
         }
         // As fast as still allows a stop before the junction.
-        let free_m = roads.lane(lane).length_m() - s_m;
-        let before_m = if roads.signals().arm_of(lane).is_some() { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
+        let free_m = graph.lane(lane).length_m() - s_m;
+        let before_m = if graph.signals().arm_of(lane).is_some() { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
         let stop_mps = (2.0 * (free_m - before_m).max(0.0)).sqrt();
-        let speed_mps = route.speed_for_bends(5.0, 1.5, roads).min(stop_mps).min(4.5);
+        let speed_mps = route.speed_for_bends(5.0, 1.5, graph).min(stop_mps).min(4.5);
         let yaw_rad = math::atan2(here.tangent.y, here.tangent.x);
         let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.x, here.at.y, yaw_rad).ok()?;
         let velocity = here.tangent * speed_mps;
@@ -127,22 +127,21 @@ impl Spawner<'_> {
 }
 
 /// Lanes for bicycles, and driving lanes that have none at the curb.
-fn lanes_to_ride(roads: &Roads) -> impl Iterator<Item = &Lane> {
+fn lanes_to_ride(graph: &LaneGraph) -> impl Iterator<Item = &Lane> {
     let is_outermost = |lane: &Lane| {
         let s_m = lane.length_m() / 2.0;
         let middle = lane.pose_at(s_m);
         let out = middle.rotation * DVec3::Y * lane.curb_side();
         let heading_rad = crate::frames::yaw_of(&middle);
         let beside = middle.translation + out * lane.width_at(s_m);
-        let is_beside_cycle_lane = roads.is_on_cycle_lane(beside.truncate(), 0.3);
-        !is_beside_cycle_lane
-            && roads.nearest(beside, Some(heading_rad), 1.0).is_none_or(|(other, ..)| other == lane.id)
+        let is_beside_cycle_lane = graph.is_on_cycle_lane(beside.truncate(), 0.3);
+        !is_beside_cycle_lane && graph.nearest(beside, Some(heading_rad), 1.0).is_none_or(|other| other.lane == lane.id)
     };
-    roads.lanes().iter().filter(move |lane| {
+    graph.lanes().iter().filter(move |lane| {
         lane.junction.is_none()
             && match lane.kind {
                 LaneKind::Biking => true,
-                LaneKind::Driving => !roads.is_fast(lane.id) && is_outermost(lane),
+                LaneKind::Driving => !graph.is_fast(lane.id) && is_outermost(lane),
                 _ => false,
             }
     })

@@ -20,7 +20,7 @@ use crate::world::params::driver::SIDE_STANDING_M;
 use crate::world::params::{CAR, LONG_M};
 use crate::world::physics::Physics;
 use crate::world::slot::Slot;
-use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Needs, Roads, Route};
+use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, LaneGraph, Needs, Route};
 
 /// How far from a junction, or from who is ahead, newcomers could stop; before the line of a light it is farther.
 const BEFORE_JUNCTION_M: f64 = 8.0;
@@ -40,9 +40,9 @@ pub(super) fn chassis_on(
     model: &Arc<VehicleModel>,
     speed_mps: f64,
     physics: &mut Physics,
-    roads: &Roads,
+    graph: &LaneGraph,
 ) -> Option<Chassis> {
-    let here = route.ahead(0.0, roads);
+    let here = route.ahead(0.0, graph);
     let yaw = math::atan2(here.tangent.y, here.tangent.x);
     let settled = settle(physics, model, here.at.x, here.at.y, yaw).ok()?;
     Some(Chassis::new(physics, Arc::clone(model), &settled.world_from_box, speed_mps))
@@ -58,12 +58,12 @@ impl Spawner<'_> {
         entry: Entry,
     ) -> Vec<(LaneId, f64, f64)> {
         let (ego, view) = self.arena.ego_place();
-        let roads = &self.arena.streets.roads;
+        let graph = &self.arena.streets.graph;
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
         for lane in lanes {
             let mut s = half_m + 1.0;
             let most_m = match entry {
-                Entry::MapEdge if !roads.begins_with_map(lane) => continue,
+                Entry::MapEdge if !graph.begins_with_map(lane) => continue,
                 Entry::MapEdge => half_m + 1.0 + EDGE_M,
                 Entry::Anywhere | Entry::Unseen => f64::INFINITY,
             };
@@ -142,29 +142,29 @@ impl Spawner<'_> {
         if self.is_fast() {
             return self.place_fast(slot, stream, model, needs, ring_m, entry);
         }
-        let roads = &self.arena.streets.roads;
+        let graph = &self.arena.streets.graph;
         let half_m = model.size_lwh.x / 2.0;
         // Who kept farther off the middle would not get past what stands beside it; a truck's corners need all of its room.
         let beside_m = OFF_LANES_M - model.size_lwh.y / 2.0 - SIDE_STANDING_M;
         let most_m = if needs.keeps_in_lane { 0.0 } else { beside_m.max(0.0) };
         let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
-        let lanes = roads.open_lanes().filter(|l| !needs.is_some() || roads.fits(l.id, needs));
+        let lanes = graph.open_lanes().filter(|l| !needs.is_some() || graph.fits(l.id, needs));
         let places = self.places_on(lanes, half_m, ring_m, entry);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
         let on_road: Vec<Footprint> = self.arena.on_road().collect();
         for _ in 0..30 {
             let (lane_id, s_m, _) = *places.get(stream.weighted(&weights))?;
-            let lane = roads.lane(lane_id);
+            let lane = graph.lane(lane_id);
             let s_m = s_m + stream.range(0.0, 3.5);
             let offset_m = stream.clipped_normal(0.0, 0.1).clamp(-most_m, most_m);
-            let is_lit = roads.signals().arm_of(lane_id).is_some();
+            let is_lit = graph.signals().arm_of(lane_id).is_some();
             if is_lit && ON_LINE_M.contains(&(lane.length_m() - s_m - half_m)) {
                 continue;
             }
             let seed = self.key.indexed("car route", stream.next_u64());
-            let route = Route::with_needs(lane_id, s_m, offset_m, straight, needs, seed, roads);
-            let here = route.ahead(0.0, roads);
+            let route = Route::with_needs(lane_id, s_m, offset_m, straight, needs, seed, graph);
+            let here = route.ahead(0.0, graph);
             let rectangle = Footprint {
                 center: here.at,
                 heading: here.tangent,
@@ -182,7 +182,7 @@ impl Spawner<'_> {
                 *other != slot && (is_near || comes_toward(f, &rectangle))
             }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.1).overlaps(o))
                 || on_road.iter().any(|o| long.overlaps(o));
-            if taken || route.remaining_m(roads) < 30.0 || !route.fits(ROOM_AHEAD_M, roads) {
+            if taken || route.remaining_m(graph) < 30.0 || !route.fits(ROOM_AHEAD_M, graph) {
                 continue;
             }
             // As fast as still allows a stop before the junction and behind whoever is ahead.
@@ -193,13 +193,13 @@ impl Spawner<'_> {
                 .fold(lane.length_m() - s_m, f64::min);
             let before_m = if is_lit { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
             let stop = (2.0 * 1.5 * (free_m - half_m - before_m).max(0.0)).sqrt();
-            let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
+            let speed = (0.9 * route.speed_for_bends(8.0, 1.5, graph)).min(stop);
             let mut idm = IdmParameters::draw(&CAR, stream);
             if model.class == ObjectClass::Truck {
                 idm.desired_speed_factor *= TRUCKS_SLOWER;
             }
             let physics = &mut self.arena.physics;
-            let Some(chassis) = chassis_on(&route, &model, speed, physics, roads) else { continue };
+            let Some(chassis) = chassis_on(&route, &model, speed, physics, graph) else { continue };
             return Some(Car::new(chassis, Some(route), idm).into());
         }
         None

@@ -17,7 +17,7 @@ use crate::world::arena::Arena;
 use crate::world::body::{Chassis, settle};
 use crate::world::driving::IdmParameters;
 use crate::world::params::EGO;
-use crate::world::streets::{EGO_STRAIGHT, Roads, Route};
+use crate::world::streets::{EGO_STRAIGHT, LaneGraph, Route};
 
 /// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
 /// but a box.
@@ -62,20 +62,20 @@ pub(crate) struct EgoStarts {
 }
 
 impl EgoStarts {
-    pub fn of(roads: &Roads) -> Self {
+    pub fn of(graph: &LaneGraph) -> Self {
         let longer_than = |least_m: f64| -> Vec<LaneId> {
-            roads.open_lanes().filter(|l| l.length_m() > least_m).map(|l| l.id).collect()
+            graph.open_lanes().filter(|l| l.length_m() > least_m).map(|l| l.id).collect()
         };
         let mut lanes = longer_than(LONG_LANE_M);
         if lanes.is_empty() {
             lanes = longer_than(0.0);
         }
-        let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
-        lanes.retain(|l| roads.reach_m(*l) >= farthest.clamp(LEAST_WAY_M, 350.0));
+        let farthest = lanes.iter().map(|l| graph.reach_m(*l)).fold(0.0, f64::max);
+        lanes.retain(|l| graph.reach_m(*l) >= farthest.clamp(LEAST_WAY_M, 350.0));
         let with_tracks: BTreeSet<_> =
-            roads.lanes().iter().filter(|l| l.kind == LaneKind::Tram).map(|l| l.road).collect();
+            graph.lanes().iter().filter(|l| l.kind == LaneKind::Tram).map(|l| l.road).collect();
         let weight = |id: &LaneId| {
-            let lane = roads.lane(*id);
+            let lane = graph.lane(*id);
             lane.length_m() * if with_tracks.contains(&lane.road) { BESIDE_TRACKS } else { 1.0 }
         };
         let weights = lanes.iter().map(weight).collect();
@@ -83,12 +83,12 @@ impl EgoStarts {
     }
 
     /// A lane, and how far along it; `None` where there is none.
-    pub fn draw(&self, stream: &mut Stream, roads: &Roads) -> Option<(LaneId, f64)> {
+    pub fn draw(&self, stream: &mut Stream, graph: &LaneGraph) -> Option<(LaneId, f64)> {
         if self.lanes.is_empty() {
             return None;
         }
         let id = self.lanes[stream.weighted(&self.weights)];
-        let length_m = roads.lane(id).length_m();
+        let length_m = graph.lane(id).length_m();
         let s_m = stream.range(4.0, (length_m - 8.0).max(5.0));
         Some((id, s_m.min((length_m - 4.0).max(length_m / 2.0))))
     }
@@ -102,14 +102,14 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
     let model = Arc::new(ego_model());
     let mut stream = key.stream("ego place");
     let Arena { physics, streets, .. } = arena;
-    let roads = &streets.roads;
-    let starts = EgoStarts::of(roads);
+    let graph = &streets.graph;
+    let starts = EgoStarts::of(graph);
     let idm = IdmParameters::draw(&EGO, &mut key.stream("ego habits"));
     for _ in 0..50 {
-        let Some((lane, s_m)) = starts.draw(&mut stream, roads) else { break };
+        let Some((lane, s_m)) = starts.draw(&mut stream, graph) else { break };
         let offset_m = stream.clipped_normal(0.0, 0.08);
-        let route = Route::new(lane, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), roads);
-        if let Some(chassis) = chassis_on(&route, &model, 0.0, physics, roads) {
+        let route = Route::new(lane, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), graph);
+        if let Some(chassis) = chassis_on(&route, &model, 0.0, physics, graph) {
             return Ok(Car::new(chassis, Some(route), idm));
         }
     }
@@ -123,8 +123,8 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
 }
 
 /// The error of a town without a lane to drive along.
-pub(crate) fn too_short(town: &Town, roads: &Roads) -> Error {
-    let longest_m = town.network.driving().map(|l| roads.reach_m(l.id)).fold(0.0, f64::max);
+pub(crate) fn too_short(town: &Town, graph: &LaneGraph) -> Error {
+    let longest_m = town.network.driving().map(|l| graph.reach_m(l.id)).fold(0.0, f64::max);
     let reason = format!(
         "too short to drive: no way along its driving lanes is longer than {longest_m:.1} m, expected {LEAST_WAY_M} m or more"
     );

@@ -38,7 +38,7 @@ const EDGE_M: f64 = 30.0;
 impl Spawner<'_> {
     /// Whether the ego drives on a motorway.
     pub(super) fn is_fast(&self) -> bool {
-        self.ego_lane().is_some_and(|lane| self.arena.streets.roads.is_fast(lane))
+        self.ego_lane().is_some_and(|lane| self.arena.streets.graph.is_fast(lane))
     }
 
     /// Writes down anew who is where, for those who are placed next.
@@ -57,7 +57,7 @@ impl Spawner<'_> {
         if !self.is_fast() {
             return;
         }
-        let wanted_mps = self.arena.ego_car().wanted_mps(&self.arena.streets.roads);
+        let wanted_mps = self.arena.ego_car().wanted_mps(&self.arena.streets.graph);
         let (ego, physics) = self.arena.ego_car_mut();
         ego.own.body.roll(wanted_mps, physics);
     }
@@ -82,15 +82,15 @@ impl Spawner<'_> {
         }
         let (ego, view) = self.arena.ego_place();
         let ego_mps = self.arena.ego_car().own.body.forward_mps(&self.arena.physics);
-        let roads = &self.arena.streets.roads;
+        let graph = &self.arena.streets.graph;
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
-        for lane in roads.open_lanes().filter(|l| roads.is_fast(l.id) && (!needs.is_some() || roads.fits(l.id, needs)))
+        for lane in graph.open_lanes().filter(|l| graph.is_fast(l.id) && (!needs.is_some() || graph.fits(l.id, needs)))
         {
-            let from_curb = std::iter::successors(roads.outer_of(lane.id), |id| roads.outer_of(*id)).count();
+            let from_curb = std::iter::successors(graph.outer_of(lane.id), |id| graph.outer_of(*id)).count();
             if is_truck && from_curb > 0 {
                 continue;
             }
-            if entry == Entry::MapEdge && !roads.begins_with_map(lane) {
+            if entry == Entry::MapEdge && !graph.begins_with_map(lane) {
                 continue;
             }
             let wanted_mps = (idm.desired_speed_factor * lane.speed_limit_mps).min(idm.top_speed_mps);
@@ -113,14 +113,14 @@ impl Spawner<'_> {
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         for _ in 0..TRIES {
             let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
-            let s_m = (s_m + stream.range(0.0, PLACES_EVERY_M)).min(roads.lane(lane).length_m() - 0.5);
+            let s_m = (s_m + stream.range(0.0, PLACES_EVERY_M)).min(graph.lane(lane).length_m() - 0.5);
             let offset_m = stream.clipped_normal(0.0, 0.12);
             let seed = self.key.indexed("car route", stream.next_u64());
             let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
-            let route = Route::with_needs(lane, s_m, offset_m, straight, needs, seed, roads);
+            let route = Route::with_needs(lane, s_m, offset_m, straight, needs, seed, graph);
             let wanted_mps =
-                (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, roads)).min(idm.top_speed_mps);
-            let seen = LaneView::of(lane, s_m, half_m, Some(slot), &self.arena.around, roads);
+                (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, graph)).min(idm.top_speed_mps);
+            let seen = LaneView::of(lane, s_m, half_m, Some(slot), &self.arena.around, graph);
             let speed_mps =
                 seen.leader.filter(|l| l.gap_m < 90.0).map_or(wanted_mps, |l| wanted_mps.min(l.speed_mps + 1.0));
             let is_free = |gap_m: f64, behind_mps: f64, ahead_mps: f64| {
@@ -129,9 +129,9 @@ impl Spawner<'_> {
             };
             // Nor is anybody about to be passed on the curb's side.
             let beside = |id: Option<LaneId>| {
-                id.map(|id| LaneView::of(id, s_m, half_m, Some(slot), &self.arena.around, roads)).unwrap_or_default()
+                id.map(|id| LaneView::of(id, s_m, half_m, Some(slot), &self.arena.around, graph)).unwrap_or_default()
             };
-            let (inner, outer) = (beside(roads.inner_of(lane)), beside(roads.outer_of(lane)));
+            let (inner, outer) = (beside(graph.inner_of(lane)), beside(graph.outer_of(lane)));
             let passes_nobody = inner
                 .leader
                 .is_none_or(|l| l.speed_mps > speed_mps || is_free(l.gap_m, speed_mps, l.speed_mps))
@@ -143,7 +143,7 @@ impl Spawner<'_> {
                 continue;
             }
             let physics = &mut self.arena.physics;
-            let Some(chassis) = chassis_on(&route, &model, speed_mps, physics, roads) else { continue };
+            let Some(chassis) = chassis_on(&route, &model, speed_mps, physics, graph) else { continue };
             return Some(Car::new(chassis, Some(route), idm).into());
         }
         None

@@ -120,7 +120,7 @@ impl Spawner<'_> {
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
         let away = DVec2::new(math::cos(bearing), math::sin(bearing));
         let at = middle + away * distance_m;
-        if !self.arena.streets.roads.is_sidewalk(at) || !self.has_room_for_person(at, slot, CIRCLE_M) {
+        if !self.arena.streets.graph.is_sidewalk(at) || !self.has_room_for_person(at, slot, CIRCLE_M) {
             return None;
         }
         if !hidden

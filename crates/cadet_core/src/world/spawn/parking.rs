@@ -52,8 +52,8 @@ impl Spawner<'_> {
         let own = self.arena.ego().actor().footprint(&self.arena.physics).grown(1.0);
         let parked_mix = config.among_classes(&PARKED_MIX);
         let way = self.ego_way();
-        let roads = &self.arena.streets.roads;
-        let on_way: Vec<u32> = way.iter().flat_map(|r| r.lanes.iter()).map(|l| roads.lane(*l).road).collect();
+        let graph = &self.arena.streets.graph;
+        let on_way: Vec<u32> = way.iter().flat_map(|r| r.lanes.iter()).map(|l| graph.lane(*l).road).collect();
         for spot in &town.parking {
             // Every place draws the same numbers whether it is filled or not, so that places don't depend on another.
             let seed = stream.next_u64();
@@ -104,8 +104,8 @@ impl Spawner<'_> {
                 let rectangle = Footprint::of_box(&crate::frames::upright(place, yaw), model.size_lwh, DVec2::ZERO);
                 let clear = !rectangle.overlaps(&own)
                     && self.arena.around.standing.iter().all(|o| !o.overlaps(&rectangle.grown(0.25)))
-                    && self.arena.streets.roads.keeps_off_lanes(&rectangle, OFF_LANES_M)
-                    && self.arena.streets.roads.keeps_off_cycle_lanes(&rectangle, OFF_CYCLE_LANES_M);
+                    && self.arena.streets.graph.keeps_off_lanes(&rectangle, OFF_LANES_M)
+                    && self.arena.streets.graph.keeps_off_cycle_lanes(&rectangle, OFF_CYCLE_LANES_M);
                 clear.then_some(place)
             };
             let Some(place) = free(shift_m).or_else(|| free(-shift_m)) else { continue };
@@ -131,8 +131,8 @@ impl Spawner<'_> {
             return draw.chance(config.parking_occupancy);
         }
         let at = spot.world_from_spot.translation;
-        let roads = &self.arena.streets.roads;
-        let lane = roads.nearest(at, None, 12.0).map(|(lane, s_m, _)| (roads.lane(lane), s_m));
+        let graph = &self.arena.streets.graph;
+        let lane = graph.nearest(at, None, 12.0).map(|at| (graph.lane(at.lane), at.s_m));
         if lane.is_none() || spot.kind == SpotKind::Drive {
             // Who has a drive of their own keeps the car there, however full the street.
             return draw.chance(beside_ego_way(config.parking_occupancy));

@@ -45,7 +45,7 @@ impl Spawner<'_> {
             }
         }
         let way: Vec<DVec2> = self.ego_way().map_or_else(Vec::new, |r| {
-            (0..(EGO_WAY_M / 8.0) as usize).map(|k| r.ahead(k as f64 * 8.0, &self.arena.streets.roads).at).collect()
+            (0..(EGO_WAY_M / 8.0) as usize).map(|k| r.ahead(k as f64 * 8.0, &self.arena.streets.graph).at).collect()
         });
         let mut places: Vec<(usize, f64, f64)> = Vec::new();
         let sidewalks = &self.arena.streets.sidewalks;

@@ -33,6 +33,6 @@ pub(crate) struct Spawner<'a> {
 impl Spawner<'_> {
     /// The way that the ego will drive, as far as it matters.
     pub(super) fn ego_way(&self) -> Option<Route> {
-        self.arena.ego_car().route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.arena.streets.roads))
+        self.arena.ego_car().route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.arena.streets.graph))
     }
 }

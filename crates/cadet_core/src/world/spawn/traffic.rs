@@ -57,7 +57,7 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<Vec<Shortfa
     config.check()?;
     spawner.park_cars(town)?;
     let Arena { streets, around, .. } = &mut *spawner.arena;
-    streets.roads.note_standing(&around.standing);
+    streets.graph.note_standing(&around.standing);
     let (car_m, walker_m, cyclist_m) = (config.car_radius_m, config.pedestrian_radius_m, config.cyclist_radius_m);
     spawner.roll_ego();
     let car_m = car_m * if spawner.is_fast() { fast::FARTHER } else { 1.0 };
@@ -163,13 +163,13 @@ fn fill_vacant(spawner: &mut Spawner<'_>, respawns: &mut u64) {
 /// Takes those out of the world who have come to where their road ends with the map, and those who wait behind an ego that
 /// stands there.
 pub(crate) fn leave(arena: &mut Arena) {
-    let roads = &arena.streets.roads;
+    let graph = &arena.streets.graph;
     let ego = arena.ego_car().route.as_ref();
-    let ego_is_over = ego.is_some_and(|route| route.leads_off_map(EGO_ENDS_M, roads));
+    let ego_is_over = ego.is_some_and(|route| route.leads_off_map(EGO_ENDS_M, graph));
     let is_over = |agent: &Agent, route: &Route, standing_steps: u64| {
         let half_m = agent.actor().look.size_lwh().x / 2.0;
         let waits = ego_is_over && standing_steps > WAITS_STEPS && agent.behavior().cause() == Cause::Vehicle(EGO);
-        !agent.is_placed && (waits || route.leads_off_map(half_m, roads))
+        !agent.is_placed && (waits || route.leads_off_map(half_m, graph))
     };
     let drivers = arena.each::<Car>().filter(|(slot, ..)| *slot != EGO);
     let drivers = drivers.filter_map(|(slot, agent, driver)| {
@@ -191,7 +191,7 @@ fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
         // A truck leaves before a corner that it can't take, where the cameras ahead don't see it.
         let is_unseen = to.length() > 100.0 || (to.length() > 35.0 && to.dot(view) < 0.6 * to.length());
         let is_cornered = is_unseen
-            && driver.route.as_ref().is_some_and(|route| !route.fits(CORNER_AHEAD_M, &spawner.arena.streets.roads));
+            && driver.route.as_ref().is_some_and(|route| !route.fits(CORNER_AHEAD_M, &spawner.arena.streets.graph));
         *slot != EGO && !agent.is_placed && (to.length() >= gone_m || is_stuck || is_cornered)
     };
     spawner.arena.each::<Car>().filter(is_gone).map(|(slot, ..)| slot).collect()

@@ -90,7 +90,7 @@ impl Spawner<'_> {
     ) -> Option<Tram> {
         let models = train_of_traffic(seed);
         let length_m: f64 = models.iter().map(|m| m.size_lwh.x).sum();
-        let tracks = self.arena.streets.roads.lanes().iter();
+        let tracks = self.arena.streets.graph.lanes().iter();
         let tracks = tracks.filter(|l| l.kind == LaneKind::Tram && l.junction.is_none());
         let places = self.places_on(tracks, length_m / 2.0, ring_m, entry);
         let weights: Vec<f64> = places.iter().map(|(.., weight)| *weight).collect();
@@ -112,16 +112,16 @@ impl Spawner<'_> {
         stream: &mut Stream,
         but: Option<Slot>,
     ) -> Option<Tram> {
-        let roads = &self.arena.streets.roads;
-        let track = Track::through(lane, roads);
+        let graph = &self.arena.streets.graph;
+        let track = Track::through(lane, graph);
         let front_m = track.start_of(lane)? + s_m + length_m / 2.0;
-        let free_m = roads.lane(lane).length_m() - s_m - length_m / 2.0;
+        let free_m = graph.lane(lane).length_m() - s_m - length_m / 2.0;
         let speed_mps =
             stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
         // Who has been let into the junction behind needs the room.
         let junctions = &self.arena.around.junctions;
-        let behind = std::iter::successors(Some(lane), |id| roads.lane(*id).predecessors.first().copied());
-        if behind.take_while(|id| roads.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {
+        let behind = std::iter::successors(Some(lane), |id| graph.lane(*id).predecessors.first().copied());
+        if behind.take_while(|id| graph.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {
             return None;
         }
         let is_spaced = self.arena.each::<Tram>().all(|(slot, _, tram)| {

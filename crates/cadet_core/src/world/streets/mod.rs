@@ -1,7 +1,7 @@
 //! The ways through a town: what agents know of it.
 
 mod abreast;
-mod roads;
+mod lane_graph;
 mod room;
 mod route;
 mod sidewalk;
@@ -9,7 +9,7 @@ mod track;
 
 use std::sync::Arc;
 
-pub(super) use roads::Roads;
+pub(super) use lane_graph::{LaneGraph, LanePosition};
 pub(super) use room::Needs;
 pub(super) use route::{Ahead, CAR_STRAIGHT, EGO_STRAIGHT, LONG_STRAIGHT, Route};
 pub(super) use sidewalk::Sidewalks;
@@ -17,14 +17,14 @@ pub(super) use track::Track;
 
 use crate::town::Town;
 
-/// Roads to drive on and sidewalks to walk on.
+/// Lanes to drive on and sidewalks to walk on.
 pub(super) struct Streets {
-    pub roads: Roads,
+    pub graph: LaneGraph,
     pub sidewalks: Sidewalks,
 }
 
 impl Streets {
     pub fn new(town: &Arc<Town>) -> Self {
-        Self { roads: Roads::new(Arc::clone(town)), sidewalks: Sidewalks::new(Arc::clone(town)) }
+        Self { graph: LaneGraph::new(Arc::clone(town)), sidewalks: Sidewalks::new(Arc::clone(town)) }
     }
 }

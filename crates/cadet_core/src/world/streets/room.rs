@@ -141,7 +141,7 @@ impl Room {
 mod tests {
     use super::*;
     use crate::town::RoadNetwork;
-    use crate::world::streets::Roads;
+    use crate::world::streets::LaneGraph;
     use crate::world::tests::towns;
 
     const BEND_M: f64 = 21.0;
@@ -155,13 +155,13 @@ mod tests {
         let id = towns::lane(&mut network, &points, None, &|_, _| 0.0);
         let lane = &mut network.lanes[id.0];
         (lane.width_m, lane.speed_limit_mps) = (vec![4.7; lane.center.len()], 10.0);
-        let mut roads = Roads::new(towns::town(network, towns::ground(90.0, 5.0, &|_, _| 0.0), Vec::new()));
+        let mut graph = LaneGraph::new(towns::town(network, towns::ground(90.0, 5.0, &|_, _| 0.0), Vec::new()));
         let out = DVec2::new(math::cos(at_rad), math::sin(at_rad));
         let (half_length_m, half_width_m) = (0.3, 0.3);
         let away_m = BEND_M + apart_m + half_length_m * apart_m.signum();
         let post = Footprint { center: out * away_m, heading: out, half_length_m, half_width_m, velocity: DVec2::ZERO };
-        roads.note_standing(&[post]);
-        roads.fits(id, needs)
+        graph.note_standing(&[post]);
+        graph.fits(id, needs)
     }
 
     /// How far outside of a circle, on which its middle goes, a vehicle reaches whose rear axle goes along itself.

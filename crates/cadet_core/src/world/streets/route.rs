@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::roads::Roads;
+use super::lane_graph::{LaneGraph, LanePosition};
 use super::room::Needs;
 use crate::math::{self, DVec2, DVec3};
 use crate::plane::{nearest, piece_at};
@@ -53,8 +53,8 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    pub fn new(lane: LaneId, s_m: f64, offset_m: f64, straight: f64, choices: Stream, roads: &Roads) -> Self {
-        Self::with_needs(lane, s_m, offset_m, straight, Needs::default(), choices, roads)
+    pub fn new(lane: LaneId, s_m: f64, offset_m: f64, straight: f64, choices: Stream, graph: &LaneGraph) -> Self {
+        Self::with_needs(lane, s_m, offset_m, straight, Needs::default(), choices, graph)
     }
 
     /// The route of a vehicle that does not fit everywhere.
@@ -65,23 +65,28 @@ impl Route {
         straight: f64,
         needs: Needs,
         choices: Stream,
-        roads: &Roads,
+        graph: &LaneGraph,
     ) -> Self {
         let lanes = VecDeque::from([lane]);
         let mut route = Self { lanes, s_m, base_m: 0.0, offset_m, straight, needs, keeps_m: None, choices };
-        route.extend(roads);
+        route.extend(graph);
         route
     }
 
     /// The route of a cyclist, in the middle of lanes for bicycles where there are any, and so far from the border at
     /// the curb of others.
-    pub fn by_bicycle(lane: LaneId, s_m: f64, straight: f64, keeps_m: f64, choices: Stream, roads: &Roads) -> Self {
+    pub fn by_bicycle(lane: LaneId, s_m: f64, straight: f64, keeps_m: f64, choices: Stream, graph: &LaneGraph) -> Self {
         let (lanes, needs) = (VecDeque::from([lane]), Needs::default());
         let keeps_m = Some(keeps_m);
         let mut route = Self { lanes, s_m, base_m: 0.0, offset_m: 0.0, straight, needs, keeps_m, choices };
-        route.offset_m = route.usual_m(roads.lane(lane), s_m);
-        route.extend(roads);
+        route.offset_m = route.usual_m(graph.lane(lane), s_m);
+        route.extend(graph);
         route
+    }
+
+    /// Where the vehicle's middle is.
+    pub fn position(&self) -> LanePosition {
+        LanePosition { lane: self.lanes[0], s_m: self.s_m, left_m: self.offset_m }
     }
 
     /// The offset to the left of a lane's middle at which a cyclist rides before anything is in the way; 0 for drivers.
@@ -96,8 +101,8 @@ impl Route {
 
     /// The offset to the left of a lane's middle where the route leads over it. Between lanes for cars and lanes for bicycles
     /// what a cyclist keeps off the usual line stays the same.
-    fn offset_on(&self, lane: &Lane, s_m: f64, roads: &Roads) -> f64 {
-        let here = roads.lane(self.lanes[0]);
+    fn offset_on(&self, lane: &Lane, s_m: f64, graph: &LaneGraph) -> f64 {
+        let here = graph.lane(self.lanes[0]);
         if self.keeps_m.is_none() || lane.kind == here.kind {
             return self.offset_m;
         }
@@ -112,35 +117,35 @@ impl Route {
     }
 
     /// Whether the vehicle fits wherever it goes in the next `ahead_m`.
-    pub fn fits(&self, ahead_m: f64, roads: &Roads) -> bool {
+    pub fn fits(&self, ahead_m: f64, graph: &LaneGraph) -> bool {
         if !self.needs.is_some() {
             return true;
         }
-        let route = self.foreseen(ahead_m, roads);
+        let route = self.foreseen(ahead_m, graph);
         let mut start_m = -self.s_m;
         route.lanes.iter().all(|lane| {
-            let fits = start_m > ahead_m || roads.fits(*lane, self.needs);
-            start_m += roads.lane(*lane).length_m();
+            let fits = start_m > ahead_m || graph.fits(*lane, self.needs);
+            start_m += graph.lane(*lane).length_m();
             fits
         })
     }
 
     /// Whether the vehicle fits on a lane.
-    pub fn may_use(&self, lane: LaneId, roads: &Roads) -> bool {
-        !self.needs.is_some() || roads.fits(lane, self.needs)
+    pub fn may_use(&self, lane: LaneId, graph: &LaneGraph) -> bool {
+        !self.needs.is_some() || graph.fits(lane, self.needs)
     }
 
     /// Goes on along a lane beside the current one, where it is now; returns the offset to the left of the new lane's
     /// middle, which it keeps.
-    pub fn change_to(&mut self, lane: LaneId, roads: &Roads) -> f64 {
-        let (here, odometer_m) = (self.ahead(0.0, roads), self.odometer_m());
-        let target = roads.lane(lane);
+    pub fn change_to(&mut self, lane: LaneId, graph: &LaneGraph) -> f64 {
+        let (here, odometer_m) = (self.ahead(0.0, graph), self.odometer_m());
+        let target = graph.lane(lane);
         let (s_m, _) = target.project(DVec3::new(here.at.x, here.at.y, target.center[0].z));
         self.lanes = VecDeque::from([lane]);
         (self.s_m, self.base_m, self.offset_m) = (s_m, odometer_m - s_m, 0.0);
-        let middle = self.ahead(0.0, roads);
+        let middle = self.ahead(0.0, graph);
         self.offset_m = middle.tangent.perp_dot(here.at - middle.at);
-        self.extend(roads);
+        self.extend(graph);
         self.offset_m
     }
 
@@ -150,9 +155,9 @@ impl Route {
     }
 
     /// Finds the car's middle on the route; calls `left` with each lane that it has left and the odometer at its end.
-    pub fn track(&mut self, position: DVec3, roads: &Roads, mut left: impl FnMut(LaneId, f64)) {
+    pub fn track(&mut self, position: DVec3, graph: &LaneGraph, mut left: impl FnMut(LaneId, f64)) {
         for _ in 0..4 {
-            let lane = roads.lane(self.lanes[0]);
+            let lane = graph.lane(self.lanes[0]);
             let s = project_near(lane, position, self.s_m);
             if s < lane.length_m() - 1e-6 || self.lanes.len() == 1 {
                 self.s_m = s;
@@ -161,69 +166,69 @@ impl Route {
             self.base_m += lane.length_m();
             left(lane.id, self.base_m);
             self.s_m = lane.length_m();
-            let offset_m = self.offset_on(roads.lane(self.lanes[1]), 0.0, roads);
+            let offset_m = self.offset_on(graph.lane(self.lanes[1]), 0.0, graph);
             self.lanes.pop_front();
             (self.s_m, self.offset_m) = (0.0, offset_m);
         }
-        self.extend(roads);
+        self.extend(graph);
     }
 
-    fn extend(&mut self, roads: &Roads) {
-        let limit_mps = roads.lane(self.lanes[0]).speed_limit_mps;
-        let is_fast = roads.is_fast(self.lanes[0]);
+    fn extend(&mut self, graph: &LaneGraph) {
+        let limit_mps = graph.lane(self.lanes[0]).speed_limit_mps;
+        let is_fast = graph.is_fast(self.lanes[0]);
         let ahead_m = if is_fast { FAST_AHEAD_M } else { ROUTE_AHEAD_M.max(ROUTE_AHEAD_S * limit_mps) };
-        self.extend_to(ahead_m, roads);
+        self.extend_to(ahead_m, graph);
     }
 
     /// Takes another way at the next junction, if another leads on; whether it does.
-    pub fn turn_elsewhere(&mut self, roads: &Roads) -> bool {
-        let is_across = |id: &LaneId| roads.lane(*id).junction.is_some();
+    pub fn turn_elsewhere(&mut self, graph: &LaneGraph) -> bool {
+        let is_across = |id: &LaneId| graph.lane(*id).junction.is_some();
         let Some(k) = self.lanes.iter().position(is_across).filter(|k| *k > 0) else { return false };
-        let (before, refused) = (roads.lane(self.lanes[k - 1]), self.lanes[k]);
-        let draws = (0..OTHER_WAYS).filter_map(|_| self.choose(before, roads)).collect::<Vec<_>>();
-        let leads_on = |id: &LaneId| *id != refused && (!self.needs.is_some() || self.leads_on(*id, roads));
+        let (before, refused) = (graph.lane(self.lanes[k - 1]), self.lanes[k]);
+        let draws = (0..OTHER_WAYS).filter_map(|_| self.choose(before, graph)).collect::<Vec<_>>();
+        let leads_on = |id: &LaneId| *id != refused && (!self.needs.is_some() || self.leads_on(*id, graph));
         let Some(other) = draws.into_iter().find(leads_on) else { return false };
         self.lanes.truncate(k);
         self.lanes.push_back(other);
-        self.extend(roads);
+        self.extend(graph);
         true
     }
 
     /// The way that will be driven, known farther ahead than drivers know it themselves.
-    pub fn foreseen(&self, ahead_m: f64, roads: &Roads) -> Self {
+    pub fn foreseen(&self, ahead_m: f64, graph: &LaneGraph) -> Self {
         let mut route = self.clone();
-        route.extend_to(ahead_m, roads);
+        route.extend_to(ahead_m, graph);
         route
     }
 
-    fn extend_to(&mut self, ahead_m: f64, roads: &Roads) {
-        let mut ahead: f64 = self.lanes.iter().map(|l| roads.lane(*l).length_m()).sum::<f64>() - self.s_m;
+    fn extend_to(&mut self, ahead_m: f64, graph: &LaneGraph) {
+        let mut ahead: f64 = self.lanes.iter().map(|l| graph.lane(*l).length_m()).sum::<f64>() - self.s_m;
         while ahead < ahead_m {
-            let last = roads.lane(*self.lanes.back().expect("a route has a lane"));
-            let Some(next) = self.choose(last, roads) else { break };
-            ahead += roads.lane(next).length_m();
+            let last = graph.lane(*self.lanes.back().expect("a route has a lane"));
+            let Some(next) = self.choose(last, graph) else { break };
+            ahead += graph.lane(next).length_m();
             self.lanes.push_back(next);
         }
     }
 
     /// One of the lanes that follow: at random, but no dead end where another way leads on.
-    fn choose(&mut self, from: &Lane, roads: &Roads) -> Option<LaneId> {
+    fn choose(&mut self, from: &Lane, graph: &LaneGraph) -> Option<LaneId> {
         // Cyclists take lanes for bicycles where there are any.
         let may_ride =
-            self.keeps_m.is_some() && from.successors.iter().any(|s| roads.lane(*s).kind == LaneKind::Biking);
+            self.keeps_m.is_some() && from.successors.iter().any(|s| graph.lane(*s).kind == LaneKind::Biking);
         let kind = match from.kind {
             LaneKind::Tram => LaneKind::Tram,
             _ if may_ride => LaneKind::Biking,
             _ => LaneKind::Driving,
         };
-        let usable = || from.successors.iter().copied().filter(|s| roads.lane(*s).kind == kind);
-        let longest = usable().map(|s| roads.reach_m(s)).fold(0.0, f64::max);
-        let open: Vec<LaneId> = usable().filter(|s| roads.reach_m(*s) >= longest.min(250.0) - 1e-9).collect();
+        let usable = || from.successors.iter().copied().filter(|s| graph.lane(*s).kind == kind);
+        let longest = usable().map(|s| graph.reach_m(s)).fold(0.0, f64::max);
+        let open: Vec<LaneId> = usable().filter(|s| graph.reach_m(*s) >= longest.min(250.0) - 1e-9).collect();
         let end = from.center[from.center.len() - 1] - from.center[from.center.len() - 2];
         let weights: Vec<f64> = open
             .iter()
             .map(|s| {
-                let c = &roads.lane(*s).center;
+                let c = &graph.lane(*s).center;
                 let out = c[c.len() - 1] - c[c.len() - 2];
                 let turn = math::atan2(end.x * out.y - end.y * out.x, end.x * out.x + end.y * out.y).abs();
                 let weight = match (turn < TURNS_RAD, turn < 2.5) {
@@ -232,7 +237,7 @@ impl Route {
                     // Turning round is for dead ends.
                     (false, false) => 0.02,
                 };
-                if self.needs.is_some() && !self.leads_on(*s, roads) { TOO_NARROW * weight } else { weight }
+                if self.needs.is_some() && !self.leads_on(*s, graph) { TOO_NARROW * weight } else { weight }
             })
             .collect();
         let i = self.choices.weighted(&weights);
@@ -240,58 +245,58 @@ impl Route {
     }
 
     /// Whether a lane has room for the vehicle, and what follows a junction has it, too.
-    fn leads_on(&self, lane: LaneId, roads: &Roads) -> bool {
-        let is_fit = |id: &LaneId| roads.lane(*id).kind != LaneKind::Driving || roads.fits(*id, self.needs);
-        is_fit(&lane) && (roads.lane(lane).junction.is_none() || roads.lane(lane).successors.iter().all(is_fit))
+    fn leads_on(&self, lane: LaneId, graph: &LaneGraph) -> bool {
+        let is_fit = |id: &LaneId| graph.lane(*id).kind != LaneKind::Driving || graph.fits(*id, self.needs);
+        is_fit(&lane) && (graph.lane(lane).junction.is_none() || graph.lane(lane).successors.iter().all(is_fit))
     }
 
     /// The place `distance_m` ahead of the car's middle (behind it down to the lane's start), and the direction there;
     /// beyond the route's end it goes straight on.
-    pub fn ahead(&self, distance_m: f64, roads: &Roads) -> Ahead {
+    pub fn ahead(&self, distance_m: f64, graph: &LaneGraph) -> Ahead {
         let mut s = self.s_m + distance_m;
-        let mut lane = roads.lane(self.lanes[0]);
+        let mut lane = graph.lane(self.lanes[0]);
         for next in self.lanes.iter().skip(1) {
             if s <= lane.length_m() {
                 break;
             }
             s -= lane.length_m();
-            lane = roads.lane(*next);
+            lane = graph.lane(*next);
         }
         let (i, share) = piece_at(&lane.s_m, s);
         let (a, b) = (lane.center[i - 1].truncate(), lane.center[i].truncate());
         let tangent = (b - a).normalize();
-        let at = a + (b - a) * share + tangent.perp() * self.offset_on(lane, s, roads);
+        let at = a + (b - a) * share + tangent.perp() * self.offset_on(lane, s, graph);
         Ahead { distance_m, at, tangent }
     }
 
     /// Distance from the car's middle to where its road ends; `None` while nobody knows of an end.
-    pub fn ends_in_m(&self, roads: &Roads) -> Option<f64> {
-        let last = roads.lane(*self.lanes.back()?);
-        last.successors.is_empty().then(|| self.remaining_m(roads))
+    pub fn ends_in_m(&self, graph: &LaneGraph) -> Option<f64> {
+        let last = graph.lane(*self.lanes.back()?);
+        last.successors.is_empty().then(|| self.remaining_m(graph))
     }
 
     /// Whether the road ends with the map within a distance from the car's middle.
-    pub fn leads_off_map(&self, within_m: f64, roads: &Roads) -> bool {
-        let last = self.lanes.back().map(|id| roads.lane(*id));
+    pub fn leads_off_map(&self, within_m: f64, graph: &LaneGraph) -> bool {
+        let last = self.lanes.back().map(|id| graph.lane(*id));
         last.is_some_and(|lane| {
-            lane.successors.is_empty() && self.remaining_m(roads) < within_m && roads.ends_with_map(lane)
+            lane.successors.is_empty() && self.remaining_m(graph) < within_m && graph.ends_with_map(lane)
         })
     }
 
     /// Distance from the car's middle to the end of the known route.
-    pub fn remaining_m(&self, roads: &Roads) -> f64 {
-        self.lanes.iter().map(|l| roads.lane(*l).length_m()).sum::<f64>() - self.s_m
+    pub fn remaining_m(&self, graph: &LaneGraph) -> f64 {
+        self.lanes.iter().map(|l| graph.lane(*l).length_m()).sum::<f64>() - self.s_m
     }
 
     /// The speed at which the bends and limits ahead can still be met, braking at `comfortable_mps2`.
-    pub fn speed_for_bends(&self, speed_mps: f64, comfortable_mps2: f64, roads: &Roads) -> f64 {
+    pub fn speed_for_bends(&self, speed_mps: f64, comfortable_mps2: f64, graph: &LaneGraph) -> f64 {
         let horizon_m = speed_mps * speed_mps / (2.0 * comfortable_mps2) + 8.0;
         let mut start_m = -self.s_m;
         let mut limit = f64::INFINITY;
         for id in &self.lanes {
-            let lane = roads.lane(*id);
+            let lane = graph.lane(*id);
             let first = lane.s_m.partition_point(|v| *v + start_m < -1.0);
-            for (s, v) in lane.s_m[first..].iter().zip(&roads.allowed_mps(*id)[first..]) {
+            for (s, v) in lane.s_m[first..].iter().zip(&graph.allowed_mps(*id)[first..]) {
                 let d = s + start_m;
                 if d > horizon_m {
                     return limit;

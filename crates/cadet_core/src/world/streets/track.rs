@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::roads::Roads;
+use super::lane_graph::{LaneGraph, LanePosition};
 use crate::math::DVec2;
 use crate::plane::Polyline;
 use crate::town::{LaneId, LaneKind};
@@ -23,32 +23,32 @@ pub(crate) struct Track {
 impl Track {
     /// The line that leads through a lane: back to where it begins or far enough, on to its end, at points always the first
     /// of the ways that lead on.
-    pub fn through(lane: LaneId, roads: &Roads) -> Self {
-        let is_track = |id: &LaneId| roads.lane(*id).kind == LaneKind::Tram;
+    pub fn through(lane: LaneId, graph: &LaneGraph) -> Self {
+        let is_track = |id: &LaneId| graph.lane(*id).kind == LaneKind::Tram;
         let mut lanes = VecDeque::from([lane]);
         let mut behind_m = 0.0;
         while behind_m < BEHIND_M
-            && let Some(before) = roads.lane(lanes[0]).predecessors.iter().copied().find(is_track)
+            && let Some(before) = graph.lane(lanes[0]).predecessors.iter().copied().find(is_track)
         {
-            behind_m += roads.lane(before).length_m();
+            behind_m += graph.lane(before).length_m();
             lanes.push_front(before);
         }
-        let mut length_m = behind_m + roads.lane(lane).length_m();
+        let mut length_m = behind_m + graph.lane(lane).length_m();
         while length_m < LONGEST_M
-            && let Some(next) = roads.lane(lanes[lanes.len() - 1]).successors.iter().copied().find(is_track)
+            && let Some(next) = graph.lane(lanes[lanes.len() - 1]).successors.iter().copied().find(is_track)
         {
-            length_m += roads.lane(next).length_m();
+            length_m += graph.lane(next).length_m();
             lanes.push_back(next);
         }
-        Self::of(lanes, roads)
+        Self::of(lanes, graph)
     }
 
-    fn of(ids: VecDeque<LaneId>, roads: &Roads) -> Self {
+    fn of(ids: VecDeque<LaneId>, graph: &LaneGraph) -> Self {
         let (mut lanes, mut points): (Vec<_>, Vec<DVec2>) = (Vec::new(), Vec::new());
         let mut length_m = 0.0;
         for id in ids {
             lanes.push((id, length_m));
-            for p in roads.lane(id).center.iter().map(|p| p.truncate()) {
+            for p in graph.lane(id).center.iter().map(|p| p.truncate()) {
                 // Where two lanes meet, both have the point.
                 let step_m = points.last().map_or(f64::INFINITY, |last| (p - *last).length());
                 if step_m > 1e-3 {
@@ -69,11 +69,11 @@ impl Track {
         self.line.at(s_m)
     }
 
-    /// The lane at a distance along the line, and how far along that lane it is.
-    pub fn lane_at(&self, s_m: f64) -> (LaneId, f64) {
+    /// The place on the lanes at a distance along the line.
+    pub fn position(&self, s_m: f64) -> LanePosition {
         let i = self.lanes.partition_point(|(_, from_m)| *from_m <= s_m).max(1) - 1;
         let (lane, from_m) = self.lanes[i];
-        (lane, (s_m - from_m).max(0.0))
+        LanePosition { lane, s_m: (s_m - from_m).max(0.0), left_m: 0.0 }
     }
 
     /// The lanes from the one at a distance along the line on.

@@ -43,9 +43,9 @@ fn tell(world: &World, agent: &Agent) -> String {
         _ => (None, None),
     };
     let lanes: Vec<_> = route.map_or(Vec::new(), |r| {
-        let lane = |id| world.arena.streets.roads.lane(id);
-        let roads = &world.arena.streets.roads;
-        let has = |id| roads.lanes().iter().any(|l| l.kind == LaneKind::Biking && l.road == lane(id).road);
+        let lane = |id| world.arena.streets.graph.lane(id);
+        let graph = &world.arena.streets.graph;
+        let has = |id| graph.lanes().iter().any(|l| l.kind == LaneKind::Biking && l.road == lane(id).road);
         r.lanes
             .iter()
             .take(2)
@@ -67,12 +67,12 @@ fn tell(world: &World, agent: &Agent) -> String {
 
 fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
     // Cars queue behind a light for longer than anybody waits elsewhere.
-    let plans = world.arena.streets.roads.signals().junctions.iter().map(|j| j.plan.longest_red_s());
+    let plans = world.arena.streets.graph.signals().junctions.iter().map(|j| j.plan.longest_red_s());
     let longest_s = 60.0 + plans.fold(0.0, f64::max);
     let mut before: std::collections::BTreeMap<i32, (DVec2, LaneKind, Option<LaneKind>)> = Default::default();
     for tick in 0..seconds * 4 {
         world.step(SECOND / 4);
-        let roads = &world.arena.streets.roads;
+        let graph = &world.arena.streets.graph;
         let riders = cyclists(world);
         let driven = cars(world);
         let all: Vec<&Agent> =
@@ -95,7 +95,7 @@ fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
             if stands_s >= longest_s {
                 seen.wrong.push(format!("{name}, tick {tick}: stands: {}", tell(world, agent)));
             }
-            let (here, lane) = (place(world, agent), roads.lane(cyclist.route.lanes[0]));
+            let (here, lane) = (place(world, agent), graph.lane(cyclist.route.lanes[0]));
             let came = before.get(&agent.id).copied();
             let from = match came {
                 Some((was, kind, entered_from)) => {

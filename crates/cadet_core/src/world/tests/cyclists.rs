@@ -63,7 +63,7 @@ fn cyclists_touch_nobody_and_keep_to_the_right_for_minutes() {
             for (agent, cyclist) in cyclists(&world) {
                 let stands_s = cyclist.standing_steps as f64 * DT_S;
                 assert!(stands_s < 60.0, "seed {seed}: {} stands for {stands_s} s: {:?}", agent.id, cyclist.cause());
-                let lane = world.arena.streets.roads.lane(cyclist.route.lanes[0]);
+                let lane = world.arena.streets.graph.lane(cyclist.route.lanes[0]);
                 let (s_m, lateral_m) = lane.project(position(&world, agent));
                 if lane.junction.is_none() && (12.0..lane.length_m() - 12.0).contains(&s_m) {
                     from_border.push(lane.width_at(s_m) / 2.0 - lateral_m);

@@ -12,9 +12,9 @@ fn what_stops_the_ego(world: &World) -> String {
     }
     let ego = footprint(world, world.arena.ego());
     let walkers = walkers(world);
-    let roads = &world.arena.streets.roads;
+    let graph = &world.arena.streets.graph;
     let near = |(w, _): &&(&Agent, &Pedestrian)| (place(world, w) - ego.center).length() < 12.0;
-    let on_road = |(_, pedestrian): &&(&Agent, &Pedestrian)| pedestrian.on_road(roads).is_some();
+    let on_road = |(_, pedestrian): &&(&Agent, &Pedestrian)| pedestrian.on_road(graph).is_some();
     let on_road = walkers.iter().filter(on_road).filter(near).map(|(w, pedestrian)| {
         let p = place(world, w);
         let away = |o: &Footprint| (o.closest_point(p) - p).length();
@@ -86,10 +86,10 @@ fn who_would_swing_into_somebody_for_ever_takes_another_way() {
     for seed in 0..60 {
         let town = crossing();
         let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
-        let roads = &Roads::new(town);
+        let graph = &LaneGraph::new(town);
         let route = cars(&world)[0].1.route.clone().unwrap();
-        let Some(k) = route.lanes.iter().position(|l| roads.lane(*l).junction.is_some()) else { continue };
-        let (before, wanted) = (roads.lane(route.lanes[k - 1]), roads.lane(route.lanes[k]));
+        let Some(k) = route.lanes.iter().position(|l| graph.lane(*l).junction.is_some()) else { continue };
+        let (before, wanted) = (graph.lane(route.lanes[k - 1]), graph.lane(route.lanes[k]));
         let start = (wanted.center[1] - wanted.center[0]).truncate();
         let through = (wanted.center[wanted.center.len() - 1] - wanted.center[0]).truncate();
         if start.normalize().perp_dot(through) > -3.0 {
@@ -97,7 +97,7 @@ fn who_would_swing_into_somebody_for_ever_takes_another_way() {
         }
         // At the line of the arm that is turned into, too near to the lane that leads into it.
         let line_m = before.length_m() - route.s_m + wanted.length_m() + 6.0;
-        let exit = route.ahead(line_m, roads);
+        let exit = route.ahead(line_m, graph);
         let at = exit.at + exit.tangent.perp() * 2.1;
         let waypoint = |t_s: f64, p: DVec2| Waypoint { t_s, x_m: p.x, y_m: p.y };
         let stands_there = Course::Path(vec![waypoint(0.0, at + exit.tangent * 0.01), waypoint(1.0, at)]);

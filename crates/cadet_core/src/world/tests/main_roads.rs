@@ -73,9 +73,9 @@ fn drivers_change_lanes_between_junctions_without_touching() {
                 } else if changing.insert(agent.id) {
                     num_changes += 1;
                     num_lanes.insert((seed, lane));
-                    let roads = &world.arena.streets.roads;
+                    let graph = &world.arena.streets.graph;
                     assert!(
-                        roads.inner_of(lane).or(roads.outer_of(lane)).is_some(),
+                        graph.inner_of(lane).or(graph.outer_of(lane)).is_some(),
                         "{name}: {} to {lane:?}",
                         agent.id
                     );

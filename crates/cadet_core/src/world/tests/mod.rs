@@ -37,7 +37,7 @@ use crate::math::{self, DVec2, DVec3};
 use crate::rng::StreamKey;
 use crate::world::agents::{Actor, Agent, Behavior, Car, Cyclist, Fixture, Pedestrian};
 use crate::world::look::VehicleLook;
-use crate::world::streets::Roads;
+use crate::world::streets::{LaneGraph, LanePosition};
 use crate::world::walking::Motion;
 use towns::{crossing, hills, hilly_ring, map, slope, suburb};
 
@@ -155,10 +155,10 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                 crossings += 1;
             } else {
                 // Narrow lanes end nearer to their middles, and at corners curb stones reach into lanes.
-                let roads = &world.arena.streets.roads;
-                let is_within = |(id, s_m, d): &(_, f64, f64)| *d < roads.lane(*id).width_at(*s_m) / 2.0;
-                let is_on_curb = roads.is_sidewalk(p.truncate());
-                let lane = roads.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
+                let graph = &world.arena.streets.graph;
+                let is_within = |at: &LanePosition| at.left_m.abs() < graph.lane(at.lane).width_at(at.s_m) / 2.0;
+                let is_on_curb = graph.is_sidewalk(p.truncate());
+                let lane = graph.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
                 let near = || {
                     let all = world.arena.present().map(|(_, a)| a).filter(|a| a.actor().body.person().is_none());
                     let apart = |a: &Agent| (footprint(world, a).closest_point(p.truncate()) - p.truncate()).length();
@@ -323,8 +323,8 @@ fn every_actor_has_one_body_and_scenery_has_none() {
 #[test]
 fn lanes_that_cross_or_merge_exclude_each_other_and_forks_do_not() {
     let town = crossing();
-    let roads = Roads::new(Arc::clone(&town));
-    let junctions = Junctions::new(&roads);
+    let graph = LaneGraph::new(Arc::clone(&town));
+    let junctions = Junctions::new(&graph);
     let connecting: Vec<_> = town.network.driving().filter(|l| l.junction.is_some()).collect();
     assert_eq!(connecting.len(), 12);
     for a in &connecting {

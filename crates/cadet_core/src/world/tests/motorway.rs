@@ -28,7 +28,7 @@ fn is_truck(agent: &Agent) -> bool {
 /// Lane and place of everybody who drives, by id.
 fn places(world: &World) -> Vec<(i32, LaneId, f64, f64)> {
     let all = cars(world).into_iter().filter_map(|(agent, driver)| {
-        let (lane, s_m) = driver.on_lane(0)?;
+        let LanePosition { lane, s_m, .. } = driver.on_lane(0)?;
         Some((agent.id, lane, s_m, agent.actor().body.forward_mps(&world.arena.physics)))
     });
     all.collect()
@@ -71,11 +71,11 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
         let near = |a: &&Agent| a.id != 0 && (position(world, a) - ego).length() < 80.0;
         seen.near_ego.push(cars(world).into_iter().map(|(a, _)| a).filter(near).count() as f64);
         // Who was behind somebody on the lane to the left, and is ahead now, both at speed.
-        let roads = &world.arena.streets.roads;
+        let graph = &world.arena.streets.graph;
         let changing: Vec<i32> = cars(world).iter().filter(|(_, d)| d.changes_lane()).map(|(a, _)| a.id).collect();
         for (id, lane, s_m, speed_mps) in &now {
             let Some((_, lane_before, s_before, _)) = before.iter().find(|b| b.0 == *id) else { continue };
-            for (other, other_lane, other_s, other_mps) in now.iter().filter(|o| roads.inner_of(*lane) == Some(o.1)) {
+            for (other, other_lane, other_s, other_mps) in now.iter().filter(|o| graph.inner_of(*lane) == Some(o.1)) {
                 let Some((_, _, other_before, _)) = before.iter().find(|b| b.0 == *other && b.1 == *other_lane) else {
                     continue;
                 };

@@ -29,9 +29,9 @@ fn approach(world: &World, agent: &Agent) -> Option<(LaneId, f64)> {
         (_, Some(cyclist)) => &cyclist.route,
         _ => return None,
     };
-    let roads = &world.arena.streets.roads;
-    let k = route.lanes.iter().position(|l| roads.lane(*l).junction.is_some()).filter(|k| *k > 0)?;
-    let to_m: f64 = route.lanes.iter().take(k).map(|l| roads.lane(*l).length_m()).sum();
+    let graph = &world.arena.streets.graph;
+    let k = route.lanes.iter().position(|l| graph.lane(*l).junction.is_some()).filter(|k| *k > 0)?;
+    let to_m: f64 = route.lanes.iter().take(k).map(|l| graph.lane(*l).length_m()).sum();
     Some((route.lanes[k - 1], to_m - route.s_m - agent.actor().look.size_lwh().x / 2.0))
 }
 
@@ -45,18 +45,18 @@ fn nobody_with_priority_brakes_hard_for_who_has_to_yield() {
         let mut came_by: std::collections::BTreeMap<usize, Option<RightOfWay>> = Default::default();
         for tick in 0..600 {
             world.step(12);
-            let roads = &world.arena.streets.roads;
+            let graph = &world.arena.streets.graph;
             for (slot, agent) in world.arena.active() {
-                let lane = agent.behavior().on_lane(0).map(|(lane, _)| roads.lane(lane));
+                let lane = agent.behavior().on_lane(0).map(|at| graph.lane(at.lane));
                 if lane.is_some_and(|l| l.junction.is_none()) {
-                    came_by.insert(slot, approach(&world, agent).and_then(|(lane, _)| roads.right_of_way(lane)));
+                    came_by.insert(slot, approach(&world, agent).and_then(|(lane, _)| graph.right_of_way(lane)));
                 }
             }
             for (slot, agent) in world.arena.active() {
                 let speed_mps = agent.actor().body.forward_mps(&world.arena.physics);
                 let accel_mps2 = before.insert(agent.id, speed_mps).map_or(0.0, |was| (speed_mps - was) / 0.2);
                 let Some((lane, _)) = approach(&world, agent) else { continue };
-                if roads.right_of_way(lane) != Some(RightOfWay::Priority) {
+                if graph.right_of_way(lane) != Some(RightOfWay::Priority) {
                     continue;
                 }
                 had_priority += 1;
@@ -89,7 +89,7 @@ fn all_stop_at_the_line() {
         let mut world = busy(seed);
         for _ in 0..60 {
             world.step(SECOND);
-            let roads = &world.arena.streets.roads;
+            let graph = &world.arena.streets.graph;
             for (_, agent) in world.arena.active() {
                 let stands = agent.actor().body.forward_mps(&world.arena.physics).abs() < 0.02;
                 let waits = matches!(
@@ -98,7 +98,7 @@ fn all_stop_at_the_line() {
                 );
                 let Some((lane, front_m)) = approach(&world, agent).filter(|_| stands && waits) else { continue };
                 // Who has stood behind another sets off.
-                let before_m = front_m - line_m(lane, roads);
+                let before_m = front_m - line_m(lane, graph);
                 if before_m < 3.0 {
                     off_m.entry(agent.actor().look.class().kitti_name()).or_default().push(before_m.abs());
                 }

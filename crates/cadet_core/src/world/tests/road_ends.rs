@@ -136,11 +136,11 @@ fn the_inner_lane_is_the_one_at_the_middle_of_the_road() {
             let id = lane(&mut network, &line(DVec2::new(0.0, y_m), DVec2::new(90.0, y_m)), None, &flat);
             (network.lanes[id.0].keeps_left, network.lanes[id.0].road) = (keeps_left, 7);
         }
-        let roads = Roads::new(town(network, ground(100.0, 5.0, &flat), Vec::new()));
+        let graph = LaneGraph::new(town(network, ground(100.0, 5.0, &flat), Vec::new()));
         let [right, left] = [LaneId(0), LaneId(1)];
         let (inner, outer) = if keeps_left { (right, left) } else { (left, right) };
-        assert_eq!((roads.inner_of(outer), roads.inner_of(inner)), (Some(inner), None));
-        assert_eq!((roads.outer_of(inner), roads.outer_of(outer)), (Some(outer), None));
+        assert_eq!((graph.inner_of(outer), graph.inner_of(inner)), (Some(inner), None));
+        assert_eq!((graph.outer_of(inner), graph.outer_of(outer)), (Some(outer), None));
     }
 }
 
@@ -150,8 +150,8 @@ fn a_road_in_short_pieces_is_as_long_as_in_one() {
     let at = |k: u32| DVec2::new(0.5 * f64::from(k) - 200.0, 0.0);
     let pieces: Vec<LaneId> = (0..800).map(|k| lane(&mut network, &[at(k), at(k + 1)], None, &|_, _| 0.0)).collect();
     pieces.windows(2).for_each(|pair| join(&mut network, pair[0], pair[1]));
-    let roads = Roads::new(town(network, ground(250.0, 10.0, &|_, _| 0.0), Vec::new()));
-    assert!((roads.reach_m(pieces[0]) - 400.0).abs() < 1e-6, "{} m", roads.reach_m(pieces[0]));
-    let route = Route::new(pieces[0], 0.0, 0.0, 1.0, Stream::from_seed("way", 1), &roads);
-    assert!(route.remaining_m(&roads) > 100.0, "{} m of 400 are known", route.remaining_m(&roads));
+    let graph = LaneGraph::new(town(network, ground(250.0, 10.0, &|_, _| 0.0), Vec::new()));
+    assert!((graph.reach_m(pieces[0]) - 400.0).abs() < 1e-6, "{} m", graph.reach_m(pieces[0]));
+    let route = Route::new(pieces[0], 0.0, 0.0, 1.0, Stream::from_seed("way", 1), &graph);
+    assert!(route.remaining_m(&graph) > 100.0, "{} m of 400 are known", route.remaining_m(&graph));
 }

@@ -15,9 +15,9 @@ fn town(seed: u64) -> Arc<Town> {
 
 /// The lane that an agent is on, if it leads through a roundabout, and how far along it is.
 fn on_ring<'a>(world: &'a World, agent: &Agent) -> Option<(&'a Lane, f64)> {
-    let (id, s_m) = agent.behavior().on_lane(0)?;
-    let roads = &world.arena.streets.roads;
-    roads.is_in_roundabout(id).then(|| (roads.lane(id), s_m))
+    let LanePosition { lane: id, s_m, .. } = agent.behavior().on_lane(0)?;
+    let graph = &world.arena.streets.graph;
+    graph.is_in_roundabout(id).then(|| (graph.lane(id), s_m))
 }
 
 #[test]

@@ -23,10 +23,10 @@ fn traffic(seed: u64) -> World {
 
 /// By agent: the lane that it is on, and how far its front is from the lane's end.
 fn fronts(world: &World) -> BTreeMap<i32, (LaneId, f64)> {
-    let roads = &world.arena.streets.roads;
+    let graph = &world.arena.streets.graph;
     let front = |agent: &Agent, lane: LaneId, s_m: f64| {
         let half_m = footprint(world, agent).half_length_m;
-        (agent.id, (lane, roads.lane(lane).length_m() - s_m - half_m))
+        (agent.id, (lane, graph.lane(lane).length_m() - s_m - half_m))
     };
     let cars = cars(world).into_iter().filter_map(|(a, d)| d.route.as_ref().map(|r| front(a, r.lanes[0], r.s_m)));
     let cyclists = world.arena.each::<Cyclist>().map(|(_, a, c)| front(a, c.route.lanes[0], c.route.s_m));

@@ -74,7 +74,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                 let stood_s = driver.standing_steps as f64 * DT_S;
                 longest_s = longest_s.max(if is_at_end { 0.0 } else { stood_s });
                 assert!(is_at_end || stood_s < 60.0, "seed {seed}: {} stands, {:?}", agent.id, driver.cause());
-                let lane = driver.train.track.lane_at(driver.train.front_m).0;
+                let lane = driver.train.track.position(driver.train.front_m).lane;
                 crossed += usize::from(town.network.lane(lane).junction.is_some());
                 for pair in own_cars.windows(2) {
                     let [a, b] = [0, 1].map(|i| &pair[i]);
@@ -94,30 +94,30 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
 }
 
 /// A track across a junction, and a way for cars that crosses it.
-fn crossing_of_a_track(roads: &Roads) -> (LaneId, LaneId) {
-    let junctions = Junctions::new(roads);
-    let track = roads.lanes().iter().find(|l| l.kind == LaneKind::Tram && l.junction.is_some()).expect("a crossing");
-    let is_road = |l: &LaneId| roads.lane(*l).kind == LaneKind::Driving;
+fn crossing_of_a_track(graph: &LaneGraph) -> (LaneId, LaneId) {
+    let junctions = Junctions::new(graph);
+    let track = graph.lanes().iter().find(|l| l.kind == LaneKind::Tram && l.junction.is_some()).expect("a crossing");
+    let is_road = |l: &LaneId| graph.lane(*l).kind == LaneKind::Driving;
     (track.id, junctions.conflicts_of(track.id).into_iter().find(is_road).expect("a way across"))
 }
 
 #[test]
 fn a_tram_goes_first_where_a_car_has_waited_longer() {
     let (_, town) = towns_with_tracks(1).remove(0);
-    let roads = Roads::new(Arc::clone(&town));
-    let (track, crossing) = crossing_of_a_track(&roads);
-    let mut junctions = Junctions::new(&roads);
+    let graph = LaneGraph::new(Arc::clone(&town));
+    let (track, crossing) = crossing_of_a_track(&graph);
+    let mut junctions = Junctions::new(&graph);
     let (first, car, tram) = (1, 2, 3);
     let waits = Request::of_car(car, &[crossing]);
     let comes = |slot| Request { is_tram: true, ..Request::of_car(slot, &[track]) };
-    junctions.resolve(&[comes(first)], &LaneUse::default(), &roads, 0);
+    junctions.resolve(&[comes(first)], &LaneUse::default(), &graph, 0);
     for step in (3..3000).step_by(3) {
-        junctions.resolve(std::slice::from_ref(&waits), &LaneUse::default(), &roads, step);
+        junctions.resolve(std::slice::from_ref(&waits), &LaneUse::default(), &graph, step);
         assert_eq!(junctions.refusal(car), Refusal::Taken(first));
     }
     // The car has waited for long, but the next tram asks now.
     junctions.forget(first);
-    junctions.resolve(&[waits, comes(tram)], &LaneUse::default(), &roads, 3000);
+    junctions.resolve(&[waits, comes(tram)], &LaneUse::default(), &graph, 3000);
     assert!(junctions.holds(tram, track));
     assert_eq!(junctions.refusal(car), Refusal::Taken(tram));
 }
@@ -128,7 +128,7 @@ fn trams_come_one_after_the_other() {
         let mut world = busy(seed, &town);
         let leaders = |world: &World| -> Vec<(i32, f64, LaneId)> {
             let drivers = world.arena.each::<Tram>();
-            drivers.map(|(_, a, d)| (a.id, d.train.front_m, d.train.track.lane_at(0.0).0)).collect()
+            drivers.map(|(_, a, d)| (a.id, d.train.front_m, d.train.track.position(0.0).lane)).collect()
         };
         let start = leaders(&world);
         for (k, a) in start.iter().enumerate() {

@@ -45,9 +45,9 @@ fn trucks_keep_to_lanes_that_have_room() {
     for seed in 0..8 {
         let mut world = World::new(main_roads(seed), StreamKey::scene(seed)).unwrap();
         world.spawn_traffic(&TrafficConfig { num_cars: 40, ..TrafficConfig::default() }).unwrap();
-        let roads = &world.arena.streets.roads;
+        let graph = &world.arena.streets.graph;
         for (agent, driver) in trucks(&world) {
-            let lane = roads.lane(driver.route.as_ref().unwrap().lanes[0]);
+            let lane = graph.lane(driver.route.as_ref().unwrap().lanes[0]);
             let width_m = agent.actor().look.size_lwh().y;
             assert!(lane.width_m.iter().all(|lane_m| *lane_m > width_m), "{width_m} m wide on {:?}", lane.width_m);
             let standing = world.arena.around.standing.iter();
@@ -66,14 +66,14 @@ fn trucks_keep_to_lanes_that_have_room() {
 #[test]
 fn what_is_long_does_not_turn_in_tight_corners() {
     let town = crossing();
-    let roads = Roads::new(Arc::clone(&town));
+    let graph = LaneGraph::new(Arc::clone(&town));
     let turning = |lane: &&crate::town::Lane| {
-        lane.junction.is_some() && !roads.fits(lane.id, Needs::of_truck(DVec3::new(12.3, 2.6, 2.9)))
+        lane.junction.is_some() && !graph.fits(lane.id, Needs::of_truck(DVec3::new(12.3, 2.6, 2.9)))
     };
     // Of twelve ways across, four lead straight on; right turns have a radius of 8.5 m, left turns of 11.5 m.
-    assert_eq!(roads.lanes().iter().filter(turning).count(), 8);
+    assert_eq!(graph.lanes().iter().filter(turning).count(), 8);
     let wide = Needs::of_truck(DVec3::new(6.5, 2.9, 2.6));
-    assert!(!roads.fits(LaneId(0), wide), "a lane of 3 m");
+    assert!(!graph.fits(LaneId(0), wide), "a lane of 3 m");
 }
 
 #[test]
@@ -83,8 +83,8 @@ fn a_long_van_does_not_turn_where_it_would_swing_into_the_oncoming_lane() {
     let (mut num_tight, mut num_long, mut num_looks) = (0, 0, 0);
     for (seed, town) in trams::towns_with_tracks(4) {
         let mut world = trams::busy(seed, &town);
-        let roads = &world.arena.streets.roads;
-        num_tight += roads.lanes().iter().filter(|l| l.junction.is_some() && !roads.fits(l.id, long)).count();
+        let graph = &world.arena.streets.graph;
+        num_tight += graph.lanes().iter().filter(|l| l.junction.is_some() && !graph.fits(l.id, long)).count();
         for _ in 0..60 {
             world.step(SECOND);
             for (agent, driver) in cars(&world).into_iter().filter(|(a, _)| a.actor().look.class() == ObjectClass::Van)
@@ -92,7 +92,7 @@ fn a_long_van_does_not_turn_where_it_would_swing_into_the_oncoming_lane() {
                 let (size_lwh, lane) = (agent.actor().look.size_lwh(), driver.route.as_ref().unwrap().lanes[0]);
                 num_looks += 1;
                 num_long += usize::from(size_lwh.x > 5.6);
-                assert!(world.arena.streets.roads.fits(lane, Needs::of_van(size_lwh)), "{} on {lane:?}", agent.id);
+                assert!(world.arena.streets.graph.fits(lane, Needs::of_van(size_lwh)), "{} on {lane:?}", agent.id);
             }
         }
     }

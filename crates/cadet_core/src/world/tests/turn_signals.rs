@@ -33,8 +33,8 @@ fn heading(world: &World, agent: &Agent) -> f64 {
 }
 
 fn is_in_junction(world: &World, agent: &Agent) -> bool {
-    let lane = agent.behavior().on_lane(0).map(|(lane, _)| lane);
-    lane.is_some_and(|lane| world.arena.streets.roads.lane(lane).junction.is_some())
+    let lane = agent.behavior().on_lane(0).map(|at| at.lane);
+    lane.is_some_and(|lane| world.arena.streets.graph.lane(lane).junction.is_some())
 }
 
 /// What somebody showed while in a junction and just before, and how far they turned there.

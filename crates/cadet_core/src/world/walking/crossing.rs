@@ -22,7 +22,7 @@ pub(crate) fn way_across(
     let from = position.truncate();
     [spot.tangent.perp(), -spot.tangent.perp()].into_iter().find_map(|across| {
         let (other, other_s_m, to) = streets.sidewalks.opposite(walkway, from, across)?;
-        if streets.roads.signals().over(from, to) == Over::Nowhere {
+        if streets.graph.signals().over(from, to) == Over::Nowhere {
             return None;
         }
         let way = |t: f64| from.lerp(to, t);
@@ -31,7 +31,7 @@ pub(crate) fn way_across(
             .all(|p| around.standing.iter().all(|o| (o.closest_point(p) - p).length() > SHOULDER_M + 0.1));
         let leads_over_a_lane = (1..10)
             .map(|k| way(f64::from(k) / 10.0))
-            .any(|p| streets.roads.nearest(p.extend(position.z), None, 1.0).is_some());
+            .any(|p| streets.graph.nearest(p.extend(position.z), None, 1.0).is_some());
         (is_clear && leads_over_a_lane).then_some(Motion::Waits { from, to, walkway: other, s_m: other_s_m })
     })
 }
@@ -39,7 +39,7 @@ pub(crate) fn way_across(
 /// Whether one may step off the curb: on a ford when it is green and nobody comes who could not stop, on a zebra crossing
 /// when nobody comes who could not stop, elsewhere when no vehicle will be on the way.
 pub(crate) fn may_start(from: DVec2, to: DVec2, around: &TrafficState, streets: &Streets, step: u64) -> bool {
-    let signals = streets.roads.signals();
+    let signals = streets.graph.signals();
     match signals.over(from, to) {
         Over::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over(from, to, around),
         Over::Zebra => is_let_over(from, to, around),

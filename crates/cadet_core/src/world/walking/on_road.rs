@@ -4,13 +4,13 @@ use crate::math::DVec2;
 use crate::world::body::Upright;
 use crate::world::footprint::Footprint;
 use crate::world::params::walking::{NEAR_LANE_M, ROOM_M};
-use crate::world::streets::Roads;
+use crate::world::streets::LaneGraph;
 
 /// Whether a place is where cars drive: `at`, at the height of somebody on foot.
-pub(crate) fn is_on_road(body: &Upright, at: DVec2, roads: &Roads) -> bool {
+pub(crate) fn is_on_road(body: &Upright, at: DVec2, graph: &LaneGraph) -> bool {
     let is_near =
-        || roads.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() || roads.is_on_cycle_lane(at, 0.0);
-    is_near() && !roads.is_sidewalk(at)
+        || graph.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() || graph.is_on_cycle_lane(at, 0.0);
+    is_near() && !graph.is_sidewalk(at)
 }
 
 /// A person, and the way of `lead_m` that the person will have gone soon.

@@ -1,4 +1,4 @@
-//! The roads as drivers know them: how fast each bend may be taken, how far each lane leads, where there is room.
+//! The lanes as drivers know them: where they lead, how fast each bend may be taken, what is beside, where there is room.
 
 use std::sync::Arc;
 
@@ -19,8 +19,18 @@ const FAST_MPS: f64 = 25.0;
 /// Half the width of the widest lanes for bicycles.
 const WIDE_M: f64 = 3.0;
 
-/// What does not change about the roads, computed once.
-pub(crate) struct Roads {
+/// A place on the lanes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LanePosition {
+    pub lane: LaneId,
+    /// Distance along the lane.
+    pub s_m: f64,
+    /// Distance to the left of the lane's middle.
+    pub left_m: f64,
+}
+
+/// The lanes and how they lead on: what does not change about them, computed once.
+pub(crate) struct LaneGraph {
     town: Arc<Town>,
     /// Speed that bend and limit allow at each point of each lane.
     allowed_mps: Vec<Vec<f64>>,
@@ -36,7 +46,7 @@ pub(crate) struct Roads {
     right_of_way: Vec<Option<RightOfWay>>,
 }
 
-impl Roads {
+impl LaneGraph {
     /// Whether a place lies on a sidewalk.
     pub fn is_sidewalk(&self, place: DVec2) -> bool {
         self.town.ground.kind_at(place.x, place.y) == Some(GroundKind::Sidewalk)
@@ -190,9 +200,9 @@ impl Roads {
         })
     }
 
-    /// The driving lane nearest to a place within `within_m`: (lane, distance along it, distance from it). With a
-    /// heading, only lanes that run within 60 degrees of it.
-    pub fn nearest(&self, at: DVec3, heading_rad: Option<f64>, within_m: f64) -> Option<(LaneId, f64, f64)> {
+    /// The place on the driving lane nearest to a point within `within_m`. With a heading, only lanes that run within 60
+    /// degrees of it count.
+    pub fn nearest(&self, at: DVec3, heading_rad: Option<f64>, within_m: f64) -> Option<LanePosition> {
         let p = at.truncate();
         let mut best: Option<(LaneId, f64, f64)> = None;
         for lane in self.lanes().iter().filter(|l| l.kind == LaneKind::Driving) {
@@ -213,7 +223,10 @@ impl Roads {
             }
             best = Some((lane.id, s_m, distance_m));
         }
-        best
+        best.map(|(lane, s_m, _)| {
+            let (middle, left) = self.lane(lane).middle_and_left(s_m);
+            LanePosition { lane, s_m, left_m: (p - middle).dot(left) }
+        })
     }
 }
 
