@@ -61,7 +61,7 @@ impl Arena {
         slot
     }
 
-    /// The same for what the user puts there: it is never replaced. Returns its id.
+    /// Puts an agent of the user's into the arena, where it is never replaced; returns its id.
     pub fn put_placed(&mut self, kind: impl Into<Kind>) -> i32 {
         let slot = self.put(kind);
         let agent = &mut self.agents[slot];
@@ -119,12 +119,12 @@ impl Arena {
         &self.agents[EGO]
     }
 
-    /// The same, as the car that it is.
+    /// The ego, as the car that it is.
     pub fn ego_car(&self) -> &Car {
         self.ego().get::<Car>().expect("the ego is a car")
     }
 
-    /// The same to be changed, and the physics that its body is in.
+    /// The ego's car to be changed, and the physics that its body is in.
     pub fn ego_car_mut(&mut self) -> (&mut Car, &mut Physics) {
         (self.agents[EGO].get_mut::<Car>().expect("the ego is a car"), &mut self.physics)
     }

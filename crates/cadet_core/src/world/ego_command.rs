@@ -1,4 +1,4 @@
-//! What is asked of the ego by somebody who drives it in its driver's place.
+//! Commands to the ego by somebody who drives it in its driver's place.
 
 use super::course::FASTEST_VEHICLE_MPS;
 use crate::error::{Error, Result};

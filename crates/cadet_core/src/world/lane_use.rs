@@ -1,10 +1,10 @@
-//! Who is where on the lanes: nobody enters a junction without a way out of it, or past those ahead.
+//! Places of all vehicles on the lanes: nobody enters a junction without a way out of it, or past those ahead.
 
 use super::slot::Slot;
 use super::streets::LanePosition;
 use crate::town::LaneId;
 
-/// Who drives slower than this may still be at the start of a lane when another wants to leave a junction there.
+/// Speed below which a vehicle may still be at the start of a lane when another wants to leave a junction there.
 const SLOW_MPS: f64 = 2.5;
 
 /// An agent on a lane.
@@ -37,8 +37,8 @@ impl LaneUse {
         self.0.push(agent);
     }
 
-    /// Who stands or crawls nearest to the start of a lane, leaving one agent out; who moves counts too
-    /// for trams.
+    /// The agent that stands or crawls nearest to the start of a lane, leaving one agent out; for trams those that move
+    /// count too.
     pub fn last_on(&self, lane: LaneId, but: Slot, is_tram: bool) -> Option<&OnLane> {
         let others = self.on(lane).filter(|a| a.agent != but && (is_tram || a.speed_mps < SLOW_MPS));
         others.min_by(|a, b| a.tail_m().total_cmp(&b.tail_m()))
@@ -49,7 +49,7 @@ impl LaneUse {
         self.0.iter().find(|a| a.agent == agent)
     }
 
-    /// Who is on a lane.
+    /// The agents on a lane.
     pub fn on(&self, lane: LaneId) -> impl Iterator<Item = &OnLane> {
         self.0.iter().filter(move |a| a.at.lane == lane)
     }

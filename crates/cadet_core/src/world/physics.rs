@@ -24,7 +24,7 @@ pub(super) const GRAVITY_MPS2: f64 = 9.81;
 const GROUND: Group = Group::GROUP_1;
 const VEHICLES: Group = Group::GROUP_2;
 
-/// Who meets whom: wheels' rays meet the ground alone, chassis meet each other.
+/// Collision groups of the wheels' rays, which meet the ground alone; chassis meet each other.
 fn ground_only() -> InteractionGroups {
     InteractionGroups::new(Group::ALL, GROUND, InteractionTestMode::And)
 }

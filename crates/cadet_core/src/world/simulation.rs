@@ -82,28 +82,28 @@ impl World {
         })
     }
 
-    /// The same world with a user's vehicles among those that are spawned or added from now on.
+    /// Adds a user's vehicles to those that are spawned or added from now on.
     #[must_use]
     pub fn with_user_vehicles(mut self, user_vehicles: UserVehicles) -> Self {
         self.user_vehicles = user_vehicles;
         self
     }
 
-    /// The same world with the lamps of what is driven lit, or not.
+    /// Sets whether the lamps of driven vehicles are lit.
     #[must_use]
     pub fn with_lamps(mut self, needs_lamps: bool) -> Self {
         self.needs_lamps = needs_lamps;
         self
     }
 
-    /// The same world at night, or not: street lamps and windows are lit, and low beams shine.
+    /// Sets whether it is night: street lamps and windows are lit then, and low beams shine.
     #[must_use]
     pub fn with_night(mut self, is_night: bool) -> Self {
         self.night_scenery = is_night.then(|| self.town.scenery.iter().map(Instance::at_night).collect());
         self
     }
 
-    /// The same world in rain, or not: people have umbrellas.
+    /// Sets whether it rains: people have umbrellas then.
     #[must_use]
     pub fn with_rain(mut self, rains: bool) -> Self {
         self.rains = rains;

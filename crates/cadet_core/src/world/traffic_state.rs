@@ -11,7 +11,8 @@ use crate::world::walking::Walk;
 
 /// Room between a vehicle that stands beside a lane and the lane's middle at which drivers need not reckon with it.
 const OFF_LANES_M: f64 = 1.7;
-/// The same of a lane for bicycles.
+/// Room between a vehicle that stands beside a lane for bicycles and the lane's middle at which riders need not reckon
+/// with it.
 const OFF_CYCLE_LANES_M: f64 = 0.7;
 
 /// A vehicle that moves, or may.
@@ -45,7 +46,7 @@ pub(super) struct TrafficState {
     pub people: Vec<PersonAt>,
     /// What drivers have to keep off for the sake of people on the road.
     pub people_on_road: Vec<Footprint>,
-    /// Who drives where.
+    /// The places of all vehicles on the lanes.
     pub lane_use: LaneUse,
     pub junctions: Junctions,
     /// By slot: the way that a driver has looked at, empty for others.
@@ -102,7 +103,7 @@ impl TrafficState {
         self.vehicle_at(agent).map(|v| &v.footprint)
     }
 
-    /// The same, if it is a bicycle with its rider.
+    /// What a moving vehicle covers, if it is a bicycle with its rider.
     pub fn cyclist(&self, agent: Slot) -> Option<&Footprint> {
         self.vehicle_at(agent).filter(|v| v.is_cycle).map(|v| &v.footprint)
     }

@@ -19,7 +19,7 @@ impl<B: Body, L: Look> Actor<B, L> {
     }
 }
 
-/// The same of whatever kind.
+/// A borrowed actor, whatever the kinds of its body and its look.
 #[derive(Clone, Copy)]
 pub(crate) struct ActorView<'a> {
     pub body: &'a dyn Body,

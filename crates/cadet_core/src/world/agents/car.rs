@@ -272,7 +272,7 @@ impl Behavior for Car {
                 let steer = pursue(rear_axle, heading, axles, speed, (route, 0.0), &streets.graph);
                 let starts_mps2 = if chassis.is_held() { STARTS_MPS2 } else { STOPS_MPS2 };
                 let stand = accel < starts_mps2 && speed < 0.4;
-                // Who has closed up keeps a foot on the brake, though centimeters are left to go.
+                // A driver who has closed up keeps a foot on the brake, though centimeters are left to go.
                 let holds = stand || speed < HOLDS_BELOW_MPS && accel < HOLDS_BELOW_MPS2;
                 look.accelerate(if holds { STANDING_MPS2 } else { accel });
                 // Brakes stop a car, they don't push it backwards.

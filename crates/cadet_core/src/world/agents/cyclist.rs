@@ -1,4 +1,4 @@
-//! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
+//! Cyclists on the road: beside the curb, slower than cars, and under the same rules.
 
 use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
@@ -53,7 +53,7 @@ pub(crate) struct Cyclist {
     speed_mps: f64,
     desired_mps: f64,
     interaction_mps2: f64,
-    /// What is pointed to.
+    /// The side to which the rider points.
     pointing: TurnSignal,
     cause: Cause,
 }
@@ -148,7 +148,7 @@ fn usual_offset_m(route: &Route, graph: &LaneGraph) -> f64 {
     route.usual_m(graph.lane(route.lanes[0]), route.s_m)
 }
 
-/// The same, farther off the curb where something stands in the lane.
+/// The offset at which one rides: the usual one, or farther off the curb where something stands in the lane.
 fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, graph: &LaneGraph) -> f64 {
     let usual_m = usual_offset_m(route, graph);
     let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;

@@ -23,7 +23,7 @@ impl Behavior for Fixture {
     }
 }
 
-/// Who has left the world.
+/// An agent that has left the world.
 pub(crate) struct Gone {
     pub class: ObjectClass,
 }

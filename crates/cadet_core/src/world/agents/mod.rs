@@ -103,18 +103,18 @@ impl Agent {
         K::of(self)
     }
 
-    /// The same, to be changed.
+    /// The agent to be changed, if it is of this kind.
     pub fn get_mut<K: OfKind>(&mut self) -> Option<&mut K> {
         K::of_mut(self)
     }
 
-    /// Its actors, each with its id.
+    /// The agent's actors, each with its id.
     pub fn actors(&self) -> impl Iterator<Item = (i32, ActorView<'_>)> {
         let behavior = self.behavior();
         (0..).map_while(move |k| behavior.actor(k)).zip(self.id..).map(|(actor, id)| (id, actor))
     }
 
-    /// Its first actor, which is its only one unless it is a train.
+    /// The agent's first actor, which is the only one unless it is a train.
     pub fn actor(&self) -> ActorView<'_> {
         self.behavior().actor(0).expect("who is in the world has a body")
     }

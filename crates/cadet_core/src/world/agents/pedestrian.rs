@@ -201,7 +201,7 @@ impl Behavior for Pedestrian {
             }
             Motion::Crosses { .. } => {
                 let front = at + heading * 0.8;
-                // Who drives is let pass; who stands lets pass, and waiting for each other would never end.
+                // Moving vehicles are let pass; standing ones let people pass, and mutual waiting would never end.
                 let is_blocked = around
                     .vehicles
                     .iter()

@@ -63,7 +63,7 @@ impl Script {
     }
 }
 
-/// Who follows a script.
+/// An agent that follows a script.
 pub(crate) struct Scripted {
     pub script: Script,
     pub led: Led,

@@ -45,7 +45,7 @@ pub(super) trait Body: Send + Sync {
         None
     }
 
-    /// Its number in rapier's world, if it is there.
+    /// The body's number in rapier's world, if it is there.
     fn handle(&self) -> Option<RigidBodyHandle>;
 
     /// Somebody on foot or on a seat: to others a person, not a vehicle.

@@ -56,7 +56,7 @@ pub(crate) fn look_at_junction(
     let is_not_held = |id| !junctions.holds(own.slot, id);
     let Some((k, start_m)) = next_junction(own.route, graph, &is_not_held) else { return JunctionAhead::default() };
     let before = own.route.lanes[k - 1];
-    // Who is over the line before a ford waits at the junction itself.
+    // A vehicle that is over the line before a ford waits at the junction itself.
     let at_line_m = start_m - half_length_m - line_m(before, graph);
     let front_m = if at_line_m > OVER_LINE_M { at_line_m } else { start_m - half_length_m - STOP_LINE_M };
     let brakes_m = own.idm.comfortable_stop_m(speed_mps) + EARLY_M + EARLY_S * speed_mps;
@@ -99,7 +99,7 @@ fn across(route: &Route, k: usize, graph: &LaneGraph) -> Vec<LaneId> {
     route.lanes.iter().skip(k).copied().take_while(|l| graph.lane(*l).junction.is_some()).collect()
 }
 
-/// What is asked of the junction that begins at the `k`-th lane of a route, `start_m` ahead of the vehicle's middle.
+/// The request to the junction that begins at the `k`-th lane of a route, `start_m` ahead of the vehicle's middle.
 fn request(own: &OnRoute<'_>, (k, start_m): (usize, f64), stage: Stage, graph: &LaneGraph) -> Request {
     let (route, is_tram) = (own.route, own.train_m.is_some());
     let lanes = across(route, k, graph);

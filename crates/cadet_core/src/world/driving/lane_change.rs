@@ -18,7 +18,7 @@ use crate::world::slot::Slot;
 use crate::world::streets::{LaneGraph, Route};
 use crate::world::traffic_state::TrafficState;
 
-/// Who is no farther off needs no change to return.
+/// Distance to the line in the old lane up to which a vehicle needs no change to return.
 const HARDLY_LEFT_M: f64 = 0.4;
 /// Looks between two decisions.
 const LOOKS: u64 = 6;
@@ -103,7 +103,7 @@ pub(crate) struct LaneChoice {
     next_change_step: u64,
 }
 
-/// Who decides.
+/// A driver who decides on changing lanes.
 pub(crate) struct Decider<'a> {
     pub slot: Slot,
     pub own: &'a Footprint,
@@ -151,11 +151,11 @@ impl LaneChoice {
         let inner_leader = inner_view.and_then(|v| v.leader);
         let inner_mps2 = interaction_accel(idm, speed_mps, inner_leader);
         let stays_mps2 = on_the_outside(own_mps2, inner_mps2, speed_mps, inner_leader);
-        // Who is alongside already is not waited for.
+        // A vehicle that is alongside already is not waited for.
         if !inner_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
             self.stays_behind_mps2 = inner_mps2.max(-STAYS_BEHIND_MPS2);
         }
-        // What is long keeps to the two lanes at the curb, and in towns, where it would stand across two, to its lane.
+        // Long vehicles keep out of the innermost of three lanes, and in towns, where they would stand across two, to theirs.
         let is_long = 2.0 * own.half_length_m > LONG_M;
         if self.change.is_some()
             || (is_long && !graph.is_fast(lane))
@@ -264,7 +264,7 @@ mod tests {
                 for gap_m in [5.0, 15.0, 30.0, 60.0, 120.0, 240.0] {
                     let ahead = is_safe(&IDM, speed_mps, neighbor(gap_m, other_mps), None);
                     let behind = is_safe(&IDM, speed_mps, None, neighbor(gap_m, other_mps));
-                    // Who is faster ahead asks for no more than the usual gap.
+                    // A faster vehicle ahead asks for no more than the usual gap.
                     let by_hand = |v: f64, leader_mps: f64| idm_by_hand(v, gap_m, leader_mps) > -2.0;
                     let room = |v: f64| gap_m > 3.0 + 0.55 * 0.5 * v;
                     if other_mps <= speed_mps {

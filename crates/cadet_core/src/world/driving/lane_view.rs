@@ -10,7 +10,7 @@ use crate::world::traffic_state::TrafficState;
 const AHEAD_M: f64 = 280.0;
 const BEHIND_M: f64 = 220.0;
 const SAMPLE_M: f64 = 4.0;
-/// Who is so far over a lane's edge is in it.
+/// Distance over a lane's edge from which on a vehicle is in the lane.
 const OVER_M: f64 = 0.3;
 
 /// Somebody in a lane.
@@ -21,7 +21,7 @@ pub(crate) struct Neighbor {
     pub speed_mps: f64,
 }
 
-/// What is in a lane about a place.
+/// The neighbors of a place in a lane.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LaneView {
     pub leader: Option<Neighbor>,

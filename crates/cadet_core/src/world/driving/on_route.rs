@@ -1,4 +1,4 @@
-//! Who follows a route, and what it keeps a gap to.
+//! A vehicle that follows a route, and what it keeps a gap to.
 
 use super::idm::{IdmParameters, gap_along};
 use super::pursuit::Axles;
@@ -38,12 +38,12 @@ pub(crate) enum Cause {
 pub(crate) struct Constraint {
     /// From the front bumper.
     pub gap_m: f64,
-    /// Its speed along the route.
+    /// Speed along the route of what the gap is kept to.
     pub speed_mps: f64,
     pub cause: Cause,
 }
 
-/// Who goes along a route.
+/// A vehicle that goes along a route.
 pub(crate) struct OnRoute<'a> {
     pub slot: Slot,
     pub footprint: &'a Footprint,
@@ -58,7 +58,7 @@ pub(crate) struct OnRoute<'a> {
 }
 
 impl OnRoute<'_> {
-    /// Its speed ahead.
+    /// The vehicle's speed ahead.
     pub fn speed_mps(&self) -> f64 {
         self.footprint.velocity.dot(self.footprint.heading)
     }

@@ -136,7 +136,7 @@ impl Overtaking {
                 let is_slow = speed_mps < speeds_mps[1] + LEAST_GAIN_MPS;
                 return is_slow && distance_m < gain_m + lengths_m + AFTER_M;
             }
-            // Who follows in the own lane is no hindrance; who comes up on another one is.
+            // A vehicle that follows in the own lane is no hindrance; one that comes up on another lane is.
             let comes_up_m = BEHIND_S * (speed_mps - speeds_mps[0]).max(0.0);
             inward_m > half_width_m && distance_m > -lengths_m - AFTER_M - comes_up_m
         };

@@ -15,19 +15,19 @@ use crate::world::traffic_state::{TrafficState, VehicleAt};
 
 /// The room that those who turn need beside who crawls or stands.
 const SWEEP_ROOM_M: f64 = 0.06;
-/// The same of trams, whose heading is that of a chord so much longer than they are.
+/// Room that turning trams need beside what crawls or stands; the chord of their heading, as a share of their length.
 const TRAM_SWEEP_ROOM_M: f64 = 0.3;
 const CHORD_OF_LENGTH: f64 = 0.8;
 /// Steering is run ahead from so far before the junction, at this speed at least.
 const BEFORE_M: f64 = 8.0;
 const LEAST_MPS: f64 = 2.0;
-/// Who is nearer to the junction than this is reckoned with as if it stood at its line.
+/// Distance to the junction below which an oncoming vehicle is reckoned with as if it stood at its line.
 const STOPS_SOON_M: f64 = 65.0;
 /// Nobody farther than this beside the line is met.
 const BESIDE_M: f64 = 4.0;
 
-/// Who stands, or is about to stop, where a vehicle would swing into the oncoming lane: at the line of an arm that it
-/// turns into, or on the way there. Nose to nose, neither would get past the other. Cyclists swing nowhere.
+/// The vehicle that stands, or is about to stop, where this one would swing into the oncoming lane: at the line of an
+/// arm that it turns into, or on the way there. Nose to nose, neither would get past the other. Cyclists swing nowhere.
 pub(crate) fn vehicle_in_swept_path(
     own: &OnRoute<'_>,
     chain: &[LaneId],
@@ -116,15 +116,15 @@ mod tests {
 
     const BUS_LWH: DVec3 = DVec3::new(12.0, 2.6, 3.0);
 
-    /// Who is in the way of a turn by about a right angle to the right, 12 m before a crossing, while a car is on the
-    /// lane that comes toward it out of the arm that it turns into, so far before the junction. The car may cross if it
-    /// `holds` the junction.
+    /// The vehicle in the way of a turn by about a right angle to the right, 12 m before a crossing, while a car is on
+    /// the lane that comes toward it out of the arm that it turns into, `oncoming_m` before the junction. The car may
+    /// cross if it `holds` the junction.
     fn in_the_way(size_lwh: DVec3, needs: Needs, oncoming_m: f64, oncoming_mps: f64, holds: bool) -> Option<Slot> {
         let comes = Oncoming { size_lwh: DVec3::new(4.4, 1.8, 1.5), apart_m: 3.0, mps: oncoming_mps, holds };
         in_the_way_of(size_lwh, needs, oncoming_m, comes)
     }
 
-    /// Who comes toward it on a line so far beside the one that it follows.
+    /// A vehicle that comes toward the turning one on a line `apart_m` beside the one that it follows.
     struct Oncoming {
         size_lwh: DVec3,
         apart_m: f64,

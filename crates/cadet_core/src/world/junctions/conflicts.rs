@@ -16,7 +16,7 @@ impl Conflicts {
         let mut conflicts = vec![Vec::new(); lanes.len()];
         for (i, a) in crossing.iter().enumerate() {
             for b in &crossing[i + 1..] {
-                // Who follows on one lane goes one after the other, but a bicycle's way crosses those of the cars beside it.
+                // Vehicles from one lane go in turn, but a bicycle's way crosses those of the cars beside it.
                 let siblings = a.kind == b.kind && a.predecessors.iter().any(|p| b.predecessors.contains(p));
                 if a.junction == b.junction
                     && !siblings

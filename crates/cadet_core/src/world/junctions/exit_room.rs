@@ -7,9 +7,9 @@ use crate::world::params::junctions::LONGEST_TAIL_M;
 use crate::world::slot::Slot;
 use crate::world::streets::LaneGraph;
 
-/// Who leaves too little room on the lanes after a junction, up to the next one: who stands there, or who was promised the
-/// room that the lanes have. Trams stand for long at the ends of their lines: behind one that moves, too, another finds room
-/// or stops before the junction.
+/// The vehicle that leaves too little room on the lanes after a junction, up to the next one: one that stands there, or
+/// one that was promised the room that the lanes have. Trams stand for long at the ends of their lines: behind one that
+/// moves, too, another tram finds room or stops before the junction.
 pub(super) fn exit_blocked_by(
     own: &Request,
     lane_use: &LaneUse,

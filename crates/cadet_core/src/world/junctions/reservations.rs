@@ -1,4 +1,4 @@
-//! Who holds and who wants which lanes across junctions.
+//! Vehicles that hold lanes across junctions, and those that want them.
 
 use super::conflicts::Conflicts;
 use crate::town::LaneId;

@@ -1,4 +1,4 @@
-//! Who goes first: all who want to cross a junction are looked at together, whatever the order of their slots.
+//! Decides who goes first: all who want to cross a junction are looked at together, whatever the order of their slots.
 
 use super::exit_room::exit_blocked_by;
 use super::request::{Request, Stage};
@@ -88,7 +88,7 @@ impl Junctions {
         self.queue = queue.collect();
     }
 
-    /// What is in the way of a request whoever goes first.
+    /// The obstacle in the way of a request, whoever goes first.
     fn hindrance(&self, own: &Candidate<'_>, lane_use: &LaneUse, graph: &LaneGraph) -> Option<Refusal> {
         if let Some(by) = exit_blocked_by(own.request, lane_use, self, graph) {
             return Some(Refusal::ExitFull(by));

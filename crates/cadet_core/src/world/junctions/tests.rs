@@ -1,4 +1,4 @@
-//! Who goes first at crossings, by the rules of the road, and whatever the order in which requests stand.
+//! Tests of who goes first at crossings: by the rules of the road, whatever the order in which requests stand.
 
 use super::*;
 use crate::math::{self, DVec2};
@@ -33,7 +33,7 @@ impl Crossing {
         Request { heading, turn, right_of_way, ..Request::of_car(slot, &[lane.id]) }
     }
 
-    /// Who may go after one look at requests in any order.
+    /// The vehicles that may go after one look at requests, whatever their order.
     fn first(&self, requests: &[Request]) -> Vec<Slot> {
         let mut order: Vec<Request> = requests.to_vec();
         let mut all = Vec::new();
@@ -60,7 +60,7 @@ fn who_comes_from_the_right_goes_first_among_equals() {
     // Of four that come from each other's right one goes, and with it who comes toward it.
     let four = [EAST, NORTH, WEST, SOUTH].map(|heading| request((heading * 10.0) as usize + 40, heading));
     assert!(!town.first(&four).is_empty());
-    // Who is far off is not waited for.
+    // A vehicle that is far off is not waited for.
     let far = Request { arrives_s: 9.0, ..request(2, NORTH) };
     assert_eq!(town.first(&[request(1, EAST), far]), [1]);
 }

@@ -32,7 +32,7 @@ pub(super) trait Look: Send + Sync {
     /// The box that an annotator would draw of the model.
     fn annotated(&self) -> AnnotatedBox;
 
-    /// The same, displaced toward the ego as annotators of its class do, to whom an end is near.
+    /// The annotated box, displaced toward the ego as by annotators of its class to whom an end is near.
     fn annotated_from(&self, near_end: End) -> AnnotatedBox {
         annotation::displaced(self.annotated(), self.class(), near_end)
     }

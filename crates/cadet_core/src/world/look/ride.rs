@@ -5,7 +5,7 @@ use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DPose3, DQuat, DVec3, TAU};
 use crate::world::physics::{DT_S, GRAVITY_MPS2};
 
-/// Who becomes slower than the first puts a foot down, who becomes faster than the second takes it up.
+/// Speeds below which a cyclist puts a foot down, and above which the foot is taken up.
 const FOOT_DOWN_MPS: f64 = 0.15;
 const FOOT_UP_MPS: f64 = 0.5;
 /// The most that one leans over, and how fast.

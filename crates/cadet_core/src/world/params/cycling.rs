@@ -11,7 +11,7 @@ pub const ASIDE_M: f64 = 0.30;
 pub const SHIFT_M: f64 = 0.03;
 /// The tightest turn.
 pub const TIGHTEST_PER_M: f64 = 0.55;
-/// Who slows down by more than this does not pedal.
+/// Acceleration below which a cyclist who slows down does not pedal.
 pub const COASTS_MPS2: f64 = -0.3;
 /// Share of cyclists who point where they turn, between which distances of a junction, and from which speed on.
 pub const POINTS_SHARE: f64 = 0.8;

@@ -3,11 +3,12 @@
 /// Room kept beside what stands, and beside what moves.
 pub const SIDE_STANDING_M: f64 = 0.12;
 pub const SIDE_MOVING_M: f64 = 0.25;
-/// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
+/// Clearance beside moving vehicles for a driver who has waited long: two buses pass each other in narrow lanes with
+/// less than usual.
 pub const SIDE_MOVING_REDUCED_M: f64 = 0.08;
-/// And beside a post or what else stands.
+/// Clearance beside a post, or whatever else stands, for a driver who has waited long.
 pub const SIDE_STANDING_REDUCED_M: f64 = 0.04;
-/// What is kept in front of all of a vehicle that turns, usually and then.
+/// Clearance in front of all of a vehicle that turns, usually and for a driver who has waited long.
 pub const SWEPT_M: (f64, f64) = (0.1, 0.03);
 /// Where the front stops before the end of a road.
 pub const BEFORE_END_M: f64 = 1.0;
@@ -25,12 +26,12 @@ pub const RESPONSE_S: f64 = 0.5;
 /// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
 pub const SIDEWAYS_MPS: f64 = 1.0;
 pub const SIDEWAYS_SHARE: f64 = 0.2;
-/// Who has stood for so long makes do with less room for a while.
+/// Steps of standing after which a driver makes do with less room, and for how many steps.
 pub const WAITED_STEPS: u64 = 10 * 60;
 pub const REDUCED_CLEARANCE_STEPS: u64 = 8 * 60;
-/// Who has stood for so long before a junction takes another way across it, if that is free.
+/// Steps of standing before a junction after which a driver takes another way across it, if another leads on.
 pub const GIVES_UP_STEPS: u64 = 25 * 60;
-/// Who stands for so long has stopped for good where nothing follows.
+/// Steps of standing after which a driver has stopped for good where nothing follows.
 pub const STOPPED_STEPS: u64 = 3 * 60;
-/// Who is so far from the line that is wanted is changing lines, and shows it.
+/// Distance from the wanted line beyond which a vehicle is changing lines, and shows it.
 pub const SHIFTING_M: f64 = 0.3;

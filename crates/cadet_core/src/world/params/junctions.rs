@@ -4,7 +4,7 @@ use crate::town::STOP_LINE_M as PAINTED_M;
 
 /// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
 pub const STOP_LINE_M: f64 = 3.3;
-/// The same before the line of a light.
+/// Where the front bumper stops before a junction's first point at the line of a light or a zebra crossing.
 pub const LIGHT_LINE_M: f64 = PAINTED_M.1 + 0.9;
 /// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
 pub const OVER_LINE_M: f64 = -0.7;
@@ -19,19 +19,19 @@ pub const STARTS_MPS: f64 = 2.0;
 /// One brakes for a line from so much before it takes a comfortable deceleration.
 pub const EARLY_M: f64 = 6.0;
 pub const EARLY_S: f64 = 0.5;
-/// What is asked is decided by the next look: it's asked for so long before one would have to brake.
+/// Time before having to brake at which a driver asks for a junction: the next look decides.
 pub const DECIDED_S: f64 = 0.1;
-/// Who crawls so near to a stop sign's line has stopped at it.
+/// Distance to a stop sign's line within which a vehicle that crawls has stopped at it.
 pub const AT_LINE_M: f64 = 1.5;
-/// Who stands so long after it was let go does not go yet.
+/// Steps after which a vehicle that was let go, but still stands, gives back its right to cross.
 pub const UNUSED_STEPS: u64 = 3 * 60;
 /// Kept free behind a vehicle that leaves a junction.
 pub const EXIT_ROOM_M: f64 = 2.5;
 /// Straight lanes nearer than this to each other can't be used at once.
 pub const CLEARANCE_M: f64 = 2.6;
-/// The same where one of them bends: a car sweeps more than its width there.
+/// Clearance between lanes one of which bends: a car sweeps more than its width there.
 pub const CLEARANCE_IN_BENDS_M: f64 = 3.3;
-/// The same of a bicycle's way and a car's, straight and in bends, and of two bicycles' ways.
+/// Clearance between a bicycle's way and a car's, straight and in bends, and between two bicycles' ways.
 pub const BESIDE_CYCLES_M: (f64, f64) = (1.8, 2.6);
 pub const BETWEEN_CYCLES_M: f64 = 1.3;
 /// A lane that turns by more bends.
@@ -40,8 +40,8 @@ pub const BENDS_RAD: f64 = 0.25;
 pub const LONGEST_TAIL_M: f64 = 9.0;
 /// Cosine of the greatest angle between two approaches that lie on one line.
 pub const ON_ONE_LINE: f64 = 0.75;
-/// Who yields goes if it has crossed so long before the other arrives: with the time that it needs to cross, this makes
-/// critical headways of 5 to 8 s from a standstill, where HCM 2010, exhibit 19-10, has 4.1 to 7.1 s.
+/// Time by which a yielding vehicle has to be across before the other arrives: with the time that it needs to cross,
+/// this makes critical headways of 5 to 8 s from a standstill, where HCM 2010, exhibit 19-10, has 4.1 to 7.1 s.
 pub const MARGIN_S: f64 = 1.0;
-/// Who has asked for so long and was let by none goes when its turn comes.
+/// Time after which a vehicle that has asked and was let by none goes when its turn comes.
 pub const PATIENCE_S: f64 = 18.0;

@@ -2,7 +2,7 @@
 
 /// Half a person's width, and the room they leave to things.
 pub const SHOULDER_M: f64 = 0.3;
-/// Who walks nearer than this behind somebody goes at their pace, and the seconds in which a gap is closed.
+/// Distance behind somebody within which a walker goes at their pace, and the seconds in which a gap is closed.
 pub const FOLLOWS_M: f64 = 2.0;
 pub const CLOSES_S: f64 = 0.8;
 /// Slower people are walked round.
@@ -36,11 +36,11 @@ pub const LOOKS_ACROSS: f64 = 0.06;
 pub const OFF_LINE_M: f64 = 0.6;
 /// How far round others one may step off the line: not into the road.
 pub const ROUND_OTHERS_M: f64 = 0.45;
-/// Who could not set a step for this long turns round.
+/// Time after which a walker who could not set a step turns round.
 pub const HELD_S: f64 = 1.2;
-/// Who found no free line for this long turns back.
+/// Time after which a walker who found no free line turns back.
 pub const BLOCKED_S: f64 = 2.5;
-/// So much of the way over a zebra crossing is kept free ahead of somebody.
+/// Length of the way over a zebra crossing that is kept free ahead of somebody.
 pub const ZEBRA_LEAD_M: f64 = 6.0;
 /// At the far curb among others one is over the road here.
 pub const OVER_M: f64 = 0.8;

@@ -1,4 +1,4 @@
-//! Who has what along: umbrellas in rain, prams, dogs, wheeled cases, rollators, sticks, crutches.
+//! Things that people have along: umbrellas in rain, prams, dogs, wheeled cases, rollators, sticks, crutches.
 
 use std::sync::Arc;
 
@@ -95,7 +95,7 @@ fn thing_of(
     let walks = matches!(pedestrian.motion, Motion::Walks { .. });
     let [pram, dog, case, rollator, umbrella] = [(); 5].map(|()| stream.unit());
     let is_adult = !model.is_child();
-    // What is before somebody at the curb would be on the road.
+    // A thing ahead of somebody at the curb would be on the road.
     let has_room_ahead = walks && is_adult && place.is_first && !pedestrian.crosser;
     if has_room_ahead && model.is_elderly() && rollator < ROLLATORS_OF_OLD / PLACES_AHEAD {
         Some(Thing::Rollator)

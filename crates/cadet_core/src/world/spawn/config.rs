@@ -9,14 +9,15 @@ use crate::settings::settings;
 pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.89), (ObjectClass::Van, 0.11)];
 /// Share of trucks among driven vehicles where the streets have room for them.
 pub(super) const DRIVEN_TRUCKS: f64 = 0.17;
-/// The same on motorways.
+/// Share of trucks among driven vehicles on motorways.
 pub(super) const MOTORWAY_TRUCKS: f64 = 0.24;
 /// Shares of all classes among a user's own.
 pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
 /// Shares of trucks and of trailers and motorbikes among what is parked, where they fit.
 pub(super) const PARKED_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.02), (ObjectClass::Misc, 0.05)];
-/// The same in the yards of works, and the share of vans among the others there.
+/// Shares of trucks and of trailers and motorbikes among what is parked in the yards of works, where they fit, and the
+/// share of vans among the others there.
 pub(super) const YARD_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.5), (ObjectClass::Misc, 0.15)];
 pub(super) const YARD_VANS: f64 = 0.7;
 /// Shares of cars and vans among the other parked vehicles.

@@ -102,7 +102,7 @@ impl Spawner<'_> {
         };
         let long = Footprint { half_length_m: rectangle.half_length_m + headway_m, ..rectangle.grown(0.2) };
         let is_taken = self.arena.vehicles().any(|(other, f)| {
-            // Who comes from behind needs room to brake.
+            // A vehicle that comes from behind needs room to brake.
             let is_behind = (f.center - here.at).dot(here.tangent) < 0.0;
             let braking_m = if is_behind { f.velocity.length() } else { 0.0 };
             let long = Footprint { half_length_m: long.half_length_m + braking_m, ..long };

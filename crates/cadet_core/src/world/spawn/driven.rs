@@ -29,7 +29,7 @@ const BEFORE_LIGHT_M: f64 = 15.0;
 const ON_LINE_M: Range<f64> = 4.0..7.5;
 /// Trucks take bends, and streets, at this share of a car's speed.
 const TRUCKS_SLOWER: f64 = 0.85;
-/// Who comes in at the map's edge does so within this of a road's beginning.
+/// Distance from a road's beginning within which newcomers come in at the map's edge.
 const EDGE_M: f64 = 8.0;
 /// A newcomer that needs room has it for so long a way.
 const ROOM_AHEAD_M: f64 = 110.0;
@@ -144,7 +144,7 @@ impl Spawner<'_> {
         }
         let graph = &self.arena.streets.graph;
         let half_m = model.size_lwh.x / 2.0;
-        // Who kept farther off the middle would not get past what stands beside it; a truck's corners need all of its room.
+        // Farther off the middle one would not get past what stands beside it; a truck's corners need all of its room.
         let beside_m = OFF_LANES_M - model.size_lwh.y / 2.0 - SIDE_STANDING_M;
         let most_m = if needs.keeps_in_lane { 0.0 } else { beside_m.max(0.0) };
         let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
@@ -176,7 +176,7 @@ impl Spawner<'_> {
             let long =
                 Footprint { half_length_m: half_m + 8.0, half_width_m: rectangle.half_width_m + 0.2, ..rectangle };
             let taken = vehicles.iter().any(|(other, f)| {
-                // Who comes from behind needs room to brake.
+                // A vehicle that comes from behind needs room to brake.
                 let half_length_m = long.half_length_m + 1.8 * f.velocity.length();
                 let is_near = Footprint { half_length_m, ..long }.overlaps(f) || rectangle.grown(0.5).overlaps(f);
                 *other != slot && (is_near || comes_toward(f, &rectangle))

@@ -32,7 +32,7 @@ const GAP_S: f64 = 0.9;
 const SOFTLY_MPS2: f64 = 1.2;
 const PLACES_EVERY_M: f64 = 7.0;
 const TRIES: usize = 40;
-/// Who comes in at the map's edge does so within this of a road's beginning.
+/// Distance from a road's beginning within which newcomers come in at the map's edge.
 const EDGE_M: f64 = 30.0;
 
 impl Spawner<'_> {

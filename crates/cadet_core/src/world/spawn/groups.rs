@@ -135,7 +135,7 @@ impl Spawner<'_> {
         Some(walker)
     }
 
-    /// Who walks or stands in a slot.
+    /// The pedestrian in a slot.
     pub(super) fn pedestrian(&self, slot: Slot) -> &Pedestrian {
         self.arena.agents[slot].get::<Pedestrian>().expect("pedestrians join pedestrians")
     }

@@ -1,4 +1,4 @@
-//! Who is where at the start, and who comes when others have gone: a file for each kind of placement.
+//! Placement of everybody at the start, and of newcomers when others have gone: a file for each kind of placement.
 
 mod belongings;
 mod config;

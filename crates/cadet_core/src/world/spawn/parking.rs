@@ -35,7 +35,7 @@ const OPEN_SHARE: f64 = 0.02;
 
 /// Room between a parked vehicle and the middle of every lane.
 pub(super) const OFF_LANES_M: f64 = 1.25;
-/// The same of every lane for bicycles.
+/// Room between a parked vehicle and the middle of every lane for bicycles.
 const OFF_CYCLE_LANES_M: f64 = 0.75;
 
 /// Occupancy of drives and side streets: fuller than the streets that the ego drives along.
@@ -88,7 +88,7 @@ impl Spawner<'_> {
             let wrong_way = if draw.chance(turned_share) { math::PI } else { 0.0 };
             let slack_m = (spot.length_m - model.size_lwh.x).max(0.0) / 2.0;
             let mut along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
-            // What is longer than its spot takes room from one neighbor.
+            // A vehicle longer than its spot takes room from one neighbor.
             let over_m = (model.size_lwh.x + LEAST_GAP_M - spot.length_m).max(0.0) / 2.0;
             if draw.chance(0.5) {
                 along_m = -along_m;
@@ -134,7 +134,7 @@ impl Spawner<'_> {
         let graph = &self.arena.streets.graph;
         let lane = graph.nearest(at, None, 12.0).map(|at| (graph.lane(at.lane), at.s_m));
         if lane.is_none() || spot.kind == SpotKind::Drive {
-            // Who has a drive of their own keeps the car there, however full the street.
+            // People with a drive of their own keep the car there, however full the street.
             return draw.chance(beside_ego_way(config.parking_occupancy));
         }
         // One row: the curb of one lane; each has its own occupancy.

@@ -22,7 +22,7 @@ use crate::world::footprint::Footprint;
 
 /// How far apart the places of a path are that have to be on the ground.
 const CHECKED_EVERY_M: f64 = 1.0;
-/// Who goes straight on stops after this way if the ground does not end before.
+/// Way after which an agent that goes straight on stops if the ground does not end before.
 const FARTHEST_M: f64 = 5000.0;
 
 /// Adds a vehicle, settled on the ground; returns its id.

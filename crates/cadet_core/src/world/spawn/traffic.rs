@@ -22,13 +22,14 @@ const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
 /// Nearest to the ego that cars and people start.
 const CAR_STARTS_M: f64 = 9.0;
 const WALKER_STARTS_M: f64 = 3.0;
-/// The same of cyclists.
+/// Distances from the ego beyond which cyclists give their place to new ones, between which those appear, and nearest
+/// at which cyclists start.
 const CYCLIST_GONE_M: f64 = 115.0;
 const CYCLIST_APPEARS_M: (f64, f64) = (65.0, 105.0);
 const CYCLIST_STARTS_M: f64 = 8.0;
 /// How far ahead a truck looks for a corner that it can't take.
 const CORNER_AHEAD_M: f64 = 35.0;
-/// Who comes in at the map's edge is at least so far from the ego.
+/// Least distance from the ego at which newcomers come in at the map's edge.
 const EDGE_M: f64 = 30.0;
 /// The ego's middle is so near the road's end when it stands there, and who has stood so long behind it leaves.
 const EGO_ENDS_M: f64 = 8.0;

@@ -118,7 +118,7 @@ impl Spawner<'_> {
         let free_m = graph.lane(lane).length_m() - s_m - length_m / 2.0;
         let speed_mps =
             stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
-        // Who has been let into the junction behind needs the room.
+        // A vehicle that has been let into the junction behind needs the room.
         let junctions = &self.arena.around.junctions;
         let behind = std::iter::successors(Some(lane), |id| graph.lane(*id).predecessors.first().copied());
         if behind.take_while(|id| graph.lane(*id).junction.is_none()).any(|id| junctions.is_exit(id)) {

@@ -181,7 +181,7 @@ impl LaneGraph {
         self.keeps_off(rectangle, LaneKind::Driving, (room_m, 0.0))
     }
 
-    /// The same of every lane for bicycles.
+    /// Whether a rectangle is at least `room_m` away from the middle of every lane for bicycles.
     pub fn keeps_off_cycle_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
         self.keeps_off(rectangle, LaneKind::Biking, (room_m, 0.0))
     }

@@ -1,4 +1,5 @@
-//! Who stands and for how long, and who walks into what, over many worlds filled as the default policy fills them.
+//! Counts of who stands and for how long, and of who walks into what, over many worlds filled as the default policy
+//! fills them.
 
 use super::towns::suburb;
 use super::*;
@@ -120,7 +121,7 @@ fn people_walk_in_groups_and_stay_together() {
             }
         }
     }
-    // Who stands stays; corners, crossings, and lights part those who walk.
+    // People who stand stay; corners, crossings, and lights part those who walk.
     assert!(3 * in_company > num_walkers && 5 * behind > in_company, "{in_company} of {num_walkers}, {behind} behind");
     assert!(10 * together > 13 * parted, "{together} together, {parted} parted");
 }

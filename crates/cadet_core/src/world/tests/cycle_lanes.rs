@@ -28,11 +28,11 @@ struct Seen {
     pulled_out: usize,
     gone_m: f64,
     longest_stand_s: f64,
-    /// What is wrong.
+    /// Descriptions of all that is wrong.
     wrong: Vec<String>,
 }
 
-/// Who somebody is, where, and what they are about.
+/// Describes somebody: who they are, where, and what they are about.
 fn tell(world: &World, agent: &Agent) -> String {
     let own = footprint(world, agent);
     let rides = world.arena.each::<Cyclist>().find(|r| r.1.id == agent.id);
@@ -100,9 +100,8 @@ fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
             let from = match came {
                 Some((was, kind, entered_from)) => {
                     let step_m = (here - was).length();
-                    // Who has gone far was replaced by a newcomer of the same number.
-                    assert!(!(2.5..=20.0).contains(&step_m), "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
-                    seen.gone_m += if step_m < 2.5 { step_m } else { 0.0 };
+                    assert!(step_m < 2.5, "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
+                    seen.gone_m += step_m;
                     let entered_from = if lane.junction.is_some() { entered_from.or(Some(kind)) } else { None };
                     if lane.junction.is_none()
                         && let Some(came_from) = came.and_then(|c| c.2)

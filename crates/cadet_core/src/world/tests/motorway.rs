@@ -70,7 +70,7 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
         let ego = world.ego().world_from_ego.translation;
         let near = |a: &&Agent| a.id != 0 && (position(world, a) - ego).length() < 80.0;
         seen.near_ego.push(cars(world).into_iter().map(|(a, _)| a).filter(near).count() as f64);
-        // Who was behind somebody on the lane to the left, and is ahead now, both at speed.
+        // Vehicles that were behind another on the lane to the left, and are ahead now, both at speed.
         let graph = &world.arena.streets.graph;
         let changing: Vec<i32> = cars(world).iter().filter(|(_, d)| d.changes_lane()).map(|(a, _)| a.id).collect();
         for (id, lane, s_m, speed_mps) in &now {

@@ -97,7 +97,7 @@ fn all_stop_at_the_line() {
                     Cause::Junction(Refusal::Light | Refusal::Taken(_) | Refusal::Yields(_) | Refusal::ExitFull(_))
                 );
                 let Some((lane, front_m)) = approach(&world, agent).filter(|_| stands && waits) else { continue };
-                // Who has stood behind another sets off.
+                // A vehicle that has stood behind another sets off.
                 let before_m = front_m - line_m(lane, graph);
                 if before_m < 3.0 {
                     off_m.entry(agent.actor().look.class().kitti_name()).or_default().push(before_m.abs());

@@ -177,7 +177,7 @@ pub(crate) fn suburb(seed: u64) -> Arc<Town> {
     furnished(&key, made.network)
 }
 
-/// The same, all of whose faster streets are main roads.
+/// A generated suburb all of whose faster streets are main roads.
 pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let config = crate::town::SuburbConfig { blocks: (2, 2), main_share: 1.0, ..Default::default() };
@@ -208,7 +208,7 @@ pub(crate) fn cycle_lanes(seed: u64) -> Arc<Town> {
     Arc::new(Town::suburb(&key, &config, &bare).expect("a town"))
 }
 
-/// The same, in open country, with its ditches and fields.
+/// Roads in open country, with its ditches and fields.
 pub(crate) fn country_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let config =
@@ -238,7 +238,7 @@ pub(crate) fn motorway(seed: u64) -> Arc<Town> {
     Arc::new(Town::suburb(&StreamKey::scene(seed), &config, &bare).expect("a town"))
 }
 
-/// The same, with the tracks of a tram wherever they may be.
+/// Main roads with the tracks of a tram wherever they may be.
 pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let tracked = crate::town::SuburbConfig { main_share: 1.0, tram_share: 1.0, ..Default::default() };

@@ -19,7 +19,7 @@ pub(crate) enum Motion {
 /// A place in a group, relative to the one who leads.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GroupPlace {
-    /// Who leads.
+    /// The one who leads.
     pub leader: Slot,
     /// To the left of the leader's place across the walkway's line.
     pub aside_m: f64,
