@@ -1,4 +1,4 @@
-"""What is wrong with traffic: bodies in each other, off the ground, or standing for no end.
+"""Faults of traffic: bodies in each other, off the ground, or standing for no end.
 
     python benches/traffic.py -n 200 --seconds 90 --workers 2
     python benches/traffic.py -n 20 --district motorway --district campus

@@ -147,3 +147,10 @@ def test_no_source_file_is_long() -> None:
     assert len(files) > 400
     lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in files}
     assert not {name: length for name, length in lengths.items() if length > MOST_LINES}
+
+
+def test_docs_of_code_begin_with_what_the_thing_is() -> None:
+    begins = re.compile(r'^\s*(?:///|//!|""") ?(?:Who|The same|So far|So much|So many|What is)\b.*', re.MULTILINE)
+    files = [*(ROOT / "crates").rglob("*.rs"), *(ROOT / "python").rglob("*.py")]
+    wrong = {path.relative_to(ROOT).as_posix(): begins.findall(path.read_text()) for path in sorted(files)}
+    assert not {path: lines for path, lines in wrong.items() if lines}

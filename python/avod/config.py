@@ -328,7 +328,7 @@ class Config:
     """
 
     classes: tuple[ObjectClass, ...] = (ObjectClass(),)
-    """What is detected; class k of the network is the k-th, 0 is background."""
+    """Classes to detect; class k of the network is the k-th, 0 is background."""
     ground: Literal["file", "estimated"] = "file"
     """The ground plane: the frame's plane where it has one, as in AVOD, or estimated from the scan wherever
     that shows ground, so that training meets the errors that frames without a plane have."""

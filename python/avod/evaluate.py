@@ -93,7 +93,7 @@ def analyze_detectors(
 
 
 ABLATIONS: Final[Mapping[str, tuple[bool, bool]]] = {"image masked": (False, True), "LIDAR masked": (True, False)}
-"""What is left of (image, LIDAR), by name."""
+"""Whether (image, LIDAR) are left, by name."""
 
 
 def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector:

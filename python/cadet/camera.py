@@ -56,9 +56,9 @@ class Camera:
     cam1_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p1_column)
     """Where camera 0 stands in the frame of camera 1, the right gray one: the translation behind P1's fourth column."""
     cam2_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p2_column)
-    """The same of camera 2, which takes the image."""
+    """Where camera 0 stands in the frame of camera 2, which takes the image: from P2's fourth column."""
     cam3_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p3_column)
-    """The same of camera 3, the right color one."""
+    """Where camera 0 stands in the frame of camera 3, the right color one: from P3's fourth column."""
     image_scale: tuple[float, float] = (1.0, 1.0)
     """By what the image was scaled along the rows and the columns (`resized`); labels' pixel limits follow."""
 

@@ -81,7 +81,7 @@ class Lidar:
     def hdl64e_uniform(
         cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0
     ) -> Lidar:
-        """The same elevations from one point in 2,083 uniform columns: 133,312 beams, the benchmark's scan."""
+        """KITTI's elevations from one point in 2,083 uniform columns: 133,312 beams, the benchmark's scan."""
         return cls("hdl64e_uniform", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod

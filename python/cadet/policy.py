@@ -1,4 +1,4 @@
-"""What is drawn at each reset: map, weather, how full the streets are."""
+"""Draws of each reset: map, weather, how full the streets are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-//! What is labeled: KITTI's classes and the state of an actor.
+//! Objects that are labeled: KITTI's classes and the state of an actor.
 
 use crate::error::{Error, Result};
 use crate::math::{DPose3, DVec3};

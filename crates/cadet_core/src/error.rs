@@ -50,7 +50,7 @@ pub enum Error {
     Map {
         /// The map's file name, or `"suburb"` for a generated one.
         map: String,
-        /// What is wrong.
+        /// Problem with the map.
         reason: String,
     },
     /// A mesh that can't be used.
@@ -58,31 +58,31 @@ pub enum Error {
     Mesh {
         /// The mesh's name or file.
         name: String,
-        /// What is wrong.
+        /// Problem with the mesh.
         reason: String,
     },
     /// A scene that can't be built as asked.
     #[error("scene: {reason}")]
     Scene {
-        /// What is wrong.
+        /// Problem with the scene.
         reason: String,
     },
     /// A scan without a ground plane to be found.
     #[error("ground plane: {reason}")]
     Ground {
-        /// What is wrong.
+        /// Problem with the scan.
         reason: String,
     },
     /// An image that can't be encoded.
     #[error("image: {reason}")]
     Image {
-        /// What is wrong.
+        /// Problem with the image.
         reason: String,
     },
     /// An image file that can't be decoded.
     #[error("{reason}")]
     ImageFile {
-        /// What is wrong, and what helps.
+        /// Problem with the file, and what helps.
         reason: String,
     },
     /// A line of a KITTI file that breaks its format.
@@ -94,7 +94,7 @@ pub enum Error {
         line: usize,
         /// The column, from 1 as KITTI counts them: the type is column 1.
         column: usize,
-        /// What is wrong.
+        /// Problem with the line.
         reason: String,
     },
     /// A file or folder that is not there.

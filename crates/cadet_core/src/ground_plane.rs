@@ -34,7 +34,7 @@ const WIDENS_PER_M: f64 = 0.0125;
 const WIDTH_M: (f64, f64) = (0.08, 0.03);
 const WIDTH_STEP_M: f64 = 0.008;
 const ITERATIONS: usize = 8;
-/// What is known before a scan is seen: slopes of the ground to the side and ahead in the camera's frame, mean and
+/// Prior, known before a scan is seen: slopes of the ground to the side and ahead in the camera's frame, mean and
 /// standard deviation over KITTI's published planes, and the variance that a cell's height stands for, with neighbors
 /// that err together.
 const PRIOR_SLOPES: [(f64, f64); 2] = [(-0.01, 0.02), (0.0, 0.012)];
@@ -68,7 +68,7 @@ struct GroundCell {
 /// none of them in a plane that a car could stand on.
 ///
 /// # Determinism
-/// The same seed gives the same plane; the order of the points does not matter but for the last bits.
+/// A seed always gives the same plane; the order of the points does not matter but for the last bits.
 pub fn estimate_ground_plane(points_cam: impl Iterator<Item = [f64; 3]>, seed: u64) -> Result<[f64; 4]> {
     let cells = ground_cells(points_cam)?;
     let mut slopes = best_hypothesis(&cells, seed)

@@ -31,7 +31,7 @@ impl Instance {
         Self { shape, palette, world_from_local, actor_id, is_body: actor_id > 0, sheds_snow: false }
     }
 
-    /// The same in what it wears at night.
+    /// Returns this instance in the palette that it wears at night.
     #[must_use]
     pub fn at_night(&self) -> Self {
         let palette = self.palette.at_night().unwrap_or(&self.palette);

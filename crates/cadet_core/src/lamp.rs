@@ -56,7 +56,7 @@ const HOT_SPOT: f32 = -0.02;
 const ASIDE_OFFSET: f32 = 0.012;
 /// Stray light above the cut-off: a hundredth of the strongest (160 of 16,000 cd).
 const STRAY: f32 = 0.01;
-/// What is no farther ahead is beside a low beam, meters.
+/// Points no farther ahead than this are beside a low beam, meters.
 const LEAST_AHEAD_M: f32 = 0.05;
 /// A luminaire sends more to the sides than straight down, so that the street is lit evenly.
 const BATWING: f32 = 0.7;
@@ -117,7 +117,7 @@ pub fn lens(cos_axis: f32) -> f32 {
     eighth * eighth
 }
 
-/// What is left of a lamp's light at a distance, by its square and that of the reach: it fades out at the end.
+/// Share of a lamp's light that is left at a distance, by its square and that of the reach: it fades out at the end.
 #[inline(always)]
 #[must_use]
 pub fn fade(square_m2: f32, reach_square_m2: f32) -> f32 {

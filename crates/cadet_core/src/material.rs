@@ -234,20 +234,21 @@ impl Palette {
         Self { materials, opaque_slots, transparent_slots, leaf_slots, is_plant, has_vegetation, lamps, at_night }
     }
 
-    /// The same with light sources, in the instance's frame.
+    /// Returns this palette with light sources, in the instance's frame.
     #[must_use]
     pub fn with_lamps(self, lamps: Vec<Lamp>) -> Self {
         Self { lamps, ..self }
     }
 
-    /// The same with another that is worn at night, with the same slots.
+    /// Returns this palette with another that is worn at night, with the same slots.
     #[must_use]
     pub fn with_night(self, at_night: Self) -> Self {
         debug_assert_eq!(self.materials.len(), at_night.materials.len());
         Self { at_night: Some(Arc::new(at_night)), ..self }
     }
 
-    /// The same with panes that are lit at night: `panes` are slots, each with a window's albedo ([`Pattern::Window`]).
+    /// Returns this palette with panes that are lit at night: `panes` are slots, each with a window's albedo
+    /// ([`Pattern::Window`]).
     #[must_use]
     pub fn with_lit_panes(self, panes: &[(u8, [f32; 3])]) -> Self {
         let mut materials = self.materials.clone();
@@ -264,7 +265,7 @@ impl Palette {
         &self.lamps
     }
 
-    /// What is worn at night, where that is another.
+    /// The palette that is worn at night, where that is another.
     #[must_use]
     pub fn at_night(&self) -> Option<&Arc<Self>> {
         self.at_night.as_ref()
@@ -306,7 +307,7 @@ impl Palette {
         self.has_vegetation
     }
 
-    /// The same materials, all of one semantic class.
+    /// Makes a palette of these materials, all of one semantic class.
     #[must_use]
     pub fn with_semantic(mut self, semantic: Semantic) -> Self {
         for m in &mut self.materials {

@@ -251,7 +251,7 @@ impl Weather {
         is_dim || self.rain_mm_per_h > 0.0 || self.snow_mm_per_h > 0.0 || self.fog_alpha_per_m > 0.0
     }
 
-    /// The same weather with its sun in a random direction, and a high sun between 20 and 45 degrees (KITTI's hours).
+    /// Turns the sun in a random direction, and puts a high sun between 20 and 45 degrees (KITTI's hours).
     #[must_use]
     pub fn with_sun_turned(mut self, stream: &mut Stream) -> Self {
         self.sun_azimuth_rad = stream.range(0.0, TAU);
@@ -262,7 +262,7 @@ impl Weather {
         self
     }
 
-    /// The same weather with its sun where a user wants it.
+    /// Puts the sun where a user wants it.
     #[must_use]
     pub fn with_sun(mut self, sun: &Sun) -> Self {
         self.sun_elevation_rad = sun.elevation_deg.map_or(self.sun_elevation_rad, f64::to_radians);

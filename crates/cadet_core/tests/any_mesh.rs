@@ -27,7 +27,7 @@ fn moller_trumbore([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Op
     Some((e2.dot(q) / det, u.min(v).min(1.0 - u - v)))
 }
 
-/// What is certain about a beam: a depth that is surely met, and all depths that may be met.
+/// Certainties about a beam: a depth that is surely met, and all depths that may be met.
 struct Certain {
     surely: f64,
     perhaps: Vec<f64>,

@@ -52,7 +52,8 @@ fn tolerance(
     rounding + 3e-4 / slope * inverse_depth * inverse_depth
 }
 
-/// The same faces, but for rounding where two are equally deep; the buffer has been used before.
+/// Checks that drawing and casting see the same faces, but for rounding where two are equally deep; the buffer has been
+/// used before.
 fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
     rasterize(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);

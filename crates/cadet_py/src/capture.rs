@@ -16,7 +16,7 @@ use crate::guard;
 
 type Corners = (f64, f64, f64, f64);
 
-/// What is to be captured.
+/// Request for a capture.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct Request {
     pub(crate) inner: core::Request,

@@ -37,12 +37,12 @@ impl Lidar {
         Ok(Self { spec: table.spec()? })
     }
 
-    /// The same beams, all from one point.
+    /// Puts the origins of all beams at one point.
     fn single_origin(&self) -> Self {
         Self { spec: self.spec.clone().single_origin() }
     }
 
-    /// The same beams, taken in another way.
+    /// Returns the LIDAR with its scans taken in this way.
     #[pyo3(signature = (*, rolling, returns, divergence_mrad))]
     fn scanning(&self, rolling: bool, returns: &str, divergence_mrad: f64) -> Result<Self, BorderError> {
         Ok(Self { spec: scanning(self.spec.clone(), rolling, returns, divergence_mrad)? })

@@ -118,7 +118,7 @@ def paper_command(**options: Any) -> int:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is to be run, and where."""
+    """The cells to run, on which data, and where."""
 
     out: Path
     scale: Scale

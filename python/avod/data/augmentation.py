@@ -1,4 +1,4 @@
-"""What is done to a sample in training, and the random streams that it is drawn from."""
+"""Changes of a sample in training, and the random streams that they are drawn from."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ from cadet.object_bank import ObjectBank
 from cadet.webdataset import ShardDataset, open_dataset
 
 _MOST_TRIED: Final = 20
-"""So many frames in a row are never unreadable by chance where most can be read."""
+"""Number of frames in a row that are never unreadable by chance where most can be read."""
 
 
 def sample_from_frame(

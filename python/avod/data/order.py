@@ -35,7 +35,7 @@ def frame_number(frame_id: str) -> int:
 
 @dataclass(frozen=True)
 class Entry:
-    """What is read for one index.
+    """The frame that is read for one index, and its augmentation.
 
     Attributes:
         frame: its place in the list of frames.

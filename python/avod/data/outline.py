@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 HALF_BEAM: Final = 0.0035
 """A fifth of a degree: half the angle between two beams of KITTI's LIDAR, by which an outline is wider than points."""
 BEHIND_M: Final = 0.5
-"""What is this much farther is hidden."""
+"""A point is hidden if it is this much farther than another in its direction."""
 _CELL: Final = (0.004, 0.008)
 """Of directions in which one thing hides another: two beams across and one down."""
 

@@ -52,7 +52,7 @@ MENDED: Final[Mapping[str, str]] = {
     "no false alarms": "without detections that no object lies near",
     "no misses": "without objects that no detection lies near",
 }
-"""What is mended, in the order of reports."""
+"""Each way of mending and what it changes, in the order of reports."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,12 +41,12 @@ _YAWS_DEG: Final = (145.0, -35.0, 90.0, -145.0)
 
 @dataclass(frozen=True)
 class Sitter:
-    """Who is photographed: what `Scene.add` takes, and what it made of it."""
+    """An actor that is photographed: what `Scene.add` takes, and what it made of it."""
 
     kind: str
     """As `Scene.add` takes it."""
     model_seed: int
-    """The same."""
+    """As `Scene.add` takes it."""
     family: str
     """The part of the model's name that many seeds share."""
     length_m: float

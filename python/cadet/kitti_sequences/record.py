@@ -1,4 +1,4 @@
-"""What is recorded of each sample of a sequence: all that its drive's text files are made of at the end."""
+"""Records of each sample of a sequence: all that its drive's text files are made of at the end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is counted of labels, and in which bins: the same for a dataset and for KITTI.
+"""Quantities that are counted of labels, and their bins: the same for a dataset and for KITTI.
 
 Bins lie in one table, so that two sets can be drawn into one figure. What falls outside counts in the outermost bin.
 """

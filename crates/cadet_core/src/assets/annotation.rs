@@ -168,7 +168,8 @@ pub fn person_box(s: &mut Stream) -> AnnotatedBox {
     box_round(&PEOPLE, WALKER_FORWARD_M, PERSON_FARTHEST_M, s)
 }
 
-/// The same of a cyclist: [`cyclist_size`] tells how long, wide, and high it is.
+/// The annotated box of a cyclist, in the box frame. It is drawn first: [`cyclist_size`] tells how long, wide, and high
+/// that cyclist is.
 #[must_use]
 pub fn cyclist_box(s: &mut Stream) -> AnnotatedBox {
     box_round(&CYCLISTS, RIDER_FORWARD_M, CYCLIST_FARTHEST_M, s)

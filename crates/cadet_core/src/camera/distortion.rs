@@ -42,7 +42,8 @@ impl Distortion {
         ]
     }
 
-    /// The same, for any ray: beyond where the image would fold back, it goes on outwards as it is there.
+    /// The slopes at which any ray leaves the lens: beyond where the image would fold back, it goes on outwards as it
+    /// is there.
     #[must_use]
     pub fn apply_within_reach(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         if self.is_single_valued([x, y]) {

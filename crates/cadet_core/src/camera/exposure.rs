@@ -19,8 +19,8 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     gain_below(rgb, target, step, WHITE)
 }
 
-/// The same at night: lamps and what stands in their beams count no more than a value of 110, so that they do not darken the
-/// rest.
+/// The gain from linear radiance to 8-bit values at which the mean luma is `target` at night: lamps and what stands in
+/// their beams count no more than a value of 110, so that they do not darken the rest.
 #[must_use]
 pub fn gain_at_night(rgb: &[f32], target: f32) -> f32 {
     gain_below(rgb, target, 1, NIGHT_METER_CEILING)

@@ -120,11 +120,11 @@ impl Flags {
     pub const RETRO: u32 = 16;
 }
 
-/// What is read from memory to make a face ready.
+/// Data of a face that is read from memory to make it ready.
 pub struct FaceVertices {
     pub instance: u32,
     pub face: u32,
-    /// What is seen of it may be its partner.
+    /// Whether a sample that sees it may lie on its partner instead.
     pub is_quad: bool,
     pub slot: u8,
     pub corners: [u32; 3],

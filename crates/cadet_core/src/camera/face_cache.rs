@@ -26,7 +26,7 @@ struct BinningInfo {
     ambient: u32,
 }
 
-/// What is known of a drawn face.
+/// Place of a drawn face in the cache, and its plant.
 #[derive(Debug, Clone, Copy)]
 struct Made {
     /// Index in [`FaceCache::faces`], or [`NOT_MADE`].

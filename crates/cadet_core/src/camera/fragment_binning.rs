@@ -58,7 +58,7 @@ struct Tile {
     uncovered: Layer,
     /// Pixels whose samples see two faces and no transparent surface; of [`FragmentBinner::edges`].
     edges: Range<usize>,
-    /// What is seen through transparent surfaces by both samples of pixels, and by one of them.
+    /// Layers seen through transparent surfaces by both samples of pixels, and by one of them.
     background: [Layer; 2],
     /// Of [`FragmentBinner::covered`].
     transparent: Range<usize>,

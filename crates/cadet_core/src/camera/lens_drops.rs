@@ -14,7 +14,7 @@ const BEFORE_APERTURE_M: f64 = 0.03;
 const APERTURE_M: f64 = 0.0012;
 /// Diameters of drops that stay: larger ones run off.
 const DIAMETER_M: (f64, f64) = (0.001, 0.0028);
-/// So many drops at most, and how many there are at 1 mm/h; their number grows with the root of the rate.
+/// The largest number of drops, and their number at 1 mm/h; it grows with the root of the rate.
 const MOST: u64 = 14;
 const AT_1_MM_PER_H: f64 = 0.9;
 /// How long one stays before it runs off, or the wind takes it, s.

@@ -12,7 +12,7 @@ use crate::math::{DPose3, DVec2, DVec3};
 pub const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
 /// The longest time from the first row's exposure to the last's, seconds.
 pub const MAX_ROLLING_SHUTTER_S: f64 = 0.1;
-/// What is nearer to the camera's plane is not projected, meters.
+/// Points nearer to the camera's plane than this are not projected, meters.
 const LEAST_DEPTH_M: f64 = 1e-9;
 
 /// A camera: the size of its image, and how points of its frame (x right, y down, z forward) are projected into it.
@@ -106,8 +106,8 @@ impl CameraModel {
         Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None, rolling_shutter_s }
     }
 
-    /// The same camera, whose rows are exposed from the top to the bottom within so many seconds, from the first row's
-    /// instant to the last's; 0 for all at once.
+    /// Returns this camera with rows that are exposed from the top to the bottom within so many seconds, from the first
+    /// row's instant to the last's; 0 for all at once.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] beyond 0 to [`MAX_ROLLING_SHUTTER_S`], [`Error::NotFinite`].

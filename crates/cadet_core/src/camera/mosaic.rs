@@ -1,6 +1,7 @@
 //! The color filters over the sensor's pixels: each pixel measures one of R, G, B, and its neighbors lend it the others.
 //!
-//! What is as fine as the pixels, such as the stones of asphalt, leaves, and edges, thus gets false colors, as in KITTI's images.
+//! Details as fine as the pixels, such as the stones of asphalt, leaves, and edges, thus get false colors, as in
+//! KITTI's images.
 
 use multiversion::multiversion;
 

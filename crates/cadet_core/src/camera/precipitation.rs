@@ -25,7 +25,7 @@ const FOCAL_PX: f64 = 721.0;
 /// Nor one that is smaller than this, however near, m.
 const LEAST_DROP_M: f64 = 0.000_6;
 const LEAST_FLAKE_M: f64 = 0.001;
-/// What is nearer to the optical center than this is a blur without a place.
+/// Particles less than this far ahead of the optical center are a blur without a place.
 const NEAREST_M: f64 = 0.2;
 /// Flakes fall at 0.8 to 1.2 m/s and sway, one standard deviation.
 const FLAKE_MPS: (f64, f64) = (0.8, 1.2);

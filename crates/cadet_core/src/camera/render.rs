@@ -33,7 +33,7 @@ pub struct Rendered {
 const VEILING_GLARE: f32 = 0.016;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (92.0, 4.5);
-/// The same at night, which is to stay dark.
+/// Mean luma that the exposure aims at by night, which is to stay dark, and its spread from frame to frame.
 const NIGHT_MEAN_LUMA: (f64, f64) = (27.0, 2.0);
 /// Every so many pixels one is metered: a prime number, so that no column is.
 const METERED_STEP: usize = 37;
@@ -57,7 +57,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// What is between the scene and the sensor.
+/// Everything between the scene and the sensor.
 #[derive(Debug, Clone, Default)]
 pub struct Foreground<'a> {
     /// What vehicles throw up behind them.
@@ -79,7 +79,7 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, seen: &Visibil
     render_through(scene, view, weather, seen, &Foreground::default(), stream)
 }
 
-/// The same through what is between scene and sensor.
+/// Renders as [`render()`] does, through what is between scene and sensor.
 #[must_use]
 pub fn render_through(
     scene: &PosedScene,

@@ -33,7 +33,7 @@ pub struct Moving<'a, F> {
     pub camera: Motion,
     /// How an actor moves, by its id.
     pub motion_of: F,
-    /// What is between it and the sensor.
+    /// Everything between the scene and the sensor.
     pub foreground: Foreground<'a>,
 }
 

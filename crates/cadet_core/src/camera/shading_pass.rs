@@ -51,7 +51,7 @@ pub struct ShadingPass {
     base_color: [BatchVector; 2],
     /// Diffuse irradiance.
     irradiance: BatchVector,
-    /// What is mirrored of the lamps of a night.
+    /// Light of the lamps of a night that surfaces mirror.
     mirrored_lamps: BatchVector,
     /// As light leaves the surfaces, and as it arrives at the camera.
     outgoing: OutgoingLight,
@@ -126,7 +126,7 @@ impl ShadingPass {
         &self.inputs.target
     }
 
-    /// What is added to the left and to the right pixels.
+    /// Radiance that is added to the left and to the right pixels.
     pub fn radiance(&self) -> &[BatchVector; 2] {
         &self.radiance
     }

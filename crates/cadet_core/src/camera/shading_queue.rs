@@ -20,7 +20,7 @@ pub const PAIRS_ACROSS: usize = 4;
 pub const PAIRS_DOWN: usize = 4;
 /// Bits of a column of pixels in a coverage mask.
 const COLUMN_BITS: usize = 2 * PAIRS_DOWN;
-/// What is seen through a block's transparent surfaces: its pixels row by row.
+/// Number of a block's pixels, for what is seen through its transparent surfaces, row by row.
 pub const BACKGROUND_PIXELS: usize = 2 * PAIRS_ACROSS * PAIRS_DOWN;
 /// From a row of them to the next.
 pub const BACKGROUND_STRIDE: u32 = 2 * PAIRS_ACROSS as u32;

@@ -18,7 +18,7 @@ const SLICES: usize = 16;
 /// Points of the lattice across the image of a plume, if pixels between them allow.
 const POINTS: usize = 24;
 const STEPS_PX: (usize, usize) = (2, 16);
-/// What is nearer than this is on the lens, m.
+/// Spray nearer than this is on the lens, m.
 const NEAREST_M: f64 = 0.3;
 /// Optical depths below this are none.
 const LEAST_DEPTH: f32 = 4e-3;

@@ -252,7 +252,7 @@ fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
     }
 }
 
-/// The same faces with no vertex in common: none is drawn with another.
+/// Makes a mesh of these faces with no vertex in common: none is drawn with another.
 fn taken_apart(mesh: &Mesh) -> Mesh {
     let corners = || mesh.faces.iter().flatten().map(|i| *i as usize);
     let faces = (0..mesh.faces.len() as u32).map(|f| [0, 1, 2].map(|k| 3 * f + k)).collect();

@@ -106,7 +106,7 @@ pub fn unit(hash: u32) -> f32 {
     (hash >> 8) as i32 as f32 * (1.0 / TWO_TO_24)
 }
 
-/// The same in [-1, 1).
+/// The high 24 bits of a hash as a number in [-1, 1).
 #[inline(always)]
 #[must_use]
 pub fn centered(hash: u32) -> f32 {

@@ -77,7 +77,7 @@ impl Visibility {
         self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_at(x, y))
     }
 
-    /// The same as a lens shows it.
+    /// Returns the maps as a lens shows them; without a `warp`, as the pinhole camera sees them.
     #[must_use]
     pub fn maps_through(&self, scene: &PosedScene, warp: Option<&Warp>) -> Maps {
         let maps = self.maps(scene);

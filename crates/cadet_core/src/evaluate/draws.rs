@@ -22,7 +22,8 @@ pub struct DrawnAp {
     pub level: usize,
     /// With 11 and 40 recall positions, in percent; NaN where a draw has no object to find.
     pub ap: Vec<[f64; 2]>,
-    /// The same of the heading similarity; None where [`super::Curve::heading`] is.
+    /// Mean heading similarity with 11 and 40 recall positions, in percent; NaN where a draw has no object to find.
+    /// None where [`super::Curve::heading`] is.
     pub heading: Option<Vec<[f64; 2]>>,
 }
 

@@ -1,4 +1,4 @@
-//! What is measured, for what and how strictly.
+//! Settings of an evaluation: what it measures, for which classes, and how strictly.
 
 use super::objects::{Kind, Kinds};
 use crate::error::{Error, Result};

@@ -58,8 +58,9 @@ pub struct Curve {
     pub num_fp: Vec<u64>,
     /// Precision by recall, made to fall.
     pub precision: Samples,
-    /// The same with each true positive worth (1 + cos d) / 2 of its heading's error: AOS of observation angles in the
-    /// image, AHS of headings from above and in space. None in the image if any detection has no observation angle.
+    /// Precision by recall, made to fall, with each true positive worth (1 + cos d) / 2 of its heading's error: AOS of
+    /// observation angles in the image, AHS of headings from above and in space. None in the image if any detection has
+    /// no observation angle.
     pub heading: Option<Samples>,
 }
 

@@ -1,4 +1,4 @@
-//! What is compared: the labeled objects and the detections of a frame.
+//! The two sides of a comparison: the labeled objects and the detections of a frame.
 
 use std::collections::BTreeMap;
 

@@ -17,7 +17,7 @@ const UNKNOWN_PLACE: f64 = -1000.0;
 /// The fewest frames that are worth a thread.
 const FRAMES_A_TASK: usize = 256;
 
-/// What is computed once for all classes, metrics and levels.
+/// Results that are computed once for all classes, metrics and levels.
 #[derive(Debug)]
 pub(super) struct Prepared<'a> {
     frames: &'a [FramePair],

@@ -31,7 +31,7 @@ pub struct Cluster {
     pub faces: Vec<u32>,
     /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
     pub closed_faces: u64,
-    /// The same faces for who draws them: two that form a flat convex quadrilateral are one piece.
+    /// The faces as they are drawn: two that form a flat convex quadrilateral are one piece.
     pub pieces: Vec<Piece>,
     /// About the faces' normals, if all of them belong to closed surfaces.
     pub normal_cone: NormalCone,
@@ -40,7 +40,7 @@ pub struct Cluster {
 }
 
 impl Cluster {
-    /// The same faces, longer, wider and higher by factors above 0.
+    /// Returns this cluster, longer, wider and higher by factors above 0.
     pub(super) fn stretched(&self, scale: Vec3) -> Self {
         let along = scale.to_array();
         let stretched = |lanes: &Lanes| -> Lanes { std::array::from_fn(|k| lanes[k].map(|v| v * along[k])) };

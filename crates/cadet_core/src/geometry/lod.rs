@@ -63,7 +63,7 @@ impl LodSet {
         Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), coarse_shadow_proxies: 0 }
     }
 
-    /// The same shape, longer, wider and higher by factors above 0; its meshes are made when they are first used.
+    /// Returns this shape, longer, wider and higher by factors above 0; its meshes are made when they are first used.
     #[must_use]
     pub fn stretched(&self, scale: Vec3) -> Self {
         let bounds = Bounds { min: self.bounds.min * scale, max: self.bounds.max * scale };

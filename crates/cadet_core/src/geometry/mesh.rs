@@ -21,7 +21,7 @@ pub struct Mesh {
     pub slots: Vec<u8>,
     /// Bounds of the vertices.
     pub bounds: Bounds,
-    /// The same faces in small groups.
+    /// The faces in small groups.
     pub clusters: Vec<Cluster>,
     columns: LazyColumns,
 }
@@ -56,7 +56,7 @@ impl Mesh {
         Ok(Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() })
     }
 
-    /// The same mesh, longer, wider and higher by factors above 0: normals stay upright on what they stand on.
+    /// Returns this mesh, longer, wider and higher by factors above 0: normals stay upright on what they stand on.
     #[must_use]
     pub fn stretched(&self, scale: Vec3) -> Self {
         let vertices: Vec<Vec3> = self.vertices.iter().map(|v| *v * scale).collect();
@@ -73,8 +73,7 @@ impl Mesh {
         self.columns.of(&self.clusters, cluster)
     }
 
-    /// The same mesh, faces and vertices renumbered along the clusters, so that who walks a cluster reads memory in
-    /// order.
+    /// Renumbers faces and vertices along the clusters, so that a walk over a cluster reads memory in order.
     #[must_use]
     pub fn in_cluster_order(self) -> Self {
         let order = self.clusters.iter().flat_map(|c| &c.faces);

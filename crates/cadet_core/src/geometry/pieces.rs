@@ -32,7 +32,7 @@ impl MeshPiece {
 
 /// A corner this far from the plane of the others lies in it, meters: far less than a sensor tells.
 const FLAT_M: f64 = 2e-4;
-/// The same, share of the shorter diagonal.
+/// A corner this far from the plane of the others lies in it, as a share of the shorter diagonal.
 const FLAT: f64 = 5e-3;
 /// How far the shading normal of the last corner may be from what the others' lead to.
 const EVEN: f64 = 0.03;

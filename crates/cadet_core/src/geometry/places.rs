@@ -11,7 +11,7 @@ pub(super) fn place_key(p: Vec3) -> u128 {
     x << 64 | y << 32 | z
 }
 
-/// What is known by place. Looked up and never walked through, so its order does not matter.
+/// Values by place. The map is only looked up, never walked through, so its order does not matter.
 pub(super) type ByPlace<T> = HashMap<u128, T, BuildHasherDefault<PlaceHasher>>;
 
 /// For each vertex the lowest vertex at its place.

@@ -28,7 +28,7 @@ pub struct Sighting {
     pub visible_fraction: f64,
     /// Visible pixels (half of the visible samples).
     pub visible_pixels: f64,
-    /// What is left of its contrast through fog, rain and snow; 1 in clear air.
+    /// Share of its contrast that is left through fog, rain and snow; 1 in clear air.
     pub contrast: f64,
     /// Returns of the scan from the actor.
     pub num_points: usize,

@@ -9,7 +9,7 @@ use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
 pub(super) struct BeamHits {
     /// The first opaque surface.
     pub opaque: Hits,
-    /// The same, but a transparent surface where one stands before it.
+    /// The first opaque surface, or a transparent one where it stands before that.
     pub first: Hits,
 }
 

@@ -9,7 +9,7 @@ pub const MAX_COLUMNS: usize = u16::MAX as usize;
 /// The columns of a turn: azimuths at which every laser fires, counter-clockwise from forward.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Firing {
-    /// So many equal steps, the first forward.
+    /// In equal steps, the first forward.
     Uniform {
         /// Columns a turn.
         columns: usize,

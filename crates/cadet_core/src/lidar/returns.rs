@@ -113,7 +113,7 @@ mod tests {
         Surface { range_m, cos_incidence, material, texture: 1.0, snow: 0.0, actor_id }
     }
 
-    /// What is written of one beam.
+    /// The point that is written of one beam.
     #[derive(Debug, Clone, Copy, PartialEq)]
     struct Return {
         range_m: f64,
@@ -130,7 +130,7 @@ mod tests {
         spec.ring_receiver(0)
     }
 
-    /// What is written of what arrives from one beam, by a receiver of that gain.
+    /// The point that a receiver of that gain writes of what arrives from one beam.
     fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
         let mut batch = EchoBatch::new();
         batch.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);

@@ -113,7 +113,7 @@ pub fn scan(
     scan_through(scene, world_from_velo, spec, (weather, &Spray::default()), stream)
 }
 
-/// The same through the spray behind vehicles.
+/// One turn as [`scan()`] takes it, through the spray behind vehicles.
 ///
 /// # Errors
 /// What [`LidarSpec::check`] finds.

@@ -101,7 +101,7 @@ impl LidarSpec {
         })
     }
 
-    /// The same sensor whose ring k fires at `offsets_rad[k]` counter-clockwise of its columns' azimuths.
+    /// Returns this sensor with ring k firing at `offsets_rad[k]` counter-clockwise of its columns' azimuths.
     ///
     /// With equal steps, whole ones are taken off: they lead from column to column. Otherwise an offset is at least 0
     /// and smaller than the gap behind the last column.
@@ -124,7 +124,7 @@ impl LidarSpec {
         Ok(self)
     }
 
-    /// The same sensor with another receiver.
+    /// Returns this sensor with another receiver.
     ///
     /// # Errors
     /// As [`Receiver::check`], and as [`LidarSpec::with_divergence`] where beams are split.
@@ -185,8 +185,8 @@ impl LidarSpec {
         Ok(())
     }
 
-    /// The same sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several surfaces
-    /// at depth edges; 0 for beams that meet surfaces as lines do, in the receiver's own cone for all else.
+    /// Returns this sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several
+    /// surfaces at depth edges; 0 for beams that meet surfaces as lines do, in the receiver's own cone for all else.
     ///
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
@@ -225,7 +225,7 @@ impl LidarSpec {
         blind
     }
 
-    /// The same sensor with every laser in the frame's origin.
+    /// Returns this sensor with every laser in the frame's origin.
     #[must_use]
     pub fn single_origin(mut self) -> Self {
         for ring in &mut self.rings {

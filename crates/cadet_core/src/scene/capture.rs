@@ -18,8 +18,7 @@ use crate::spray::Spray;
 use crate::town::GroundKind;
 use crate::world::{EgoState, Snapshot};
 
-/// What is to be captured besides the first camera's image and the first LIDAR's scan. What is not asked for costs
-/// nothing.
+/// Request for more than the first camera's image and the first LIDAR's scan. What is not asked for costs nothing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Request {
     /// Names the random streams of noise.
@@ -92,8 +91,9 @@ impl Scene {
         self.finish(request, looked)
     }
 
-    /// The same, or `None` where nothing in the first camera's view gets a label, or where neither the ego nor anything
-    /// labeled has moved since the last view that this returned: much cheaper than a frame that is thrown away.
+    /// Captures as [`Scene::capture`] does, or returns `None` where nothing in the first camera's view gets a label, or
+    /// where neither the ego nor anything labeled has moved since the last view that this returned: much cheaper than a
+    /// frame that is thrown away.
     ///
     /// # Errors
     /// As [`Scene::capture`].

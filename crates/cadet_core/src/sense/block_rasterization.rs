@@ -17,7 +17,7 @@ use crate::math::DVec3;
 /// The most edges.
 const EDGES: usize = 4;
 
-/// What is affine on the image, at a place.
+/// Values at a place of the functions that are affine on the image.
 #[derive(Clone, Copy)]
 pub(super) struct AffineValues {
     /// How far inside of each edge, in samples.
@@ -123,7 +123,7 @@ impl FaceOnImage {
         })
     }
 
-    /// What is kept of a face that was drawn.
+    /// The record that is kept of a drawn face.
     pub(super) fn drawn(&self, [instance, face]: [u32; 2]) -> DrawnFace {
         DrawnFace { instance, face, is_quad: self.is_quad, normal: self.normal.to_array(), volume: self.volume }
     }

@@ -177,7 +177,8 @@ impl PosedScene {
         scene
     }
 
-    /// The same scene with its actors elsewhere: `displacement_of` says by their ids what takes them from where they are.
+    /// Returns the scene with its actors elsewhere: `displacement_of` tells by their ids what takes them from where
+    /// they are.
     #[must_use]
     pub fn moved(&self, displacement_of: impl Fn(i32) -> DPose3) -> Self {
         let mut scene = self.clone();
@@ -194,7 +195,7 @@ impl PosedScene {
         scene
     }
 
-    /// The same scene with more that shines, as the lamps of the car that carries the sensors.
+    /// Adds lamps to the scene, such as those of the car that carries the sensors.
     #[must_use]
     pub fn with_lamps(mut self, lamps_world: &[Lamp]) -> Self {
         self.lamps.extend(lamps_world.iter().map(|lamp| (*lamp, 0)));

@@ -65,7 +65,7 @@ impl RowPlanes {
         (is_inside && facing > 0.0 && volume > 0.0).then(|| volume / facing)
     }
 
-    /// The same for eight beams, the first of them at `at`, and keeps what is nearer.
+    /// Finds the ranges of eight beams, the first of them at `at`, and keeps what is nearer.
     #[inline(always)]
     pub(super) fn cast_eight(
         &self,

@@ -95,7 +95,7 @@ impl SpinningGrid {
         self.table.headings(ring)
     }
 
-    /// The same LIDAR somewhere else; the tables are shared.
+    /// Returns this LIDAR at another pose; the tables are shared.
     #[must_use]
     pub fn at(&self, world_from_velo: DPose3) -> Self {
         Self { world_from_velo, table: Arc::clone(&self.table) }

@@ -90,7 +90,7 @@ const SEVERAL: u32 = u32::MAX;
 /// What a block sees where nothing was drawn.
 static NOTHING: Block = Block::EMPTY;
 
-/// What is known of a block's opaque samples.
+/// State of a block's opaque samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BlockState {
     /// Samples that have met something, a bit each: column by column, from the top.

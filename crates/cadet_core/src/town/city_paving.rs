@@ -19,7 +19,7 @@ const FROM_SIDEWALK_M: f64 = 4.5;
 /// Between a stone and the carriageway: the curb.
 const CURB_M: f64 = 0.3;
 
-/// What is paved, and what must not be.
+/// Ground that is paved, and ground that must not be.
 pub(super) struct Paving {
     kept: Occupancy,
     paved: Occupancy,

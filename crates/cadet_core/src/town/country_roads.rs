@@ -56,7 +56,7 @@ fn round_to(value: f64, step: f64) -> f64 {
     (value / step).round() * step
 }
 
-/// The same way with swings to both sides; its ends stay.
+/// Adds swings to both sides of a way; its ends stay.
 pub(super) fn wind(curve: &PlanCurve, stream: &mut Stream) -> PlanCurve {
     let length_m = curve.length_m();
     let count = (length_m / SWING_M).round() as usize;

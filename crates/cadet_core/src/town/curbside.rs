@@ -31,10 +31,11 @@ const LEFT_FOR_WALKERS_M: f64 = 0.9;
 /// Bays at least this deep are for cars at an angle: 45, 60 or 90 degrees by these weights, noses to the curb.
 const MIN_DEEP_BAY_M: f64 = 4.5;
 const ANGLES_DEG: [(f64, f64); 3] = [(45.0, 0.35), (60.0, 0.25), (90.0, 0.4)];
-/// A place in a deep bay, and how far the car's foremost corner stays from the curb.
+/// Length and width of a place in a deep bay.
 const ANGLED_SPOT_M: (f64, f64) = (4.75, 1.9);
 const ANGLED_PITCH_M: f64 = 2.45;
-/// The same at the aisles of car parks, with the lines between the bays (EAR 05: bays of 2.5 m).
+/// Angles of cars by weights, a place, and the spacing of places at the aisles of car parks, with the lines between the
+/// bays (EAR 05: bays of 2.5 m).
 const AISLE_ANGLES_DEG: [(f64, f64); 3] = [(90.0, 0.75), (60.0, 0.15), (75.0, 0.1)];
 const AISLE_SPOT_M: (f64, f64) = (5.0, 1.9);
 const AISLE_PITCH_M: f64 = 2.5;

@@ -11,7 +11,7 @@ use crate::rng::{Stream, StreamKey};
 pub(super) enum Crop {
     /// Grass, mown.
     Meadow,
-    /// What is left of grain.
+    /// Stalks that are left of grain.
     Stubble,
     /// Plowed soil.
     Soil,
@@ -34,7 +34,7 @@ const FAR_WOODS_SHARE: f64 = 0.75;
 const FAR_M: f64 = 85.0;
 /// Parcels are cut in two until they are no larger than this, drawn for each.
 const PARCEL_M2: (f64, f64) = (5_000.0, 22_000.0);
-/// The same beside motorways.
+/// Parcels beside motorways are cut in two until they are no larger than this, drawn for each.
 const MOTORWAY_PARCEL_M2: (f64, f64) = (12_000.0, 55_000.0);
 /// Where a parcel is cut, and how far the cut is from a right angle.
 const CUT_AT: (f64, f64) = (0.36, 0.64);

@@ -8,7 +8,7 @@ use crate::geometry::{LodSet, MeshBuilder};
 use crate::instance::Instance;
 use crate::math::{DPose3, DQuat, DVec3, Vec3};
 
-/// Who starts at the origin stands in the middle of the right lane.
+/// Width of a lane; the origin lies in the middle of the right one.
 const LANE_M: f32 = 3.5;
 const LINE_M: f32 = 0.12;
 /// Asphalt beyond the lines at the road's edges.

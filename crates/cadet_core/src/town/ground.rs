@@ -40,8 +40,8 @@ pub struct Ground {
     pub vertices: Arc<Vec<Vec3>>,
     /// Triangles of the surface, counter-clockwise from above; curb faces, which stand upright, come last.
     pub faces: Arc<Vec<[u32; 3]>>,
-    /// The same surface to look at, with road markings, in tiles of 50 m; their frames are axis-aligned, moved to the
-    /// tile's corner.
+    /// The surface to look at, with road markings, in tiles of 50 m; their frames are axis-aligned, moved to the tile's
+    /// corner.
     pub tiles: Vec<Instance>,
     /// Width of sidewalks, curb stone included, wherever the map does not say more.
     pub sidewalk_width_m: f64,
@@ -59,7 +59,7 @@ impl Ground {
         Self::laid(network, None, &Wear::default(), &Signals::default(), (None, &Yards::default()))
     }
 
-    /// The same with the bumps and dips that real streets have.
+    /// The ground under and around a network, with the bumps and dips that real streets have.
     ///
     /// # Errors
     /// As [`Ground::new`].
@@ -67,8 +67,8 @@ impl Ground {
         Self::laid(network, Some(roughness), &Wear::default(), &Signals::default(), (None, &Yards::default()))
     }
 
-    /// The same with the paint of a town: worn, and with stop lines and fords where there are traffic lights; and with the
-    /// land about its roads where it is open country.
+    /// The ground of a town, with bumps and dips, and with its paint: worn, and with stop lines and fords where there
+    /// are traffic lights; and with the land about its roads where it is open country.
     ///
     /// # Errors
     /// As [`Ground::new`].
@@ -142,7 +142,7 @@ impl Ground {
         Self::assemble(&plan, regions, &Heights::town(&|_| 0.0), (DVec2::splat(-half), DVec2::splat(half)), None)
     }
 
-    /// The same outlines and tiles over another surface, all of it carriageway.
+    /// Returns this ground's outlines and tiles over another surface, all of it carriageway.
     #[cfg(test)]
     pub(crate) fn with_surface(mut self, vertices: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Self {
         let bounds = crate::geometry::Bounds::of(vertices.iter().copied());
@@ -266,7 +266,7 @@ impl Ground {
     }
 }
 
-/// What is painted on a ground.
+/// Sources of the paint on a ground.
 struct Painted<'a> {
     network: &'a RoadNetwork,
     wear: &'a Wear,

@@ -62,7 +62,7 @@ pub(super) struct Regions {
     pub(super) green: Vec<Ring>,
     /// Outline of the beds of tracks that are not paved with asphalt, stone edges left out, by what covers them.
     pub(super) beds: Vec<(LaneSurface, Vec<Ring>)>,
-    /// The same with their edges of stone.
+    /// Outline of those beds with their edges of stone.
     pub(super) bed_edges: Vec<Ring>,
     /// Lines along the middle of the sidewalk.
     pub(super) walks: Vec<Ring>,

@@ -25,7 +25,7 @@ pub(super) struct HeightField {
 }
 
 impl HeightField {
-    /// The same height everywhere.
+    /// A field of one height everywhere.
     pub(super) fn flat(base_m: f64) -> Self {
         Self { base_m, lattices: Vec::new() }
     }

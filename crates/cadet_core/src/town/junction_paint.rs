@@ -110,7 +110,8 @@ fn arrows(network: &RoadNetwork, id: LaneId, line: u32, paint: &mut Paint) {
     }
 }
 
-/// So far before the end of a lane, on it or on those that lead to it alone, and to the left of its middle.
+/// The place `before_m` before the end of a lane, on it or on those that lead to it alone, and `left_m` to the left of
+/// its middle.
 fn place(network: &RoadNetwork, id: LaneId, before_m: f64, left_m: f64) -> Option<DVec2> {
     let (mut lane, mut before_m) = (network.lane(id), before_m);
     while before_m > lane.length_m() {

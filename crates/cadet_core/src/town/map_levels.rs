@@ -11,7 +11,7 @@ const CELL_M: f64 = 3.0;
 const LEVEL_M: f64 = 1.5;
 const LEVEL_OF_ROAD_M: f64 = 2.6;
 
-/// What is to be said of each pair of roads that cross at two heights; `name_of` gives a road's name in the map.
+/// Warnings about each pair of roads that cross at two heights; `name_of` gives a road's name in the map.
 pub(super) fn warnings<'a>(lanes: &[Lane], name_of: impl Fn(u32) -> &'a str) -> Vec<Said> {
     let mut heights_by_cell: BTreeMap<(i64, i64), Vec<(u32, f64)>> = BTreeMap::new();
     let mut said = Vec::new();

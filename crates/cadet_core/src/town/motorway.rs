@@ -46,7 +46,7 @@ pub(super) struct Motorway {
     pub section: CrossSection,
     /// Its roads, each from where the last one ended; the first follows the last.
     pub roads: Vec<PlanCurve>,
-    /// The same in one.
+    /// Its roads joined into one.
     whole: PlanCurve,
 }
 

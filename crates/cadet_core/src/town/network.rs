@@ -237,7 +237,7 @@ pub(crate) enum RightOfWay {
     Yield,
     /// It stops before it goes (sign 206): where only fast streets meet.
     Stop,
-    /// Who comes from the right goes first (§ 8).
+    /// Traffic from the right goes first (§ 8).
     RightFirst,
 }
 

@@ -1,4 +1,4 @@
-//! What is taken: rectangles in the plane, and the streets.
+//! Ground that is taken: rectangles in the plane, and the streets.
 
 use std::collections::BTreeMap;
 

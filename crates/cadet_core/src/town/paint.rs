@@ -6,13 +6,13 @@ use crate::math::DVec2;
 pub(super) const PAINT_LIFT_M: f64 = 0.0055;
 /// Paint is laid in pieces at most this long, so that it hugs the triangles below.
 const PIECE_M: f64 = 0.75;
-/// What is shorter is no paint.
+/// Lines shorter than this are not painted.
 const LEAST_M: f64 = 0.01;
 
 /// Depth of stop lines.
 pub(super) const STOP_LINE_DEPTH_M: f64 = 0.5;
 
-/// What is painted so far.
+/// Paint that has been laid, and the ground below it.
 pub(super) struct Paint<'a> {
     /// Height of the ground at (x, y), and whether a road is there.
     pub ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>,

@@ -21,12 +21,12 @@ impl PlanPose {
         unit(self.heading_rad)
     }
 
-    /// So far to the right, looking the same way.
+    /// The pose `right_m` to the right, looking the same way.
     pub(super) fn shifted_right(&self, right_m: f64) -> Self {
         Self { at: self.at - self.direction().perp() * right_m, ..*self }
     }
 
-    /// The same place, looking back.
+    /// The pose at this place that looks back.
     pub(super) fn reversed(&self) -> Self {
         Self::new(self.at, self.heading_rad + math::PI)
     }

@@ -1,4 +1,4 @@
-//! What is placed along the streets of a town.
+//! Settings of what is placed along the streets of a town.
 
 use crate::error::{Error, Result};
 use crate::settings::settings;

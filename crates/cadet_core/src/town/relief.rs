@@ -49,7 +49,7 @@ impl Relief {
         relief
     }
 
-    /// The same land, flattened until nothing bends over crests and dips with a smaller radius than this.
+    /// Flattens the land until nothing bends over crests and dips with a smaller radius than this.
     pub(super) fn flattened(mut self, radius_m: f64) -> Self {
         let tightest: f64 = self.waves.iter().map(|w| w.amplitude_m * w.k.length_squared()).sum();
         let scale = (1.0 / (radius_m * tightest)).min(1.0);

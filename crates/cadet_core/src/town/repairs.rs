@@ -9,7 +9,7 @@ use super::wear::Wear;
 use crate::math::{self, DVec2, TAU};
 use crate::rng::Stream;
 
-/// So much of the width of a lane's half stays free at its border: the next lane draws its own.
+/// Part of the width of a lane's half that stays free at its border: the next lane draws its own.
 const MARGIN_M: f64 = 0.1;
 /// Numbers for 100 m of a lane of the oldest street: cuts along it and across it, patches, cracks along and across.
 const CUTS_ALONG: f64 = 1.0;
@@ -61,7 +61,7 @@ pub(super) fn draw(
     paint.quads
 }
 
-/// What is laid on one lane. Places are (along the lane, to the left of its middle).
+/// Covers, repairs, and cracks of one lane. Places are (along the lane, to the left of its middle).
 struct Works<'a, 'b> {
     lane: &'a Lane,
     /// The lane's share of the numbers above.

@@ -1,4 +1,4 @@
-//! Who goes first where a lane comes to a junction: the one answer of paint, signs and drivers.
+//! Right of way where a lane comes to a junction: the one answer of paint, signs and drivers.
 
 use std::collections::BTreeMap;
 

@@ -15,7 +15,8 @@ const DITCH_BOTTOM: f64 = 0.24;
 const FIELD_M: (f64, f64) = (-0.25, 0.45);
 /// Ditches come and go over such lengths, and fields lie higher or lower.
 const WAVE_M: (f64, f64) = (90.0, 210.0);
-/// The same beside motorways: embankments and cuttings, as wide wherever they are, with a shallow gutter.
+/// Embankments and cuttings beside motorways, as wide wherever they are, with a shallow gutter: their width, its depth,
+/// how far fields lie below the road or above it, and the lengths over which they lie higher or lower.
 const SLOPE_M: f64 = 9.0;
 const GUTTER_DEPTH_M: f64 = 0.2;
 const MOTORWAY_FIELD_M: (f64, f64) = (-4.0, 4.8);

@@ -54,7 +54,7 @@ impl Roughness {
         Self { waves, patches }
     }
 
-    /// The same with all heights scaled.
+    /// Scales all heights.
     #[must_use]
     pub fn scaled(mut self, by: f64) -> Self {
         self.waves.iter_mut().for_each(|w| w.amplitude_m *= by);

@@ -16,7 +16,7 @@ const CENTER_LINE_FROM_M: f64 = 5.5;
 const DASH_M: (f64, f64) = (3.0, 6.0);
 const LINE_WIDTH_M: f64 = 0.12;
 const FIRST_DASH_M: f64 = 1.0;
-/// The same on motorways, and the width of the line along a hard shoulder.
+/// Line and gap of a broken line on motorways, its width, and the width of the line along a hard shoulder (RMS-1).
 const MOTORWAY_DASH_M: (f64, f64) = (6.0, 12.0);
 const MOTORWAY_LINE_M: f64 = 0.15;
 const WIDE_LINE_M: f64 = 0.3;
@@ -26,7 +26,7 @@ const CYCLE_LINE_M: f64 = 0.25;
 const ADVISORY_DASH_M: (f64, f64) = (1.0, 1.0);
 pub(super) const CYCLE_FORD_M: (f64, f64, f64) = (0.5, 0.25, 0.25);
 
-/// What is painted along the outer border of a lane.
+/// Line that is painted along the outer border of a lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum OuterLine {
     None,
@@ -51,7 +51,7 @@ pub(super) struct LaneRecord {
     pub widths: Vec<Cubic>,
     /// What covers it, where the map says so.
     pub surface: LaneSurface,
-    /// What is painted along its outer border.
+    /// Line that is painted along its outer border.
     pub outer_line: OuterLine,
     pub predecessor: Option<i32>,
     pub successor: Option<i32>,

@@ -43,7 +43,7 @@ pub(super) struct PassedOver {
 }
 
 impl PassedOver {
-    /// What is to be said of it.
+    /// Says what was passed over, and why.
     pub fn said(self) -> Said {
         let Self { road, s_m, line, reason } = self;
         let kind = if s_m.is_some() { "piece passed over" } else { "road passed over" };
@@ -54,8 +54,8 @@ impl PassedOver {
 /// Refuses a text in which a number that shapes a road or its paint is missing, none, not finite or too large, or a
 /// length is negative.
 ///
-/// What is no well-formed XML passes: the reader says what is wrong with it. Returns the roads, and the pieces of others,
-/// that can't be built and are shorter than 1 cm.
+/// Text that is not well-formed XML passes: the reader says what is wrong with it. Returns the roads, and the pieces of
+/// others, that can't be built and are shorter than 1 cm.
 ///
 /// # Errors
 /// The line and what is wrong there, with the road's id.

@@ -22,7 +22,7 @@ from cadet.kitti.lint.lists import is_number
 _MARGIN_M: Final = 0.2
 """Bumpers and mirrors stick out of annotators' boxes."""
 _ROAD_M: Final = 0.3
-"""So much of a box's lower end is left out, less the margin: what lies there may be a return of the road."""
+"""Height of a box's lower end that is left out, less the margin: what lies there may be a return of the road."""
 _NEAR_M: Final = 20.0
 _MOST_TRUNCATED: Final = 0.3
 _DEPTH_RATIO: Final = 1.1

@@ -75,7 +75,7 @@ class Finding:
 
 
 class Problem(NamedTuple):
-    """What is wrong with a file that the caller knows: see `Finding`."""
+    """A problem of a file that the caller knows: see `Finding`."""
 
     line: int | None
     rule: str

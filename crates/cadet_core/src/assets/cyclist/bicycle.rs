@@ -12,7 +12,7 @@ pub(super) enum FrameKind {
     StepThrough,
 }
 
-/// What is mounted on a bicycle.
+/// Parts mounted on a bicycle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Fittings {
     pub mudguards: bool,

@@ -27,7 +27,7 @@ const NUM_PHASES: usize = 24;
 const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, f32::INFINITY];
 /// Steps in which an arm is stretched out.
 const ARM_STEPS: usize = 4;
-/// Who wears a helmet.
+/// Shares of adults and of children who wear a helmet.
 const HELMET_SHARE: f64 = 0.2;
 const CHILD_HELMET_SHARE: f64 = 0.6;
 

@@ -14,7 +14,7 @@ const HAND_SHARE: f32 = 0.4;
 /// A place that a hand holds, from the pelvis' vertical and the ground.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::assets) enum Hold {
-    /// The same at every phase.
+    /// A place that does not change over the gait.
     Still(Vec3),
     /// The grip of a stick.
     Pole(Pole),

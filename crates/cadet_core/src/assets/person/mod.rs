@@ -133,8 +133,8 @@ impl PersonModel {
         self.proportions.is_elderly
     }
 
-    /// The same person with a thing along, in the hand of a side if it takes one: +1 is the left. Sizes and boxes stay those
-    /// of the body.
+    /// Returns this person with a thing along, in the hand of a side if it takes one: +1 is the left. Sizes and boxes
+    /// stay those of the body.
     #[must_use]
     pub(crate) fn carrying(&self, thing: Thing, side: f32) -> Self {
         let mut p = Proportions::clone(&self.proportions);

@@ -23,7 +23,7 @@ pub(in crate::assets) enum ArmPose {
     Strap,
 }
 
-/// Who it is.
+/// Kind of person.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::assets) enum Kind {
     Man,
@@ -62,7 +62,7 @@ pub(in crate::assets) enum Top {
     Coat,
 }
 
-/// What is carried.
+/// Load that a person carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::assets) enum Load {
     None,
@@ -126,7 +126,7 @@ pub(in crate::assets) struct Proportions {
     pub held: [Option<Hold>; 2],
 }
 
-/// Who is smaller is a child.
+/// People shorter than this are children.
 const TALLEST_CHILD_M: f64 = 1.5;
 
 /// Share of men among adults of a height, who are normally distributed: men 1.81 +- 0.08 m, women 1.68 +- 0.07 m.

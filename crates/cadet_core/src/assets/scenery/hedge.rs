@@ -8,7 +8,7 @@ use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
-/// So many variants, the first ones, are at most a meter deep.
+/// Number of variants that are at most a meter deep; they come first.
 pub const NARROW_HEDGES: usize = 5;
 /// (height, depth) of each variant. Those that are not narrow are as wide as a car: low, and much like one to a LIDAR.
 pub(super) const SECTIONS_M: [(f32, f32); 7] =

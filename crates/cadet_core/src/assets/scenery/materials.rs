@@ -93,7 +93,7 @@ fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
 /// What double glazing mirrors at normal incidence, four faces of 4 %: of panes that are opaque, and of those that are
 /// looked through, whose back is counted when they are drawn.
 const DOUBLE_GLAZING: (f32, f32) = (0.14, 0.078);
-/// What is left of a net curtain's color and of its return behind a pane.
+/// Share of a net curtain's color that is left behind a pane, and the reflectance that the LIDAR sees of it there.
 const BEHIND_PANE: (f32, f32) = (0.4, 0.28);
 
 pub(super) fn pane() -> Material {

@@ -13,7 +13,7 @@ use crate::math::{DVec2, PI, Vec3, cosf, sinf};
 pub const MAST_ARMS_M: [f64; 5] = [3.0, 4.0, 5.0, 6.0, 7.0];
 /// Height of the bottom of a head on a post.
 pub const POST_HEAD_M: f64 = 2.25;
-/// The same of one at the end of a mast arm.
+/// Height of the bottom of a head at the end of a mast arm.
 pub const MAST_HEAD_M: f64 = 4.75;
 /// Of a head for people.
 pub const WALK_HEAD_M: f64 = 2.2;
@@ -36,7 +36,7 @@ pub enum SignalPost {
 pub enum HeadKind {
     /// Three lenses for vehicles.
     Vehicle,
-    /// The same in front of a black board with a white rim.
+    /// Three lenses for vehicles in front of a black board with a white rim.
     Backed,
     /// Two lenses with a figure for people.
     Walk,

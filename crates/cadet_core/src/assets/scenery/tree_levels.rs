@@ -17,9 +17,9 @@ pub(super) struct Level {
 
 /// Near levels end where the next one's cards are so many times their own width away: twelve pixels of KITTI's camera.
 const NEAR_WIDTHS: f32 = 60.0;
-/// The same beyond [`NEAR_M`]: 23 pixels.
+/// Beyond [`NEAR_M`], levels end where the next one's cards are so many times their own width away: 23 pixels.
 const FAR_WIDTHS: f32 = 32.0;
-/// What is further away is a crown to the eye, not leaves, and a LIDAR gets hardly an echo from it: meters.
+/// Beyond this the eye sees a crown rather than its leaves, and a LIDAR gets hardly an echo from it, meters.
 const NEAR_M: f32 = 80.0;
 /// No crown has fewer triangles.
 const FEWEST: f32 = 40.0;

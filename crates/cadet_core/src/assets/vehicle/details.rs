@@ -1,4 +1,4 @@
-//! What is mounted on the shell: mirrors, plates, handles, shut lines, wipers, aerials, rails.
+//! Parts mounted on the shell: mirrors, plates, handles, shut lines, wipers, aerials, rails.
 
 use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;

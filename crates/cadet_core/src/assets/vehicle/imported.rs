@@ -17,7 +17,7 @@ use crate::rng::Stream;
 
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.6;
-/// What is lower than this belongs to a tire rather than to the body, meters.
+/// Points lower than this belong to a tire rather than to the body, meters.
 const TYRE_FOOT_M: f32 = 0.15;
 
 /// A user's mesh and what is to be known about it.

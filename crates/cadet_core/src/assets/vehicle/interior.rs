@@ -1,4 +1,4 @@
-//! What is seen through the panes: dashboard, seats, steering wheel, and the driver.
+//! The interior as seen through the panes: dashboard, seats, steering wheel, and the driver.
 
 use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;

@@ -134,7 +134,7 @@ impl VehicleModel {
         Ok(Self { annotated, ..design.stretched(true_lwh).painted(s.next_u64()) })
     }
 
-    /// The same vehicle as another annotator would label it.
+    /// Returns this vehicle as another annotator would label it.
     #[must_use]
     pub fn annotated_by(self, annotator_seed: u64) -> Self {
         let margins = Margins::of_vehicle(self.class, &mut Stream::from_seed("annotated box", annotator_seed));
@@ -147,7 +147,7 @@ impl VehicleModel {
         f64::from(self.wheel_centers[0].x - self.wheel_centers[2].x)
     }
 
-    /// The same vehicle with other extents. Its wheels stay round and on the ground: they grow with the height.
+    /// Returns this vehicle with other extents. Its wheels stay round and on the ground: they grow with the height.
     fn stretched(&self, size_lwh: DVec3) -> Self {
         let scale = (size_lwh / self.size_lwh).as_vec3();
         let all = |shape: &Arc<LodSet>, scale: Vec3| Arc::new(shape.stretched(scale));
@@ -163,7 +163,7 @@ impl VehicleModel {
         }
     }
 
-    /// The same vehicle in the colors of another.
+    /// Returns this vehicle in other colors, which `paint_seed` chooses.
     #[must_use]
     pub fn painted(&self, paint_seed: u64) -> Self {
         let palette = work_paint::palette(self.class, self.livery, &mut Stream::from_seed("vehicle paint", paint_seed));

@@ -5,7 +5,7 @@
 use super::super::shading_queue::{BATCH_STRIDE, BatchScalar};
 use crate::math::Vec3;
 
-/// The same for all pairs of an image.
+/// Values of the camera that all pairs of an image share.
 #[derive(Debug, Clone, Copy)]
 pub struct ShadingCamera {
     /// World coordinates.

@@ -11,8 +11,8 @@ const EDGES: usize = 4;
 /// The corners of [`LANES`] faces: x and y in texels, z in steps. A triangle's last one stands twice.
 pub(super) type Corners = [[[f32; LANES]; 3]; EDGES];
 
-/// What is linear over each of [`LANES`] faces: its value in the middle of the first texel of the face's bounds, and how it
-/// changes from texel to texel.
+/// A function that is linear over each of [`LANES`] faces: its value in the middle of the first texel of the face's
+/// bounds, and how it changes from texel to texel.
 #[derive(Default)]
 pub(super) struct Plane {
     pub first: [f32; LANES],

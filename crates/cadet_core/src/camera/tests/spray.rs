@@ -28,7 +28,7 @@ fn sight(more: Vec<Instance>) -> Sight {
 }
 
 impl Sight {
-    /// What is left of an image of one brightness.
+    /// Draws the spray over an image of one brightness.
     fn over(&self, brightness: f32) -> Vec<f32> {
         let mut rgb = vec![brightness; 3 * self.view.width * self.view.height];
         draw(&self.spray, &mut rgb, &self.view, &self.seen, &self.light);

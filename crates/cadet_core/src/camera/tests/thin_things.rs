@@ -1,4 +1,4 @@
-//! What is thinner than a pixel shows as much as in a picture of thirty-six times as many pixels, and does not flicker.
+//! Things thinner than a pixel show as much as in a picture of thirty-six times as many pixels, and do not flicker.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ const FINER: usize = 6;
 enum Part {
     /// Stretches of rows.
     All,
-    /// What is higher than this above the ground, meters; stretches of columns.
+    /// The part that is higher than this above the ground, meters; stretches of columns.
     Above(f64),
 }
 

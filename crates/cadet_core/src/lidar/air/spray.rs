@@ -32,7 +32,7 @@ pub(in crate::lidar) struct Plumes<'a> {
     plumes: Vec<(&'a Plume, DVec3, f64)>,
     /// Reflectance of a diffuse surface that returns as much as spray of an extinction of 1/m.
     reflectance_m: f64,
-    /// What is weaker than this is not detected.
+    /// Echoes weaker than this are not detected.
     least_power: f64,
 }
 

@@ -64,7 +64,7 @@ fn beside(frontage: &Frontage, at_m: f64, off_m: f64) -> DVec2 {
     frontage.at(at_m) + right_of(frontage.along(at_m)) * (off_m - frontage.sidewalk_at(at_m))
 }
 
-/// The same distances from both ends, so that those of both sides face each other.
+/// Puts delineators at the same distances from both ends, so that those of both sides face each other.
 fn delineators(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Placer) {
     let model = pole(PoleKind::Delineator, s.below(6));
     let room_m = frontage.length_m() - 2.0 * CLEAR_OF_JUNCTION_M;

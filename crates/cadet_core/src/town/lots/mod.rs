@@ -29,7 +29,7 @@ use self::layout::Layout;
 const LINE_M: f64 = 0.12;
 /// Between two lots.
 const GAP_M: f64 = 0.5;
-/// What is laid out on a street's own ground is cut off: yards begin this far before the front of their lot.
+/// Yards begin this far before the front of their lot; the part of them on the street's own ground is cut off.
 const BEFORE_M: f64 = 4.0;
 /// Around a corner the chord of a front is much shorter than the front, and no lot lies there.
 const LEAST_CHORD: f64 = 0.85;
@@ -69,7 +69,7 @@ impl Lots {
         taken
     }
 
-    /// What is paved and painted.
+    /// The paved ground and the painted lines of all lots.
     pub fn yards(&self) -> Yards {
         let mut yards = Yards::default();
         for (number, lot) in self.lots.iter().enumerate() {

@@ -15,7 +15,7 @@ use crate::rng::{Stream, StreamKey};
 
 /// Trunks keep so far from bays and from what stands.
 const TRUNK_APART_M: f64 = 0.35;
-/// Who sits on a bench, beside its middle.
+/// Places of the people on a bench, beside its middle.
 const ASIDE_M: [f64; 2] = [-0.45, 0.4];
 
 impl Lots {

@@ -86,7 +86,7 @@ impl Arm {
         self.at - self.along * before_m + self.along.perp() * left_m
     }
 
-    /// So far before the end of the first lane, and to its left.
+    /// How far a place is before the end of the first lane, and how far to its left.
     fn local(&self, p: DVec2) -> (f64, f64) {
         (-(p - self.at).dot(self.along), (p - self.at).dot(self.along.perp()))
     }

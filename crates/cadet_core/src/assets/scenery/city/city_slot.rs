@@ -6,7 +6,7 @@ use super::super::materials::house_slot;
 pub const BASE: u8 = house_slot::COUNT as u8;
 /// Boards and signs of shops.
 pub const SIGN: u8 = BASE + 1;
-/// What is written on them.
+/// Lettering on the boards and signs of shops.
 pub const LETTER: u8 = BASE + 2;
 /// Awnings.
 pub const AWNING: u8 = BASE + 3;

@@ -1,4 +1,4 @@
-//! What is mounted on large buildings: docks, vents, skylights.
+//! Parts mounted on large buildings: docks, vents, skylights.
 
 use super::super::city::city_slot;
 use super::super::draw::{block, range};

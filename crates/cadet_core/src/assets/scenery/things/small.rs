@@ -1,4 +1,4 @@
-//! What is smaller than a person and stands at walls.
+//! Things that are smaller than a person and stand at walls.
 
 use super::colors::slot;
 use super::shapes::{sizes, v, within};

@@ -6,7 +6,7 @@
 
 use crate::rng::Stream;
 
-/// What is at an end of a car.
+/// Kind of end that a car has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     /// The driver's cab, or one that nobody is in.

@@ -29,7 +29,7 @@ pub(in super::super) struct Hull {
     /// Above this height the front leans back by this tangent.
     pub lean_from: f32,
     pub lean: f32,
-    /// The same of the rear.
+    /// Above `lean_from` the rear leans forward by this tangent.
     pub rear_lean: f32,
     /// Heights, and how far the shell draws in there.
     pub rows: Vec<(f32, f32)>,

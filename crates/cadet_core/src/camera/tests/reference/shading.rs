@@ -81,7 +81,7 @@ impl Reference {
         self.point_within(surface, place, [0.0, 1e6])
     }
 
-    /// The same, no nearer and no farther than some depths.
+    /// Where the ray of an image point meets a surface's plane, no nearer and no farther than some depths.
     pub(super) fn point_within(&self, surface: &Surface<'_>, place: [f64; 2], [near, far]: [f64; 2]) -> Point {
         let (eye, direction) = (self.view.world_from_cam.translation, self.direction(place));
         let normal = surface.normal.as_dvec3();
