@@ -306,13 +306,4 @@ impl Palette {
     pub fn has_vegetation(&self) -> bool {
         self.has_vegetation
     }
-
-    /// Makes a palette of these materials, all of one semantic class.
-    #[must_use]
-    pub fn with_semantic(mut self, semantic: Semantic) -> Self {
-        for m in &mut self.materials {
-            m.semantic = semantic;
-        }
-        Self::new(self.materials)
-    }
 }

@@ -81,7 +81,7 @@ pub use network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, Pai
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use prop_config::PropConfig;
 pub use roughness::Roughness;
-pub use signals::{Arm, Aspect, Head, Over, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
+pub use signals::{Arm, Aspect, CrossingRule, Head, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
 pub use street_things::Seat;
 pub use suburb::{Suburb, generate as generate_suburb};
 pub use suburb_config::SuburbConfig;

@@ -74,7 +74,7 @@ impl<'a> Placer<'a> {
         let mean = heights.iter().sum::<f64>() / 4.0;
         let position = at.extend(mean.min(lowest + 1.0));
         let yaw_rad = atan2(axis.y, axis.x);
-        self.instances.push(model.wearing(palette, frames::upright(position, yaw_rad)));
+        self.instances.push(model.with_palette(palette, frames::upright(position, yaw_rad)));
         self.standing.push(Standing { rect, name: model.name.clone() });
     }
 
@@ -103,7 +103,7 @@ impl<'a> Placer<'a> {
         let palette = plant_palette(s, kind.is_evergreen());
         let yaw_rad = s.range(0.0, TAU);
         let position = self.site.on_ground(at) - DVec3::Z * 0.03;
-        self.instances.push(model.wearing(palette, frames::upright(position, yaw_rad)));
+        self.instances.push(model.with_palette(palette, frames::upright(position, yaw_rad)));
         // The square inside a round crown.
         let half = if matches!(kind, TreeKind::Shrub | TreeKind::Conifer) { radius * 0.7 } else { 0.3 };
         let rect = OrientedRect { center: at, axis: DVec2::X, half: DVec2::splat(half) };
@@ -125,7 +125,7 @@ impl<'a> Placer<'a> {
     /// Puts a piece that lies along +x on the ground between two places.
     pub fn lay(&mut self, model: &SceneryModel, palette: Arc<Palette>, from: DVec2, to: DVec2) {
         let (a, b) = (self.site.on_ground(from), self.site.on_ground(to));
-        self.instances.push(model.wearing(palette, frames::facing(a, b - a, DVec3::Z)));
+        self.instances.push(model.with_palette(palette, frames::facing(a, b - a, DVec3::Z)));
         let (axis, half) = ((to - from).normalize_or(DVec2::X), model.footprint_size() / 2.0);
         let rect = OrientedRect { center: from + axis * half.x, axis, half };
         self.standing.push(Standing { rect, name: model.name.clone() });
@@ -150,7 +150,7 @@ impl<'a> Placer<'a> {
             };
             let (a, b) =
                 (self.site.on_ground(from + along * start), self.site.on_ground(from + along * (start + step)));
-            self.instances.push(model.wearing(Arc::clone(palette), frames::facing(a, b - a, DVec3::Z)));
+            self.instances.push(model.with_palette(Arc::clone(palette), frames::facing(a, b - a, DVec3::Z)));
             let center = from + along * (start + step / 2.0);
             let half = DVec2::new(step / 2.0, model.footprint_max.y);
             self.standing.push(Standing { rect: OrientedRect { center, axis: along, half }, name: model.name.clone() });

@@ -9,7 +9,7 @@ use super::occupancy::Site;
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
-use super::street_things::{self, Lined, StreetThings};
+use super::street_things::{self, PlotOnStreet, StreetThings};
 use super::{
     Ground, ParkingSpot, RoadNetwork, Signals, Walkway, belt, countryside, garden, median, overhead_line, plots,
     roundabout_island, signals, streetside,
@@ -47,7 +47,7 @@ pub(super) fn place_props(
     let frontages = frontages(network, &site);
     let styles: Vec<StreetStyle> = frontages.iter().map(|f| StreetStyle::of(key, f, config)).collect();
     let stream = |name: &str, index: usize| key.indexed(name, index as u64);
-    let mut lined = Vec::new();
+    let mut plots_on_streets = Vec::new();
     for (i, (frontage, style)) in frontages.iter().zip(&styles).enumerate() {
         let plots = plots::lay_out(frontage, style, &site, &mut taken, &mut stream("plots", i));
         let mut s = stream("gardens", i);
@@ -58,9 +58,9 @@ pub(super) fn place_props(
             // What is built on a vacant plot takes the place of its garden.
             if street_things::is_cleared(plot, config.clutter, &mut things) {
                 placer.clear(before, placer.mark());
-                lined.push(Lined { plot: plot.clone(), frontage: i, is_cleared: true });
+                plots_on_streets.push(PlotOnStreet { plot: plot.clone(), frontage: i, is_cleared: true });
             } else {
-                lined.push(Lined { plot: plot.clone(), frontage: i, is_cleared: false });
+                plots_on_streets.push(PlotOnStreet { plot: plot.clone(), frontage: i, is_cleared: false });
             }
         }
         // Roundabouts have signs of their own.
@@ -68,7 +68,7 @@ pub(super) fn place_props(
         let right_of_way = lane.and_then(|lane| RightOfWay::of(lane, network, signals));
         streetside::furnish(frontage, right_of_way, style, &mut stream("streetside", i), &mut placer);
     }
-    let mut paving = Paving::new(lined.iter().map(|l| &l.plot));
+    let mut paving = Paving::new(plots_on_streets.iter().map(|l| &l.plot));
     for (frontage, _) in frontages.iter().zip(&styles).filter(|(_, style)| style.city.is_some()) {
         paving.pave(frontage, &mut placer);
     }
@@ -77,7 +77,8 @@ pub(super) fn place_props(
     overhead_line::string(key, network, &mut placer);
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
     let mut posts = signals::place(signals, key, &mut placer);
-    let streets = street_things::Streets { frontages: &frontages, styles: &styles, lined: &lined };
+    let streets =
+        street_things::Streets { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
     let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
     things.obstacles.append(&mut posts);
     things.obstacles.append(&mut on_lots.obstacles);

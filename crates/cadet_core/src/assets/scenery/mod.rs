@@ -85,12 +85,12 @@ impl SceneryModel {
     /// The model placed in the world, in its own colors.
     #[must_use]
     pub fn at(&self, world_from_local: DPose3) -> Instance {
-        self.wearing(Arc::clone(&self.palette), world_from_local)
+        self.with_palette(Arc::clone(&self.palette), world_from_local)
     }
 
     /// The model placed in the world, in other colors: `palette` has the prototype's slots.
     #[must_use]
-    pub fn wearing(&self, palette: Arc<Palette>, world_from_local: DPose3) -> Instance {
+    pub fn with_palette(&self, palette: Arc<Palette>, world_from_local: DPose3) -> Instance {
         debug_assert_eq!(palette.materials().len(), self.palette.materials().len());
         Instance::new(Arc::clone(&self.shape), palette, world_from_local, 0)
     }

@@ -22,7 +22,7 @@ const ONE_END_M: f64 = 25.0;
 
 /// How people get over a street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Over {
+pub enum CrossingRule {
     /// There is no ford near by.
     Anywhere,
     /// On the ford of an arm: junction and arm.
@@ -111,14 +111,14 @@ impl Arm {
     }
 
     /// How people get over this arm with lights: [`Over::Ford`] with zeros on its ford.
-    pub(super) fn over(&self, from: DVec2, to: DVec2) -> Over {
+    pub(super) fn crossing_rule(&self, from: DVec2, to: DVec2) -> CrossingRule {
         let (before_m, left_m) = self.local((from + to) / 2.0);
         if !(-NO_CROSSING_M.1..NO_CROSSING_M.0).contains(&before_m) || !self.is_across(left_m) {
-            Over::Anywhere
+            CrossingRule::Anywhere
         } else if self.has_ford() && self.is_over(from, to) {
-            Over::Ford((0, 0))
+            CrossingRule::Ford((0, 0))
         } else {
-            Over::Nowhere
+            CrossingRule::Nowhere
         }
     }
 }

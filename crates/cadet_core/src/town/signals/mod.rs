@@ -4,7 +4,7 @@ mod arm;
 mod heads;
 mod plan;
 
-pub use arm::{Arm, Over, STOP_LINE_M};
+pub use arm::{Arm, CrossingRule, STOP_LINE_M};
 pub use heads::Head;
 pub use plan::{Aspect, SignalPlan};
 
@@ -119,17 +119,17 @@ impl Signals {
 
     /// How people get over a street from one place to another.
     #[must_use]
-    pub fn over(&self, from: DVec2, to: DVec2) -> Over {
+    pub fn crossing_rule(&self, from: DVec2, to: DVec2) -> CrossingRule {
         for (j, junction) in self.junctions.iter().enumerate() {
             for (a, arm) in junction.arms.iter().enumerate() {
-                match arm.over(from, to) {
-                    Over::Anywhere => {}
-                    Over::Ford(_) => return Over::Ford((j, a)),
-                    Over::Nowhere | Over::Zebra => return Over::Nowhere,
+                match arm.crossing_rule(from, to) {
+                    CrossingRule::Anywhere => {}
+                    CrossingRule::Ford(_) => return CrossingRule::Ford((j, a)),
+                    CrossingRule::Nowhere | CrossingRule::Zebra => return CrossingRule::Nowhere,
                 }
             }
         }
-        if self.zebras.iter().any(|arm| arm.is_over(from, to)) { Over::Zebra } else { Over::Anywhere }
+        if self.zebras.iter().any(|arm| arm.is_over(from, to)) { CrossingRule::Zebra } else { CrossingRule::Anywhere }
     }
 
     /// Whether a place is on a zebra crossing.

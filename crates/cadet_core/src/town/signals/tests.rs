@@ -239,11 +239,11 @@ fn people_cross_on_fords_and_not_beside_them() {
         for (a, arm) in junction.arms.iter().enumerate().filter(|(_, arm)| arm.has_ford()) {
             let way = |before_m: f64| (arm.place(before_m, arm.right_m - 1.0), arm.place(before_m, arm.left_m + 1.0));
             let (from, to) = way(2.5);
-            assert_eq!(signals.over(from, to), Over::Ford((j, a)));
-            assert_eq!(signals.over(to, from), Over::Ford((j, a)));
+            assert_eq!(signals.crossing_rule(from, to), CrossingRule::Ford((j, a)));
+            assert_eq!(signals.crossing_rule(to, from), CrossingRule::Ford((j, a)));
             fords += 1;
             let (from, to) = way(12.0);
-            assert_eq!(signals.over(from, to), Over::Nowhere);
+            assert_eq!(signals.crossing_rule(from, to), CrossingRule::Nowhere);
             refused += 1;
             let walking = (0..200).filter(|t| signals.may_walk((j, a), f64::from(*t))).count();
             assert!((4..150).contains(&walking), "{walking} of 200 s");
@@ -266,8 +266,11 @@ fn some_arms_without_lights_have_a_zebra_crossing_where_people_may_cross() {
         for arm in &signals.zebras {
             let way = |before_m: f64| (arm.place(before_m, arm.right_m - 1.0), arm.place(before_m, arm.left_m + 1.0));
             let ((from, to), (beside, over)) = (way(2.5), way(9.0));
-            assert_eq!((signals.over(from, to), signals.over(to, from)), (Over::Zebra, Over::Zebra));
-            assert_eq!(signals.over(beside, over), Over::Anywhere);
+            assert_eq!(
+                (signals.crossing_rule(from, to), signals.crossing_rule(to, from)),
+                (CrossingRule::Zebra, CrossingRule::Zebra)
+            );
+            assert_eq!(signals.crossing_rule(beside, over), CrossingRule::Anywhere);
             assert!(signals.is_on_zebra((from + to) / 2.0) && !signals.is_on_zebra((beside + over) / 2.0));
         }
     }

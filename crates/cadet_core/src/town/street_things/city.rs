@@ -94,7 +94,7 @@ fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64, light: StreetLig
     let position = f.placer.site.on_ground(middle);
     let along = out.perp();
     let pose = frames::upright(position, atan2(along.y, along.x));
-    f.placer.instances.push(model.wearing(light.on_wire(SPAN_LENS_M, &model.palette), pose));
+    f.placer.instances.push(model.with_palette(light.on_wire(SPAN_LENS_M, &model.palette), pose));
 }
 
 /// A tree at the curb, if people and doors of cars have room beside it.

@@ -89,7 +89,7 @@ pub(super) fn roof_over(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
         let position = spot.world_from_spot.translation;
         f.placer
             .instances
-            .push(model.wearing(palette, frames::upright(position, frames::yaw_of(&spot.world_from_spot))));
+            .push(model.with_palette(palette, frames::upright(position, frames::yaw_of(&spot.world_from_spot))));
         feet.iter().for_each(|foot| f.taken.take(*foot));
     }
 }

@@ -44,7 +44,7 @@ pub(super) struct StreetThings {
 
 /// A plot, and the frontage that it lies along.
 #[derive(Debug)]
-pub(super) struct Lined {
+pub(super) struct PlotOnStreet {
     pub plot: Plot,
     pub frontage: usize,
     /// Nothing grows on it, and something is to be built there.
@@ -55,7 +55,7 @@ pub(super) struct Lined {
 pub(super) struct Streets<'a> {
     pub frontages: &'a [Frontage],
     pub styles: &'a [StreetStyle],
-    pub lined: &'a [Lined],
+    pub plots_on_streets: &'a [PlotOnStreet],
 }
 
 /// No thing comes nearer to another, to a wall or to a trunk.
@@ -106,30 +106,30 @@ pub(super) fn place(
     parking.iter().chain(drives).for_each(|spot| parked.take(rect_of(spot)));
     let mut ways = Occupancy::default();
     placer.ways.iter().for_each(|way| ways.take(*way));
-    for lined in streets.lined {
-        doors(&lined.plot).for_each(|door| ways.take(door));
+    for plots_on_streets in streets.plots_on_streets {
+        doors(&plots_on_streets.plot).for_each(|door| ways.take(door));
     }
     let walkway_bounds = walkways.iter().map(bounds_of).collect();
     let out = StreetThings::default();
     let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, walkway_bounds, out };
-    for (i, lined) in streets.lined.iter().enumerate() {
-        let style = &streets.styles[lined.frontage];
+    for (i, plots_on_streets) in streets.plots_on_streets.iter().enumerate() {
+        let style = &streets.styles[plots_on_streets.frontage];
         let mut s = key.indexed("things/plot", i as u64);
-        if lined.is_cleared {
-            lots::build(&mut furnisher, &lined.plot, style, &mut s);
+        if plots_on_streets.is_cleared {
+            lots::build(&mut furnisher, &plots_on_streets.plot, style, &mut s);
         } else {
-            gardens::furnish(&mut furnisher, &lined.plot, style, clutter, &mut s);
+            gardens::furnish(&mut furnisher, &plots_on_streets.plot, style, clutter, &mut s);
         }
     }
     for spot in drives.iter().filter(|spot| spot.kind == SpotKind::Drive) {
-        gardens::roof_over(&mut furnisher, spot, &mut key.indexed("things/drive", nearly(spot)));
+        gardens::roof_over(&mut furnisher, spot, &mut key.indexed("things/drive", place_key(spot)));
     }
     for spot in parking {
-        bays::fill(&mut furnisher, spot, clutter, &mut key.indexed("things/bay", nearly(spot)));
+        bays::fill(&mut furnisher, spot, clutter, &mut key.indexed("things/bay", place_key(spot)));
     }
     for (i, frontage) in streets.frontages.iter().enumerate() {
         let plots: Vec<&Plot> =
-            streets.lined.iter().filter(|l| l.frontage == i && !l.is_cleared).map(|l| &l.plot).collect();
+            streets.plots_on_streets.iter().filter(|l| l.frontage == i && !l.is_cleared).map(|l| &l.plot).collect();
         let mut s = key.indexed("things/sidewalk", i as u64);
         if let Some(style) = &streets.styles[i].city {
             let has_lamps = streets.frontages[..i].iter().all(|f| f.road != frontage.road);
@@ -143,7 +143,7 @@ pub(super) fn place(
 }
 
 /// A number that goes with a place, for its stream.
-fn nearly(spot: &ParkingSpot) -> u64 {
+fn place_key(spot: &ParkingSpot) -> u64 {
     let p = spot.world_from_spot.translation;
     ((p.x * 10.0).round() as i64 as u64) << 32 | ((p.y * 10.0).round() as i64 as u64 & 0xffff_ffff)
 }

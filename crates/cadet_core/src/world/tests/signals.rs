@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::*;
-use crate::town::{Aspect, LaneId, Over, PropConfig, STOP_LINE_M, SuburbConfig, Town};
+use crate::town::{Aspect, CrossingRule, LaneId, PropConfig, STOP_LINE_M, SuburbConfig, Town};
 use crate::world::DT_S;
 
 fn lit_town(seed: u64) -> Arc<Town> {
@@ -91,13 +91,17 @@ fn people_step_onto_a_ford_only_on_their_green() {
             for (walker, pedestrian) in walkers(&world) {
                 match pedestrian.motion {
                     Motion::Waits { from, to, .. } => {
-                        assert_ne!(town.signals.over(from, to), Over::Nowhere, "seed {seed}: beside a ford");
-                        waited += usize::from(matches!(town.signals.over(from, to), Over::Ford(_)));
+                        assert_ne!(
+                            town.signals.crossing_rule(from, to),
+                            CrossingRule::Nowhere,
+                            "seed {seed}: beside a ford"
+                        );
+                        waited += usize::from(matches!(town.signals.crossing_rule(from, to), CrossingRule::Ford(_)));
                         waiting.insert(walker.id, (from, to));
                     }
                     Motion::Crosses { .. } => {
                         let Some((from, to)) = waiting.remove(&walker.id) else { continue };
-                        if let Over::Ford(ford) = town.signals.over(from, to) {
+                        if let CrossingRule::Ford(ford) = town.signals.crossing_rule(from, to) {
                             on_fords += 1;
                             let looked_s = world.time_s() - 3.0 * DT_S;
                             assert!(town.signals.may_walk(ford, looked_s), "seed {seed}: {} on red", walker.id);

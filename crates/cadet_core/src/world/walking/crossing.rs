@@ -2,7 +2,7 @@
 
 use super::motion::Motion;
 use crate::math::{DVec2, DVec3};
-use crate::town::Over;
+use crate::town::CrossingRule;
 use crate::world::params::CRAWLS_MPS;
 use crate::world::params::walking::{CROSSING_MPS, FAR_M, FIRM_MPS2, MARGIN_S, REACTION_S, SHOULDER_M};
 use crate::world::physics::DT_S;
@@ -22,7 +22,7 @@ pub(crate) fn way_across(
     let from = position.truncate();
     [spot.tangent.perp(), -spot.tangent.perp()].into_iter().find_map(|across| {
         let (other, other_s_m, to) = streets.sidewalks.opposite(walkway, from, across)?;
-        if streets.graph.signals().over(from, to) == Over::Nowhere {
+        if streets.graph.signals().crossing_rule(from, to) == CrossingRule::Nowhere {
             return None;
         }
         let way = |t: f64| from.lerp(to, t);
@@ -40,10 +40,10 @@ pub(crate) fn way_across(
 /// when nobody comes who could not stop, elsewhere when no vehicle will be on the way.
 pub(crate) fn may_start(from: DVec2, to: DVec2, around: &TrafficState, streets: &Streets, step: u64) -> bool {
     let signals = streets.graph.signals();
-    match signals.over(from, to) {
-        Over::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over(from, to, around),
-        Over::Zebra => is_let_over(from, to, around),
-        Over::Anywhere | Over::Nowhere => is_free_to_cross(from, to, around),
+    match signals.crossing_rule(from, to) {
+        CrossingRule::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over(from, to, around),
+        CrossingRule::Zebra => is_let_over(from, to, around),
+        CrossingRule::Anywhere | CrossingRule::Nowhere => is_free_to_cross(from, to, around),
     }
 }
 

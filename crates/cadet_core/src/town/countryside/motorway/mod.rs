@@ -70,7 +70,7 @@ pub(super) fn furnish(
 /// Stands a model at a place and height of its own.
 fn stand(model: &SceneryModel, at: DVec3, facing: DVec2, placer: &mut Placer) {
     let pose = frames::upright(at, math::atan2(facing.y, facing.x));
-    placer.instances.push(model.wearing(Arc::clone(&model.palette), pose));
+    placer.instances.push(model.with_palette(Arc::clone(&model.palette), pose));
 }
 
 fn build_bridge(road: &RoadPlan, at_m: f64, land: &Land, taken: &mut Occupancy, placer: &mut Placer) {
