@@ -1,7 +1,7 @@
 //! Properties of the intersection over union of rotated boxes.
 #![allow(missing_docs)]
 
-use cadet_core::evaluate::{BoxCam, intersection_bev, iou_3d, iou_bev};
+use cadet_core::evaluate::{RotatedBox, intersection_bev, iou_3d, iou_bev};
 use cadet_core::math::{PI, cos, sin};
 use proptest::prelude::*;
 
@@ -13,8 +13,8 @@ prop_compose! {
     fn any_box()(
         x in -3.0..3.0_f64, y in -2.0..2.0_f64, z in -3.0..3.0_f64,
         length in size(), width in size(), height in size(), rotation_y in heading(),
-    ) -> BoxCam {
-        BoxCam { x, y, z, length, width, height, rotation_y }
+    ) -> RotatedBox {
+        RotatedBox { x, y, z, length, width, height, rotation_y }
     }
 }
 
@@ -25,9 +25,9 @@ fn heading() -> impl Strategy<Value = f64> {
 }
 
 /// Turns a box about the origin's upright axis, then moves it.
-fn moved(b: &BoxCam, turn: f64, shift: [f64; 3]) -> BoxCam {
+fn moved(b: &RotatedBox, turn: f64, shift: [f64; 3]) -> RotatedBox {
     let (cos, sin) = (cos(turn), sin(turn));
-    BoxCam {
+    RotatedBox {
         x: b.x * cos + b.z * sin + shift[0],
         y: b.y + shift[1],
         z: -b.x * sin + b.z * cos + shift[2],
@@ -36,14 +36,14 @@ fn moved(b: &BoxCam, turn: f64, shift: [f64; 3]) -> BoxCam {
     }
 }
 
-fn contains(b: &BoxCam, x: f64, z: f64) -> bool {
+fn contains(b: &RotatedBox, x: f64, z: f64) -> bool {
     let (cos, sin) = (cos(b.rotation_y), sin(b.rotation_y));
     let (dx, dz) = (x - b.x, z - b.z);
     (dx * cos - dz * sin).abs() <= 0.5 * b.length && (dx * sin + dz * cos).abs() <= 0.5 * b.width
 }
 
 /// The share of a grid over `a` that lies in `b`, as an area.
-fn sampled_intersection(a: &BoxCam, b: &BoxCam, steps: usize) -> f64 {
+fn sampled_intersection(a: &RotatedBox, b: &RotatedBox, steps: usize) -> f64 {
     let (cos, sin) = (cos(a.rotation_y), sin(a.rotation_y));
     let at = |i: usize, side: f64| ((i as f64 + 0.5) / steps as f64 - 0.5) * side;
     let inside = (0..steps * steps).filter(|i| {
@@ -69,10 +69,10 @@ proptest! {
     #[test]
     fn equal_boxes_give_1(a in any_box(), half_turns in -3..4_i32) {
         prop_assert_eq!((iou_bev(&a, &a), iou_3d(&a, &a)), (1.0, 1.0));
-        let turned = BoxCam { rotation_y: a.rotation_y + f64::from(half_turns) * PI, ..a };
+        let turned = RotatedBox { rotation_y: a.rotation_y + f64::from(half_turns) * PI, ..a };
         // The sides' ratio is at most 150, so a heading's last bit moves an end by little of the width.
         prop_assert!((iou_bev(&a, &turned) - 1.0).abs() < 1e-12);
-        let swapped = BoxCam { length: a.width, width: a.length, rotation_y: a.rotation_y + 0.5 * PI, ..a };
+        let swapped = RotatedBox { length: a.width, width: a.length, rotation_y: a.rotation_y + 0.5 * PI, ..a };
         prop_assert!((iou_3d(&a, &swapped) - 1.0).abs() < 1e-12);
     }
 
@@ -87,9 +87,9 @@ proptest! {
 
     #[test]
     fn scale_changes_nothing(a in any_box(), b in any_box(), scale in size()) {
-        let scaled = |b: &BoxCam| {
+        let scaled = |b: &RotatedBox| {
             let [x, y, z, l, w, h, _] = b.to_array().map(|v| v * scale);
-            BoxCam::from_array([x, y, z, l, w, h, b.rotation_y])
+            RotatedBox::from_array([x, y, z, l, w, h, b.rotation_y])
         };
         prop_assert!((iou_3d(&a, &b) - iou_3d(&scaled(&a), &scaled(&b))).abs() < 1e-12);
     }

@@ -7,8 +7,8 @@ mod frames;
 mod naive;
 
 use cadet_core::evaluate::{
-    ClassLimits, FramePair, Kind, Kinds, Level, Settings, average_r11, average_r40, evaluate, evaluate_draws,
-    parse_detections, parse_truths,
+    ClassLimits, FramePair, Level, ObjectType, ObjectTypes, Settings, average_r11, average_r40, evaluate,
+    evaluate_draws, parse_detections, parse_truths,
 };
 use cadet_core::rng::Stream;
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn crowded() -> Settings {
         max_truncation: f64::INFINITY,
     };
     Settings {
-        classes: vec![limits(Kind::Car, 0.2), limits(Kind::Van, 0.1), limits(Kind::Pedestrian, 0.3)],
+        classes: vec![limits(ObjectType::Car, 0.2), limits(ObjectType::Van, 0.1), limits(ObjectType::Pedestrian, 0.3)],
         levels: vec![level(40.0, true), level(32.5, false), level(0.0, false)],
     }
 }
@@ -36,8 +36,11 @@ fn crowded() -> Settings {
 /// Moves everything close together, so that boxes overlap more than twos.
 fn crowd(frames: &mut [FramePair]) {
     for frame in frames {
-        let boxes =
-            frame.truths.iter_mut().filter(|t| t.kind != Kind::DontCare).map(|t| (&mut t.box_cam, &mut t.box_img));
+        let boxes = frame
+            .truths
+            .iter_mut()
+            .filter(|t| t.kind != ObjectType::DontCare)
+            .map(|t| (&mut t.box_cam, &mut t.box_img));
         for (cam, img) in boxes.chain(frame.detections.iter_mut().map(|d| (&mut d.box_cam, &mut d.box_img))) {
             cam.x *= 0.05;
             cam.z = 20.0 + 0.05 * cam.z;
@@ -77,15 +80,15 @@ fn it_answers_as_the_rules_written_plainly_do() {
 
 #[test]
 fn own_classes_and_optional_objects_follow_the_plain_rules_too() {
-    let kinds = |kinds: &[Kind]| kinds.iter().copied().collect::<Kinds>();
+    let kinds = |kinds: &[ObjectType]| kinds.iter().copied().collect::<ObjectTypes>();
     let mut settings = frames::kitti();
     settings.classes = vec![
         ClassLimits {
-            kinds: kinds(&[Kind::Car, Kind::Van, Kind::Truck]),
-            neighbors: kinds(&[Kind::Misc, Kind::Tram]),
+            kinds: kinds(&[ObjectType::Car, ObjectType::Van, ObjectType::Truck]),
+            neighbors: kinds(&[ObjectType::Misc, ObjectType::Tram]),
             min_overlap: [0.6, 0.5, 0.4],
         },
-        ClassLimits { kinds: kinds(&[Kind::Car]), neighbors: Kinds::default(), min_overlap: [0.5; 3] },
+        ClassLimits { kinds: kinds(&[ObjectType::Car]), neighbors: ObjectTypes::default(), min_overlap: [0.5; 3] },
     ];
     for seed in 0..3 {
         let mut frames = frames::draw(seed, 120);
@@ -139,9 +142,11 @@ fn a_draw_without_objects_has_no_ap_and_frames_that_are_not_there_are_refused() 
 #[test]
 fn classes_that_make_no_sense_are_refused() {
     let mut settings = frames::kitti();
-    for (kinds, neighbors) in
-        [(vec![], vec![]), (vec![Kind::DontCare], vec![]), (vec![Kind::Car], vec![Kind::Van, Kind::Car])]
-    {
+    for (kinds, neighbors) in [
+        (vec![], vec![]),
+        (vec![ObjectType::DontCare], vec![]),
+        (vec![ObjectType::Car], vec![ObjectType::Van, ObjectType::Car]),
+    ] {
         settings.classes[0].kinds = kinds.into_iter().collect();
         settings.classes[0].neighbors = neighbors.into_iter().collect();
         assert!(evaluate(&[], &settings).is_err());
@@ -166,7 +171,7 @@ fn perfect_detections_get_all_that_few_objects_allow() {
     let mut frames = frames::draw(2, 2000);
     for frame in &mut frames {
         let copies =
-            frame.truths.iter().filter(|t| t.kind != Kind::DontCare).map(|t| cadet_core::evaluate::Detection {
+            frame.truths.iter().filter(|t| t.kind != ObjectType::DontCare).map(|t| cadet_core::evaluate::Detection {
                 kind: t.kind,
                 alpha: t.alpha,
                 box_img: t.box_img,

@@ -50,8 +50,8 @@ fn settings(classes: Classes, levels: Levels) -> core::Settings {
     }
 }
 
-fn kinds_of(names: &[String]) -> core::Kinds {
-    names.iter().map(|name| core::Kind::from_name(name)).collect()
+fn kinds_of(names: &[String]) -> core::ObjectTypes {
+    names.iter().map(|name| core::ObjectType::from_name(name)).collect()
 }
 
 /// Evaluates detections against ground truth, each from files or from memory.
@@ -72,7 +72,7 @@ pub(crate) fn evaluate<'py>(
     let result = PyDict::new(py);
     result.set_item("num_truths", frames.iter().map(|frame| frame.truths.len()).sum::<usize>())?;
     result.set_item("num_detections", frames.iter().map(|frame| frame.detections.len()).sum::<usize>())?;
-    let is_left = |kind: core::Kind| !settings.classes.iter().any(|class| class.kinds.contains(kind));
+    let is_left = |kind: core::ObjectType| !settings.classes.iter().any(|class| class.kinds.contains(kind));
     for (name, others) in [("other_truths", &sides.other_truths), ("other_detections", &sides.other_detections)] {
         let left = others.iter().filter(|&(kind, ..)| is_left(kind)).map(|(_, name, count)| (name, count));
         result.set_item(name, left.collect::<Vec<_>>())?;
@@ -162,7 +162,7 @@ pub(crate) fn read_detections(
 fn pack<'py, T, const N: usize>(
     py: Python<'py>,
     frames: &[core::Parsed<T>],
-    row: impl Fn(&T) -> (core::Kind, [f64; N]),
+    row: impl Fn(&T) -> (core::ObjectType, [f64; N]),
 ) -> PackedFiles<'py> {
     let mut starts = vec![0];
     let (mut names, mut numbers) = (Vec::new(), Vec::new());
@@ -247,7 +247,7 @@ fn samples<'py>(py: Python<'py>, samples: &core::Samples) -> PyResult<Bound<'py,
 fn unpack<T, const N: usize>(
     what: &'static str,
     (starts, names, numbers): &Packed<'_>,
-    object: fn(core::Kind, [f64; N]) -> T,
+    object: fn(core::ObjectType, [f64; N]) -> T,
 ) -> Result<Objects<T>> {
     let rows = numbers.as_array();
     let is_whole = starts.first() == Some(&0) && starts.last() == Some(&names.len()) && starts.is_sorted();
@@ -261,7 +261,7 @@ fn unpack<T, const N: usize>(
     }
     let mut others = core::OtherNames::default();
     let mut row = |index: usize| {
-        let kind = core::Kind::from_name(&names[index]);
+        let kind = core::ObjectType::from_name(&names[index]);
         others.count(kind, &names[index]);
         object(kind, std::array::from_fn(|column| rows[[index, column]]))
     };
@@ -273,11 +273,11 @@ fn box_img(n: &[f64]) -> core::BoxImg {
     core::BoxImg { x1: n[0], y1: n[1], x2: n[2], y2: n[3] }
 }
 
-fn box_cam(n: &[f64]) -> core::BoxCam {
-    core::BoxCam::from_array(std::array::from_fn(|i| n[i]))
+fn box_cam(n: &[f64]) -> core::RotatedBox {
+    core::RotatedBox::from_array(std::array::from_fn(|i| n[i]))
 }
 
-fn truth(kind: core::Kind, n: [f64; 15]) -> core::Truth {
+fn truth(kind: core::ObjectType, n: [f64; 15]) -> core::Truth {
     core::Truth {
         kind,
         truncated: n[0],
@@ -301,7 +301,7 @@ fn detection_row(d: &core::Detection) -> [f64; 14] {
     [d.alpha, x1, y1, x2, y2, x, y, z, l, w, h, ry, d.score, f64::from(u8::from(d.is_optional))]
 }
 
-fn detection(kind: core::Kind, n: [f64; 14]) -> core::Detection {
+fn detection(kind: core::ObjectType, n: [f64; 14]) -> core::Detection {
     core::Detection {
         kind,
         alpha: n[0],
@@ -312,13 +312,13 @@ fn detection(kind: core::Kind, n: [f64; 14]) -> core::Detection {
     }
 }
 
-fn boxes_cam(what: &'static str, array: &PyReadonlyArray2<'_, f64>) -> Result<Vec<core::BoxCam>> {
+fn boxes_cam(what: &'static str, array: &PyReadonlyArray2<'_, f64>) -> Result<Vec<core::RotatedBox>> {
     let view = array.as_array();
     if view.ncols() != 7 {
         let got = format!("({}, {})", view.nrows(), view.ncols());
         return Err(Error::Shape { what, got, expected: "(n, 7)".to_owned() });
     }
-    Ok(view.rows().into_iter().map(|row| core::BoxCam::from_array(std::array::from_fn(|i| row[i]))).collect())
+    Ok(view.rows().into_iter().map(|row| core::RotatedBox::from_array(std::array::from_fn(|i| row[i]))).collect())
 }
 
 /// The IoU of each box of `a` with each box of `b`, from above or of volumes.

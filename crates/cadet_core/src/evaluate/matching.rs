@@ -7,7 +7,7 @@
 
 use super::curves::{MAX_THRESHOLDS, Tally};
 use super::metric::{Level, Metric};
-use super::objects::{Detection, FramePair, Kinds, Truth};
+use super::objects::{Detection, FramePair, ObjectTypes, Truth};
 use super::overlaps::FrameOverlaps;
 use super::roster::{Claim, Entrant};
 use crate::math;
@@ -15,7 +15,7 @@ use crate::math;
 /// A class at a level in a metric.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contest<'a> {
-    pub kinds: &'a Kinds,
+    pub kinds: &'a ObjectTypes,
     pub level: &'a Level,
     pub metric: Metric,
     pub min_overlap: f64,

@@ -1,6 +1,6 @@
 //! Settings of an evaluation: what it measures, for which classes, and how strictly.
 
-use super::objects::{Kind, Kinds};
+use super::objects::{ObjectType, ObjectTypes};
 use crate::error::{Error, Result};
 
 /// How overlap is measured.
@@ -36,9 +36,9 @@ pub struct Level {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassLimits {
     /// The types that belong to it; a detection of any of them may find an object of any.
-    pub kinds: Kinds,
+    pub kinds: ObjectTypes,
     /// The types of objects that are so alike that taking them for this class is neither right nor wrong.
-    pub neighbors: Kinds,
+    pub neighbors: ObjectTypes,
     /// By metric; each in [0, 1).
     pub min_overlap: [f64; 3],
 }
@@ -46,8 +46,8 @@ pub struct ClassLimits {
 impl ClassLimits {
     /// A class of one type and its neighbor in KITTI.
     #[must_use]
-    pub fn of(kind: Kind, min_overlap: [f64; 3]) -> Self {
-        Self { kinds: Kinds::from_iter([kind]), neighbors: kind.neighbor().into_iter().collect(), min_overlap }
+    pub fn of(kind: ObjectType, min_overlap: [f64; 3]) -> Self {
+        Self { kinds: ObjectTypes::from_iter([kind]), neighbors: kind.neighbor().into_iter().collect(), min_overlap }
     }
 }
 
@@ -67,7 +67,7 @@ impl Settings {
     /// [`Error::OutOfRange`] and [`Error::Unknown`], naming what is wrong.
     pub fn check(&self) -> Result<()> {
         for limits in &self.classes {
-            if limits.kinds.contains(Kind::DontCare) || limits.neighbors.contains(Kind::DontCare) {
+            if limits.kinds.contains(ObjectType::DontCare) || limits.neighbors.contains(ObjectType::DontCare) {
                 return Err(Error::Unknown {
                     what: "class",
                     name: "DontCare".to_owned(),
@@ -101,7 +101,7 @@ impl Settings {
     }
 
     /// Whether objects of this kind take part, as a class or a neighbor of one.
-    pub(super) fn wants(&self, kind: Kind) -> bool {
+    pub(super) fn wants(&self, kind: ObjectType) -> bool {
         self.classes.iter().any(|limits| limits.kinds.contains(kind) || limits.neighbors.contains(kind))
     }
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::rotated_iou::{BoxCam, iou_bev};
+use super::rotated_iou::{RotatedBox, iou_bev};
 use crate::error::Error;
 use crate::parallel;
 
@@ -20,9 +20,9 @@ const PAIRS_BETWEEN_PAUSES: usize = 1 << 19;
 /// # Errors
 /// [`Error::OutOfRange`] for more than [`MAX_PAIRS`], or where the system has no room for fewer; what `pause` returns.
 pub fn iou_matrix<E: From<Error>>(
-    a: &[BoxCam],
-    b: &[BoxCam],
-    iou: fn(&BoxCam, &BoxCam) -> f64,
+    a: &[RotatedBox],
+    b: &[RotatedBox],
+    iou: fn(&RotatedBox, &RotatedBox) -> f64,
     mut pause: impl FnMut() -> Result<(), E>,
 ) -> Result<Vec<f64>, E> {
     if b.is_empty() {
@@ -37,7 +37,7 @@ pub fn iou_matrix<E: From<Error>>(
     let mut matrix: Vec<f64> = Vec::new();
     matrix.try_reserve_exact(num_pairs).map_err(|_| too_many("fewer: there is no memory for them".to_owned()))?;
     let rows_a_task = PAIRS_A_TASK.div_ceil(b.len());
-    let fill = |(rows, a): (&mut [f64], &[BoxCam])| {
+    let fill = |(rows, a): (&mut [f64], &[RotatedBox])| {
         for (row, a) in rows.chunks_exact_mut(b.len()).zip(a) {
             for (value, b) in row.iter_mut().zip(b) {
                 *value = iou(a, b);
@@ -59,7 +59,7 @@ pub fn iou_matrix<E: From<Error>>(
 ///
 /// Returns the indices of what is kept, by falling score; of equal scores the first comes first.
 #[must_use]
-pub fn nms_bev(boxes: &[BoxCam], scores: &[f64], threshold: f64) -> Vec<usize> {
+pub fn nms_bev(boxes: &[RotatedBox], scores: &[f64], threshold: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..boxes.len().min(scores.len())).collect();
     // Adding 0 makes -0 equal to 0.
     order.sort_by(|&i, &j| (scores[j] + 0.0).total_cmp(&(scores[i] + 0.0)));
@@ -76,8 +76,8 @@ pub fn nms_bev(boxes: &[BoxCam], scores: &[f64], threshold: f64) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    fn at(x: f64) -> BoxCam {
-        BoxCam { x, y: 1.6, z: 20.0, length: 4.0, width: 2.0, height: 1.5, rotation_y: 0.0 }
+    fn at(x: f64) -> RotatedBox {
+        RotatedBox { x, y: 1.6, z: 20.0, length: 4.0, width: 2.0, height: 1.5, rotation_y: 0.0 }
     }
 
     #[test]
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn the_matrix_has_a_row_for_each_box_of_the_first() {
-        let many: Vec<BoxCam> = (0..100).map(|i| at(f64::from(i) * 0.1)).collect();
+        let many: Vec<RotatedBox> = (0..100).map(|i| at(f64::from(i) * 0.1)).collect();
         let matrix = iou_matrix(&many, &many[..70], iou_bev, || Ok::<_, Error>(())).unwrap();
         assert_eq!(matrix.len(), 7000);
         for i in 0..100 {

@@ -2,20 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use super::rotated_iou::BoxCam;
+use super::rotated_iou::RotatedBox;
 
 /// The type of an object as the evaluation tells them apart. Names are compared without letter case, as KITTI does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum ObjectType {
     /// A car.
     Car,
-    /// A van: a neighbor of [`Kind::Car`].
+    /// A van: a neighbor of [`ObjectType::Car`].
     Van,
     /// A truck.
     Truck,
     /// A walker.
     Pedestrian,
-    /// A sitting person: a neighbor of [`Kind::Pedestrian`].
+    /// A sitting person: a neighbor of [`ObjectType::Pedestrian`].
     PersonSitting,
     /// A rider and the bicycle.
     Cyclist,
@@ -29,28 +29,28 @@ pub enum Kind {
     Other(u64),
 }
 
-/// The names that KITTI writes, in the order of [`Kind`].
-const NAMES: [(&str, Kind); 9] = [
-    ("Car", Kind::Car),
-    ("Van", Kind::Van),
-    ("Truck", Kind::Truck),
-    ("Pedestrian", Kind::Pedestrian),
-    ("Person_sitting", Kind::PersonSitting),
-    ("Cyclist", Kind::Cyclist),
-    ("Tram", Kind::Tram),
-    ("Misc", Kind::Misc),
-    ("DontCare", Kind::DontCare),
+/// The names that KITTI writes, in the order of [`ObjectType`].
+const NAMES: [(&str, ObjectType); 9] = [
+    ("Car", ObjectType::Car),
+    ("Van", ObjectType::Van),
+    ("Truck", ObjectType::Truck),
+    ("Pedestrian", ObjectType::Pedestrian),
+    ("Person_sitting", ObjectType::PersonSitting),
+    ("Cyclist", ObjectType::Cyclist),
+    ("Tram", ObjectType::Tram),
+    ("Misc", ObjectType::Misc),
+    ("DontCare", ObjectType::DontCare),
 ];
 
-impl Kind {
-    /// The type of a name in any letter case; [`Kind::Other`] for what KITTI does not have.
+impl ObjectType {
+    /// The type of a name in any letter case; [`ObjectType::Other`] for what KITTI does not have.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
         let known = NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         known.map_or_else(|| Self::Other(hash(name)), |&(_, kind)| kind)
     }
 
-    /// The name as KITTI writes it; None for [`Kind::Other`].
+    /// The name as KITTI writes it; None for [`ObjectType::Other`].
     #[must_use]
     pub fn name(self) -> Option<&'static str> {
         NAMES.iter().find(|(_, kind)| *kind == self).map(|&(name, _)| name)
@@ -75,12 +75,12 @@ fn hash(name: &str) -> u64 {
 
 /// A set of types, of few.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Kinds(Vec<Kind>);
+pub struct ObjectTypes(Vec<ObjectType>);
 
-impl Kinds {
+impl ObjectTypes {
     /// Whether a type is one of these.
     #[must_use]
-    pub fn contains(&self, kind: Kind) -> bool {
+    pub fn contains(&self, kind: ObjectType) -> bool {
         self.0.contains(&kind)
     }
 
@@ -97,20 +97,20 @@ impl Kinds {
     }
 }
 
-impl FromIterator<Kind> for Kinds {
-    fn from_iter<I: IntoIterator<Item = Kind>>(kinds: I) -> Self {
+impl FromIterator<ObjectType> for ObjectTypes {
+    fn from_iter<I: IntoIterator<Item = ObjectType>>(kinds: I) -> Self {
         Self(kinds.into_iter().collect())
     }
 }
 
 /// The names of types that KITTI does not have: as each is first spelled, and how many objects have it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct OtherNames(BTreeMap<Kind, (String, usize)>);
+pub struct OtherNames(BTreeMap<ObjectType, (String, usize)>);
 
 impl OtherNames {
     /// Counts an object; one of KITTI's types is none of these.
-    pub fn count(&mut self, kind: Kind, name: &str) {
-        if let Kind::Other(_) = kind {
+    pub fn count(&mut self, kind: ObjectType, name: &str) {
+        if let ObjectType::Other(_) = kind {
             self.0.entry(kind).or_insert_with(|| (name.to_owned(), 0)).1 += 1;
         }
     }
@@ -124,12 +124,12 @@ impl OtherNames {
 
     /// The name of a type: KITTI's or one of these; empty for one that was never counted.
     #[must_use]
-    pub fn name(&self, kind: Kind) -> &str {
+    pub fn name(&self, kind: ObjectType) -> &str {
         kind.name().or_else(|| self.0.get(&kind).map(|(name, _)| name.as_str())).unwrap_or_default()
     }
 
     /// The names and how many objects have each.
-    pub fn iter(&self) -> impl Iterator<Item = (Kind, &str, usize)> {
+    pub fn iter(&self) -> impl Iterator<Item = (ObjectType, &str, usize)> {
         self.0.iter().map(|(&kind, (name, count))| (kind, name.as_str(), *count))
     }
 }
@@ -180,7 +180,7 @@ impl BoxImg {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
     /// Its type.
-    pub kind: Kind,
+    pub kind: ObjectType,
     /// Share outside the image, 0..1; -1 unknown.
     pub truncated: f64,
     /// Occlusion level, 0 visible .. 3 unknown; -1 in regions that nobody labeled.
@@ -190,7 +190,7 @@ pub struct Truth {
     /// Rectangle in the image.
     pub box_img: BoxImg,
     /// Box in the rectified camera frame.
-    pub box_cam: BoxCam,
+    pub box_cam: RotatedBox,
     /// Whether it may be found but need not, at any level. No file says so.
     pub is_optional: bool,
 }
@@ -199,13 +199,13 @@ pub struct Truth {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detection {
     /// Its type.
-    pub kind: Kind,
+    pub kind: ObjectType,
     /// Observation angle in radians, -10 unknown.
     pub alpha: f64,
     /// Rectangle in the image.
     pub box_img: BoxImg,
     /// Box in the rectified camera frame.
-    pub box_cam: BoxCam,
+    pub box_cam: RotatedBox,
     /// Confidence: any number above [`MIN_SCORE`], higher is surer.
     pub score: f64,
     /// Whether it is no false positive where it finds nothing. No file says so.

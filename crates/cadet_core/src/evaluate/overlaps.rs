@@ -1,7 +1,7 @@
 //! The overlaps of a frame's objects and detections: computed once, read by every class, level and threshold.
 
 use super::metric::Metric;
-use super::objects::{Detection, FramePair, Kind, Truth};
+use super::objects::{Detection, FramePair, ObjectType, Truth};
 use super::rotated_iou::{intersection_bev, iou_3d_from, iou_bev_from};
 
 /// A detection that overlaps an object.
@@ -32,7 +32,7 @@ pub(super) struct FrameOverlaps {
 
 impl FrameOverlaps {
     /// Computes the overlaps above `floors` (one a metric) of objects whose kind `is_wanted`.
-    pub(super) fn new(frame: &FramePair, floors: [f64; 3], is_wanted: impl Fn(Kind) -> bool) -> Self {
+    pub(super) fn new(frame: &FramePair, floors: [f64; 3], is_wanted: impl Fn(ObjectType) -> bool) -> Self {
         let mut tables: [Table; 3] = Default::default();
         for truth in &frame.truths {
             for table in &mut tables {
@@ -52,7 +52,7 @@ impl FrameOverlaps {
         for table in &mut tables {
             table.starts.push(table.overlaps.len() as u32);
         }
-        for region in frame.truths.iter().filter(|truth| truth.kind == Kind::DontCare) {
+        for region in frame.truths.iter().filter(|truth| truth.kind == ObjectType::DontCare) {
             for (metric, table) in tables.iter_mut().enumerate() {
                 table.covered.resize(frame.detections.len(), 0.0);
                 for (most, detection) in table.covered.iter_mut().zip(&frame.detections) {

@@ -2,8 +2,8 @@
 //! mark and a missing last newline are fine, as is what follows the columns of a label; anything else that KITTI's
 //! readers would misread in silence is an error.
 
-use super::objects::{BoxImg, Detection, Kind, MIN_SCORE, OtherNames, Truth};
-use super::rotated_iou::BoxCam;
+use super::objects::{BoxImg, Detection, MIN_SCORE, ObjectType, OtherNames, Truth};
+use super::rotated_iou::RotatedBox;
 use super::text;
 use crate::error::{Error, Result};
 
@@ -60,7 +60,7 @@ pub fn parse_truths(text: &[u8], file: &str) -> Result<Parsed<Truth>> {
         if occluded.fract() != 0.0 {
             return Err(line.error(OCCLUDED, format!("expected a whole number, got {occluded}")));
         }
-        let kind = Kind::from_name(name);
+        let kind = ObjectType::from_name(name);
         parsed.other_names.count(kind, name);
         let (truncated, alpha) = (n[1], n[3]);
         parsed.objects.push(Truth { kind, truncated, occluded, alpha, box_img, box_cam, is_optional: false });
@@ -77,7 +77,7 @@ pub fn parse_detections(text: &[u8], file: &str) -> Result<Parsed<Detection>> {
     let mut parsed = Parsed::default();
     for line in lines(text, file)? {
         let (name, n) = line.columns::<16>(false)?;
-        let kind = Kind::from_name(name);
+        let kind = ObjectType::from_name(name);
         parsed.other_names.count(kind, name);
         let (box_img, box_cam) = boxes(&n);
         if n[SCORE] <= MIN_SCORE {
@@ -88,9 +88,9 @@ pub fn parse_detections(text: &[u8], file: &str) -> Result<Parsed<Detection>> {
     Ok(parsed)
 }
 
-fn boxes(n: &[f64]) -> (BoxImg, BoxCam) {
+fn boxes(n: &[f64]) -> (BoxImg, RotatedBox) {
     let box_img = BoxImg { x1: n[4], y1: n[5], x2: n[6], y2: n[7] };
-    (box_img, BoxCam::from_array([n[11], n[12], n[13], n[10], n[9], n[8], n[14]]))
+    (box_img, RotatedBox::from_array([n[11], n[12], n[13], n[10], n[9], n[8], n[14]]))
 }
 
 struct Line<'a> {
@@ -167,15 +167,15 @@ mod tests {
     #[test]
     fn columns_land_where_kitti_documents_them() {
         let truth = parse_truths(CAR.as_bytes(), "").unwrap().objects[0];
-        assert_eq!((truth.kind, truth.truncated, truth.occluded, truth.alpha), (Kind::Car, 0.10, 1.0, 1.85));
+        assert_eq!((truth.kind, truth.truncated, truth.occluded, truth.alpha), (ObjectType::Car, 0.10, 1.0, 1.85));
         assert_eq!(truth.box_img, BoxImg { x1: 387.63, y1: 181.54, x2: 423.81, y2: 203.12 });
         assert_eq!(truth.box_cam.to_array(), [-16.53, 2.39, 58.49, 3.69, 1.87, 1.67, 1.57]);
         let text = format!("{CAR} -3.5e0\n{0} 1\n{1} 1", CAR.replace("Car", "Bus"), CAR.replace("Car", "bus"));
         let found = parse_detections(text.as_bytes(), "").unwrap();
-        assert_eq!((found.objects[0].score, found.objects[1].kind), (-3.5, Kind::from_name("BUS")));
-        assert_eq!(found.other_names.iter().collect::<Vec<_>>(), [(Kind::from_name("bus"), "Bus", 2)]);
+        assert_eq!((found.objects[0].score, found.objects[1].kind), (-3.5, ObjectType::from_name("BUS")));
+        assert_eq!(found.other_names.iter().collect::<Vec<_>>(), [(ObjectType::from_name("bus"), "Bus", 2)]);
         assert_eq!(found.other_names.name(found.objects[2].kind), "Bus");
-        assert_ne!(Kind::from_name("bus"), Kind::from_name("sub"));
+        assert_ne!(ObjectType::from_name("bus"), ObjectType::from_name("sub"));
     }
 
     #[test]
@@ -185,7 +185,7 @@ mod tests {
         let read = |text: &str| parse_truths(text.as_bytes(), "").unwrap().objects;
         assert_eq!(read(&text).len(), 3);
         assert!(read("").is_empty());
-        assert_eq!(read(&CAR.to_lowercase())[0].kind, Kind::Car);
+        assert_eq!(read(&CAR.to_lowercase())[0].kind, ObjectType::Car);
         for same in [format!("\u{feff}{CAR}"), format!("{CAR}\r"), CAR.replace(" 1 ", " 1.0 ")] {
             assert_eq!(read(&same), read(CAR));
         }

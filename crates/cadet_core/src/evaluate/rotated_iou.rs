@@ -8,7 +8,7 @@ use crate::math;
 
 /// A box in KITTI's rectified camera frame (x right, y down, z forward): meters and radians, bottom center.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BoxCam {
+pub struct RotatedBox {
     /// Right.
     pub x: f64,
     /// Down; the bottom face's height.
@@ -25,7 +25,7 @@ pub struct BoxCam {
     pub rotation_y: f64,
 }
 
-impl BoxCam {
+impl RotatedBox {
     /// A box from `[x, y, z, l, w, h, rotation_y]`.
     #[must_use]
     pub fn from_array([x, y, z, length, width, height, rotation_y]: [f64; 7]) -> Self {
@@ -68,14 +68,14 @@ impl BoxCam {
 ///
 /// A box whose length and width differ in sign bounds no rectangle and shares nothing.
 #[must_use]
-pub fn intersection_bev(a: &BoxCam, b: &BoxCam) -> f64 {
+pub fn intersection_bev(a: &RotatedBox, b: &RotatedBox) -> f64 {
     let (area_a, area_b) = (a.area_bev(), b.area_bev());
     // NaN fails too.
     if !(area_a > 0.0 && area_b > 0.0) {
         return 0.0;
     }
     let (dx, dz) = (b.x - a.x, b.z - a.z);
-    let diagonal = |o: &BoxCam| (o.length * o.length + o.width * o.width).sqrt();
+    let diagonal = |o: &RotatedBox| (o.length * o.length + o.width * o.width).sqrt();
     let reach = 0.5 * (diagonal(a) + diagonal(b));
     if dx * dx + dz * dz >= reach * reach {
         return 0.0;
@@ -87,25 +87,25 @@ pub fn intersection_bev(a: &BoxCam, b: &BoxCam) -> f64 {
 
 /// Intersection over union seen from above, in [0, 1].
 #[must_use]
-pub fn iou_bev(a: &BoxCam, b: &BoxCam) -> f64 {
+pub fn iou_bev(a: &RotatedBox, b: &RotatedBox) -> f64 {
     ratio(intersection_bev(a, b), a.area_bev(), b.area_bev())
 }
 
 /// Intersection over union of volumes, in [0, 1] for boxes of positive size.
 #[must_use]
-pub fn iou_3d(a: &BoxCam, b: &BoxCam) -> f64 {
+pub fn iou_3d(a: &RotatedBox, b: &RotatedBox) -> f64 {
     iou_3d_from(intersection_bev(a, b), a, b)
 }
 
 /// [`iou_3d`] of boxes whose intersection from above is known.
 #[must_use]
-pub fn iou_3d_from(shared_bev: f64, a: &BoxCam, b: &BoxCam) -> f64 {
+pub fn iou_3d_from(shared_bev: f64, a: &RotatedBox, b: &RotatedBox) -> f64 {
     ratio(shared_bev * a.shared_height(b), a.volume(), b.volume())
 }
 
 /// [`iou_bev`] of boxes whose intersection from above is known.
 #[must_use]
-pub fn iou_bev_from(shared_bev: f64, a: &BoxCam, b: &BoxCam) -> f64 {
+pub fn iou_bev_from(shared_bev: f64, a: &RotatedBox, b: &RotatedBox) -> f64 {
     ratio(shared_bev, a.area_bev(), b.area_bev())
 }
 
@@ -161,7 +161,7 @@ impl Polygon {
     }
 }
 
-fn clipped_area(frame: &BoxCam, other: &BoxCam) -> f64 {
+fn clipped_area(frame: &RotatedBox, other: &RotatedBox) -> f64 {
     let (cos, sin) = (math::cos(frame.rotation_y), math::sin(frame.rotation_y));
     let (dx, dz) = (other.x - frame.x, other.z - frame.z);
     let center = [dx * cos - dz * sin, dx * sin + dz * cos];
@@ -183,8 +183,8 @@ mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
-    fn flat(x: f64, z: f64, length: f64, width: f64, rotation_y: f64) -> BoxCam {
-        BoxCam { x, y: 1.5, z, length, width, height: 1.5, rotation_y }
+    fn flat(x: f64, z: f64, length: f64, width: f64, rotation_y: f64) -> RotatedBox {
+        RotatedBox { x, y: 1.5, z, length, width, height: 1.5, rotation_y }
     }
 
     #[test]
@@ -214,8 +214,8 @@ mod tests {
     fn touching_boxes_share_nothing() {
         let unit = flat(0.0, 0.0, 2.0, 2.0, 0.0);
         assert_eq!(iou_bev(&unit, &flat(2.0, 0.0, 2.0, 2.0, 0.0)), 0.0);
-        assert_eq!(iou_3d(&unit, &BoxCam { y: 0.0, ..unit }), 0.0);
-        assert_eq!(iou_3d(&unit, &BoxCam { y: 0.75, ..unit }), 1.0 / 3.0);
+        assert_eq!(iou_3d(&unit, &RotatedBox { y: 0.0, ..unit }), 0.0);
+        assert_eq!(iou_3d(&unit, &RotatedBox { y: 0.75, ..unit }), 1.0 / 3.0);
     }
 
     #[test]
@@ -224,9 +224,9 @@ mod tests {
         for exponent in 1..18 {
             let tiny = (0..exponent).fold(1.0, |t: f64, _| t * 0.1);
             for turn in [0.0, FRAC_PI_2, PI] {
-                let other = BoxCam { rotation_y: 0.3 + turn + tiny, ..car };
-                let square = BoxCam { width: 3.9, ..car };
-                let turned = BoxCam { width: 3.9, ..other };
+                let other = RotatedBox { rotation_y: 0.3 + turn + tiny, ..car };
+                let square = RotatedBox { width: 3.9, ..car };
+                let turned = RotatedBox { width: 3.9, ..other };
                 let bound = 1.0 - 2.0 * tiny - 1e-12;
                 assert!(iou_bev(&square, &turned) >= bound, "{turn} {tiny}");
                 if turn != FRAC_PI_2 {
@@ -238,9 +238,9 @@ mod tests {
 
     #[test]
     fn kittis_mark_for_unknown_is_a_unit_square() {
-        let unknown = BoxCam::from_array([-1000.0, -1000.0, -1000.0, -1.0, -1.0, -1.0, -10.0]);
+        let unknown = RotatedBox::from_array([-1000.0, -1000.0, -1000.0, -1.0, -1.0, -1.0, -10.0]);
         assert_eq!(intersection_bev(&unknown, &unknown), 1.0);
         assert_eq!(iou_3d(&unknown, &unknown), 0.0);
-        assert_eq!(intersection_bev(&unknown, &BoxCam { length: 1.0, ..unknown }), 0.0);
+        assert_eq!(intersection_bev(&unknown, &RotatedBox { length: 1.0, ..unknown }), 0.0);
     }
 }

@@ -16,7 +16,7 @@ use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
 /// Columns that a wide window is searched by.
-const BLOCK: usize = 32;
+const SEARCH_COLUMNS: usize = 32;
 
 /// The farthest from the axis that a laser may sit.
 const MOST_LEFT_M: f64 = 0.5;
@@ -290,7 +290,7 @@ impl SpinningGrid {
     /// `base` is where the row begins among the beams, and among the headings.
     #[inline(always)]
     fn cast_row(&self, planes: &RowPlanes, base: [usize; 2], columns: &Range<usize>, hits: &mut Hits, ids: [u32; 2]) {
-        if columns.len() < 2 * BLOCK {
+        if columns.len() < 2 * SEARCH_COLUMNS {
             return self.cast_columns(planes, base, columns.clone(), hits, ids);
         }
         // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
@@ -300,7 +300,7 @@ impl SpinningGrid {
         let mut start = columns.start;
         let mut here = edges_at(start);
         while start < last {
-            let stop = (start + BLOCK).min(last);
+            let stop = (start + SEARCH_COLUMNS).min(last);
             let there = edges_at(stop);
             let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
             // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.

@@ -25,7 +25,7 @@ pub(super) fn plant(
 ) {
     let (min, max) = (placer.site.min, placer.site.max);
     let reach_m = PLOTS_M + belt_m;
-    let streets = Streets::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(8).copied()), reach_m);
+    let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(8).copied()), reach_m);
     let reach = DVec2::splat(reach_m);
     let cells = ((max - min + reach * 2.0) / CELL_M).ceil();
     for i in 0..cells.x as usize {
@@ -49,12 +49,12 @@ pub(super) fn plant(
 }
 
 /// Points of the streets, sorted into squares whose side is the farthest distance that matters.
-pub(super) struct Streets {
+pub(super) struct StreetPoints {
     side_m: f64,
     squares: BTreeMap<(i64, i64), Vec<DVec2>>,
 }
 
-impl Streets {
+impl StreetPoints {
     /// The points, to be looked for within a distance.
     pub(super) fn new(points: impl Iterator<Item = DVec2>, reach_m: f64) -> Self {
         let mut streets = Self { side_m: reach_m.max(CELL_M), squares: BTreeMap::new() };
@@ -85,7 +85,7 @@ mod tests {
         let mut s = crate::rng::StreamKey { seed: 3, episode: 0, attempt: 0 }.stream("belt test");
         let mut point = || DVec2::new(s.range(-300.0, 300.0), s.range(-300.0, 300.0));
         let points: Vec<DVec2> = (0..60).map(|_| point()).collect();
-        let streets = Streets::new(points.iter().copied(), 47.0);
+        let streets = StreetPoints::new(points.iter().copied(), 47.0);
         for at in (0..2000).map(|_| point()) {
             let nearest = points.iter().map(|p| (*p - at).length_squared()).fold(f64::INFINITY, f64::min).sqrt();
             let found = streets.distance_m(at);

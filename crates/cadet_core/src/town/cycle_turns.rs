@@ -1,6 +1,6 @@
 //! The ways of bicycles through a junction that a street with cycle lanes leads to: from every arm to every other one.
 
-use super::junction_turns::{Arm, End, STRAIGHT_RAD};
+use super::junction_turns::{End, STRAIGHT_RAD, StreetArm};
 use super::plan_curve::{PlanCurve, PlanPose};
 use super::street_grid::LineStyle;
 use crate::math::{PI, wrap_angle};
@@ -27,7 +27,11 @@ pub(super) struct CycleTurn {
 
 /// The ways through one junction; none where no arm has a cycle lane. Arms go round counter-clockwise, `pose` looks out of
 /// the junction from the middle of an arm's end.
-pub(super) fn cycle_turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPose) -> Vec<CycleTurn> {
+pub(super) fn cycle_turns(
+    junction: usize,
+    arms: &[StreetArm],
+    pose: &dyn Fn(&StreetArm) -> PlanPose,
+) -> Vec<CycleTurn> {
     let with_lanes = arms.iter().filter(|a| a.style.cycle_lane.is_some()).count();
     if with_lanes == 0 {
         return Vec::new();

@@ -16,7 +16,7 @@ pub(super) enum End {
 }
 
 /// A street's arm at a junction.
-pub(super) struct Arm {
+pub(super) struct StreetArm {
     pub(super) street: usize,
     pub(super) end: End,
     pub(super) heading_rad: f64,
@@ -49,13 +49,13 @@ pub(super) struct Turn {
 /// counter-clockwise, `pose` looks out of the junction from the middle of an arm's end.
 pub(super) fn turns(
     junction: usize,
-    arms: &[Arm],
+    arms: &[StreetArm],
     roundabout: Option<&Roundabout>,
-    pose: &dyn Fn(&Arm) -> PlanPose,
+    pose: &dyn Fn(&StreetArm) -> PlanPose,
 ) -> Vec<Turn> {
     let mut turns = Vec::new();
     for (i, from) in arms.iter().enumerate() {
-        let bend = |to: &Arm| wrap_angle(to.heading_rad - from.heading_rad - PI);
+        let bend = |to: &StreetArm| wrap_angle(to.heading_rad - from.heading_rad - PI);
         let others = || arms.iter().enumerate().filter(|(j, _)| *j != i);
         let mut pairs: Vec<Vec<[usize; 2]>> = others()
             .map(|(j, to)| {
@@ -92,7 +92,7 @@ pub(super) fn turns(
         for ((j, to), pairs) in others().zip(&pairs) {
             let outermost = [from, to].map(|arm| arm.style.lanes_per_side - 1);
             for lanes in pairs {
-                let edge = |arm: &Arm, pose: PlanPose, lane: usize| {
+                let edge = |arm: &StreetArm, pose: PlanPose, lane: usize| {
                     let right_m = arm.style.median_width_m / 2.0 + lane as f64 * arm.style.lane_width_m;
                     pose.shifted_right(right_m)
                 };

@@ -78,7 +78,7 @@ pub(super) fn place_props(
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
     let mut posts = signals::place(signals, key, &mut placer);
     let streets =
-        street_things::Streets { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
+        street_things::StreetLayout { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
     let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
     things.obstacles.append(&mut posts);
     things.obstacles.append(&mut on_lots.obstacles);

@@ -1,7 +1,7 @@
 //! Lays out a suburb: streets, junctions, and parking bays along a grid.
 
 use super::cycle_turns::{CycleTurn, cycle_turns};
-use super::junction_turns::{Arm, End, Turn, turns};
+use super::junction_turns::{End, StreetArm, Turn, turns};
 use super::place_streets::{self, AISLE_BAY_M};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
 use super::roundabout::Roundabout;
@@ -85,14 +85,14 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             num_junctions += 1;
         }
     }
-    let mut arms: Vec<Vec<Arm>> = (0..num_junctions).map(|_| Vec::new()).collect();
+    let mut arms: Vec<Vec<StreetArm>> = (0..num_junctions).map(|_| Vec::new()).collect();
     for (street, chain) in chains.iter().enumerate() {
         let style = styles[chain.line];
         for (end, node, direction) in [
             (End::Start, chain.nodes[0], chain.leaves),
             (End::Finish, chain.nodes[chain.nodes.len() - 1], chain.arrives),
         ] {
-            arms[junction_of[node]].push(Arm {
+            arms[junction_of[node]].push(StreetArm {
                 street,
                 end,
                 heading_rad: headings[node][direction],
@@ -181,7 +181,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             }
         })
         .collect();
-    let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
+    let pose = |arm: &StreetArm| cuts[arm.street][usize::from(arm.end == End::Finish)];
     let turns = arms
         .iter()
         .zip(&roundabouts)
@@ -193,7 +193,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
 }
 
 /// Whether a junction has traffic lights: of fast streets that meet more often than of those that side streets join.
-fn has_signals(arms: &[Arm], share: f64, stream: &mut Stream) -> bool {
+fn has_signals(arms: &[StreetArm], share: f64, stream: &mut Stream) -> bool {
     let drawn = stream.unit();
     let fast = arms.iter().filter(|a| a.style.speed_kmh > 30).count();
     let is_main = arms.iter().any(|a| a.style.is_main_road());
@@ -202,7 +202,7 @@ fn has_signals(arms: &[Arm], share: f64, stream: &mut Stream) -> bool {
 }
 
 /// Moves each arm's end out until the curbs' corner arc fits between it and its neighbors.
-fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
+fn cut_back(arms: &mut [StreetArm], corner_radius_m: f64) {
     let n = arms.len();
     for i in 0..n {
         let j = (i + 1) % n;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::agents::{ActorView, Agent, Car, Fixture, Gone, Kind, OfKind};
+use super::agents::{ActorView, Agent, AgentKind, Car, Fixture, Gone, OfKind};
 use super::footprint::Footprint;
 use super::lane_use::OnLane;
 use super::physics::Physics;
@@ -48,7 +48,7 @@ impl Arena {
     }
 
     /// Puts an agent into the arena; returns its slot.
-    pub fn put(&mut self, kind: impl Into<Kind>) -> Slot {
+    pub fn put(&mut self, kind: impl Into<AgentKind>) -> Slot {
         let slot = self.agents.len();
         let agent = self.named(kind.into());
         if let Some(Fixture::Vehicle(_)) = agent.get() {
@@ -62,7 +62,7 @@ impl Arena {
     }
 
     /// Puts an agent of the user's into the arena, where it is never replaced; returns its id.
-    pub fn put_placed(&mut self, kind: impl Into<Kind>) -> i32 {
+    pub fn put_placed(&mut self, kind: impl Into<AgentKind>) -> i32 {
         let slot = self.put(kind);
         let agent = &mut self.agents[slot];
         agent.is_placed = true;
@@ -70,7 +70,7 @@ impl Arena {
     }
 
     /// Puts an agent that moves in the place of one that has gone.
-    pub fn replace(&mut self, gone: Slot, kind: Kind) {
+    pub fn replace(&mut self, gone: Slot, kind: AgentKind) {
         if self.agents[gone].get::<Gone>().is_some() {
             self.active.insert(self.active.partition_point(|slot| *slot < gone), gone);
         }
@@ -108,7 +108,7 @@ impl Arena {
         self.agents.iter().enumerate().filter(|(_, agent)| agent.get::<Gone>().is_none())
     }
 
-    fn named(&mut self, kind: Kind) -> Agent {
+    fn named(&mut self, kind: AgentKind) -> Agent {
         let agent = Agent { id: self.next_id, kind, is_placed: false };
         self.next_id += agent.actors().count() as i32;
         agent

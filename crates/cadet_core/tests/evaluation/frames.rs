@@ -4,29 +4,29 @@
 
 use std::fmt::Write;
 
-use cadet_core::evaluate::{BoxCam, BoxImg, ClassLimits, Detection, FramePair, Kind, Level, Settings, Truth};
+use cadet_core::evaluate::{BoxImg, ClassLimits, Detection, FramePair, Level, ObjectType, RotatedBox, Settings, Truth};
 use cadet_core::math::{PI, atan2, cos, sin, wrap_angle};
 use cadet_core::rng::Stream;
 
 const FOCAL_PX: f64 = 721.5;
 
 /// Kind, objects a frame, length, width, height.
-const OBJECTS: [(Kind, f64, [f64; 3]); 8] = [
-    (Kind::Car, 4.2, [3.88, 1.63, 1.53]),
-    (Kind::Van, 0.45, [5.08, 1.90, 2.21]),
-    (Kind::Truck, 0.15, [10.1, 2.59, 3.25]),
-    (Kind::Pedestrian, 0.65, [0.84, 0.66, 1.76]),
-    (Kind::PersonSitting, 0.1, [0.80, 0.59, 1.27]),
-    (Kind::Cyclist, 0.3, [1.76, 0.60, 1.74]),
-    (Kind::Tram, 0.06, [16.1, 2.54, 3.53]),
-    (Kind::Misc, 0.12, [3.58, 1.51, 1.91]),
+const OBJECTS: [(ObjectType, f64, [f64; 3]); 8] = [
+    (ObjectType::Car, 4.2, [3.88, 1.63, 1.53]),
+    (ObjectType::Van, 0.45, [5.08, 1.90, 2.21]),
+    (ObjectType::Truck, 0.15, [10.1, 2.59, 3.25]),
+    (ObjectType::Pedestrian, 0.65, [0.84, 0.66, 1.76]),
+    (ObjectType::PersonSitting, 0.1, [0.80, 0.59, 1.27]),
+    (ObjectType::Cyclist, 0.3, [1.76, 0.60, 1.74]),
+    (ObjectType::Tram, 0.06, [16.1, 2.54, 3.53]),
+    (ObjectType::Misc, 0.12, [3.58, 1.51, 1.91]),
 ];
-const EVALUATED: [Kind; 3] = [Kind::Car, Kind::Pedestrian, Kind::Cyclist];
+const EVALUATED: [ObjectType; 3] = [ObjectType::Car, ObjectType::Pedestrian, ObjectType::Cyclist];
 
 /// KITTI's classes, limits and levels.
 pub fn kitti() -> Settings {
     let classes = EVALUATED.map(|class| {
-        let limit = if class == Kind::Car { 0.7 } else { 0.5 };
+        let limit = if class == ObjectType::Car { 0.7 } else { 0.5 };
         ClassLimits::of(class, [limit; 3])
     });
     let levels = [(40.0, 0.0, 0.15), (25.0, 1.0, 0.30), (25.0, 2.0, 0.50)].map(|(height, occlusion, truncation)| {
@@ -81,12 +81,12 @@ fn draw_detection_at_random(rng: &mut Stream) -> Detection {
     draw_detection(rng, &truth)
 }
 
-fn draw_truth(rng: &mut Stream, kind: Kind, sizes: [f64; 3]) -> Truth {
+fn draw_truth(rng: &mut Stream, kind: ObjectType, sizes: [f64; 3]) -> Truth {
     let [length, width, height] = sizes.map(|size| hundredths(size * rng.range(0.9, 1.1)));
     let z = hundredths(rng.range(6.0, 40.0) + rng.range(0.0, 30.0) * rng.unit());
     let x = hundredths(rng.range(-0.8, 0.8) * z);
     let rotation_y = hundredths(rng.range(-PI, PI));
-    let box_cam = BoxCam { x, y: hundredths(rng.range(1.4, 1.9)), z, length, width, height, rotation_y };
+    let box_cam = RotatedBox { x, y: hundredths(rng.range(1.4, 1.9)), z, length, width, height, rotation_y };
     let mut box_img = project(&box_cam);
     if rng.chance(0.1) {
         box_img.y2 = box_img.y1 + [25.0, 40.0, 24.99, 25.01, 39.99, 40.01][rng.below(6)];
@@ -106,7 +106,7 @@ fn draw_detection(rng: &mut Stream, truth: &Truth) -> Detection {
     let noise = [0.3, 1.0, 2.5][rng.weighted(&[0.55, 0.3, 0.15])];
     let mut shake = |sd: f64| sd * noise * rng.normal();
     let (a, image) = (&truth.box_cam, &truth.box_img);
-    let box_cam = BoxCam {
+    let box_cam = RotatedBox {
         x: hundredths(a.x + shake(0.08)),
         y: hundredths(a.y + shake(0.05)),
         z: hundredths(a.z + shake(0.14)),
@@ -126,10 +126,10 @@ fn draw_detection(rng: &mut Stream, truth: &Truth) -> Detection {
         box_img.y2 = hundredths(box_img.y1 + [25.0, 40.0, 24.99, 39.99, 18.0][rng.below(5)]);
     }
     let mut kind = truth.kind;
-    if matches!(kind, Kind::Van | Kind::Truck | Kind::Misc) && rng.chance(0.5) {
-        kind = Kind::Car;
-    } else if kind == Kind::PersonSitting && rng.chance(0.6) {
-        kind = Kind::Pedestrian;
+    if matches!(kind, ObjectType::Van | ObjectType::Truck | ObjectType::Misc) && rng.chance(0.5) {
+        kind = ObjectType::Car;
+    } else if kind == ObjectType::PersonSitting && rng.chance(0.6) {
+        kind = ObjectType::Pedestrian;
     } else if rng.chance(0.05) {
         kind = EVALUATED[rng.below(3)];
     }
@@ -146,18 +146,18 @@ fn draw_detection(rng: &mut Stream, truth: &Truth) -> Detection {
 
 fn dont_care(left: f64, top: f64, width: f64, height: f64) -> Truth {
     Truth {
-        kind: Kind::DontCare,
+        kind: ObjectType::DontCare,
         truncated: -1.0,
         occluded: -1.0,
         alpha: -10.0,
         box_img: BoxImg { x1: left, y1: top, x2: left + width, y2: top + height },
-        box_cam: BoxCam::from_array([-1000.0, -1000.0, -1000.0, -1.0, -1.0, -1.0, -10.0]),
+        box_cam: RotatedBox::from_array([-1000.0, -1000.0, -1000.0, -1.0, -1.0, -1.0, -10.0]),
         is_optional: false,
     }
 }
 
 /// The rectangle round the corners, roughly: what matters is that near boxes are high.
-fn project(b: &BoxCam) -> BoxImg {
+fn project(b: &RotatedBox) -> BoxImg {
     let half = 0.5 * (b.length * cos(b.rotation_y).abs() + b.width * sin(b.rotation_y).abs());
     let scale = FOCAL_PX / b.z;
     BoxImg {
@@ -196,7 +196,7 @@ pub fn result_text(frame: &FramePair) -> String {
     text
 }
 
-fn write_boxes(text: &mut String, i: &BoxImg, c: &BoxCam) {
+fn write_boxes(text: &mut String, i: &BoxImg, c: &RotatedBox) {
     write!(text, "{:.2} {:.2} {:.2} {:.2} ", i.x1, i.y1, i.x2, i.y2).expect("writing to memory");
     let sizes = [c.height, c.width, c.length];
     write!(text, "{:.2} {:.2} {:.2} ", sizes[0], sizes[1], sizes[2]).expect("writing to memory");

@@ -1,8 +1,8 @@
 //! KITTI's rules written down plainly: every overlap anew, every frame again at every threshold.
 
 use cadet_core::evaluate::{
-    Detection, FramePair, Kind, Kinds, Level, Metric, Samples, Settings, Truth, choose_thresholds, intersection_bev,
-    iou_3d, iou_bev,
+    Detection, FramePair, Level, Metric, ObjectType, ObjectTypes, Samples, Settings, Truth, choose_thresholds,
+    intersection_bev, iou_3d, iou_bev,
 };
 use cadet_core::math::cos;
 
@@ -60,8 +60,8 @@ pub fn answer(frames: &[FramePair], settings: &Settings, class: usize, metric: M
 }
 
 struct Rules<'a> {
-    kinds: &'a Kinds,
-    neighbors: &'a Kinds,
+    kinds: &'a ObjectTypes,
+    neighbors: &'a ObjectTypes,
     limit: f64,
     level: &'a Level,
     metric: Metric,
@@ -103,7 +103,7 @@ impl Rules<'_> {
     }
 
     fn is_stuff(&self, frame: &FramePair, d: &Detection) -> bool {
-        frame.truths.iter().filter(|t| t.kind == Kind::DontCare).any(|region| {
+        frame.truths.iter().filter(|t| t.kind == ObjectType::DontCare).any(|region| {
             let share = match self.metric {
                 Metric::Image => region.box_img.intersection(&d.box_img) / d.box_img.area(),
                 Metric::Bev => intersection_bev(&region.box_cam, &d.box_cam) / d.box_cam.area_bev(),

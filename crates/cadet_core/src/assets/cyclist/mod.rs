@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::actor::AnnotatedBox;
 use crate::assets::annotation;
-use crate::assets::person::proportions::{Headwear, Kind, Legwear, Load, Proportions, Top};
+use crate::assets::person::proportions::{Headwear, Legwear, Load, PersonKind, Proportions, Top};
 use crate::assets::person::tube::Tubes;
 use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
@@ -197,13 +197,13 @@ impl Design {
             Load::Shopping | Load::ShoulderBag => Load::None,
             load => load,
         };
-        let helmets = if rider.kind == Kind::Child { CHILD_HELMET_SHARE } else { HELMET_SHARE };
+        let helmets = if rider.kind == PersonKind::Child { CHILD_HELMET_SHARE } else { HELMET_SHARE };
         if s.chance(helmets) {
             rider.headwear = Headwear::Helmet;
         }
         let foot = if s.chance(0.6) { 1.0 } else { -1.0 };
         let mut s = Stream::from_seed("bicycle", bicycle_seed);
-        let bicycle = Bicycle::draw(wanted.x, wanted.y, rider.stature, rider.kind == Kind::Woman, &mut s);
+        let bicycle = Bicycle::draw(wanted.x, wanted.y, rider.stature, rider.kind == PersonKind::Woman, &mut s);
         let riding = Seat::riding(&rider, &bicycle);
         let standing = riding.standing(&rider, &bicycle);
         Self { bicycle, rider, riding, standing, foot }

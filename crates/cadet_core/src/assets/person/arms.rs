@@ -3,7 +3,7 @@
 use super::clothes::slot;
 use super::frame::{Frame, SIDES};
 use super::gait::Arm;
-use super::proportions::{ArmPose, Kind, Load, Proportions, Top};
+use super::proportions::{ArmPose, Load, PersonKind, Proportions, Top};
 use super::tube::{Ring, Tubes};
 use crate::math::{Vec3, acosf, cosf, sinf};
 
@@ -80,7 +80,7 @@ pub(in crate::assets) fn add_arm(
     let short = p.top == Top::TShirt;
     let (sleeve, bare) = (slot::TOP, if short { slot::SKIN } else { slot::TOP });
     let low = if short { 0.0 } else { loose };
-    let thin = if p.kind == Kind::Woman { 0.90 } else { 1.0 };
+    let thin = if p.kind == PersonKind::Woman { 0.90 } else { 1.0 };
     let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
         center,
         along,

@@ -5,7 +5,7 @@ use super::clothes::slot;
 use super::frame::{Frame, SIDES, down};
 use super::gait::{Leg, Posture};
 use super::head::add_head;
-use super::proportions::{Kind, Legwear, Proportions, Top};
+use super::proportions::{Legwear, PersonKind, Proportions, Top};
 use super::tube::{Ring, Tubes};
 use crate::math::{Vec3, cosf, sinf};
 
@@ -158,7 +158,7 @@ pub(in crate::assets) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &F
     let g = frame.g;
     let t = p.trunk;
     let (hips, chest) = match p.kind {
-        Kind::Woman => (1.04, 0.93),
+        PersonKind::Woman => (1.04, 0.93),
         _ => (1.0, 1.0),
     };
     let loose = match p.top {
@@ -172,7 +172,7 @@ pub(in crate::assets) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &F
         frame.ring(z * t, dx, [x * g + loose, y * g + loose], slot, level)
     };
     let belly = p.belly;
-    let bust = if p.kind == Kind::Woman { 0.022 } else { 0.0 };
+    let bust = if p.kind == PersonKind::Woman { 0.022 } else { 0.0 };
     let rings = [
         frame.ring(-0.14 * t, 0.0, [0.075 * g, 0.100 * g], bottom, 0),
         frame.ring(-0.07 * t, -0.005, [0.105 * g, 0.150 * hips * g], bottom, 2),

@@ -1,6 +1,6 @@
 //! The materials of people: a palette with fixed slots.
 
-use super::proportions::{Headwear, Kind};
+use super::proportions::{Headwear, PersonKind};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::rng::Stream;
 
@@ -52,7 +52,7 @@ pub(in crate::assets) fn pick(stock: &[(f64, [f32; 3])], s: &mut Stream) -> [f32
 }
 
 /// The materials of a person. Dyes are clear at 905 nm: the laser sees 0.3-0.7 whatever the eye sees.
-pub(in crate::assets) fn palette(kind: Kind, headwear: Headwear, s: &mut Stream) -> Palette {
+pub(in crate::assets) fn palette(kind: PersonKind, headwear: Headwear, s: &mut Stream) -> Palette {
     let cloth = |albedo: [f32; 3], reflectance: f64| {
         Material::matt(Semantic::Person, albedo, Pattern::Cloth, reflectance as f32)
     };
@@ -69,7 +69,7 @@ pub(in crate::assets) fn palette(kind: Kind, headwear: Headwear, s: &mut Stream)
     };
     let hair = match headwear {
         Headwear::Hat | Headwear::Helmet => pick(&TOPS, s),
-        _ => pick(&HAIR[..if kind == Kind::Child { 4 } else { 5 }], s),
+        _ => pick(&HAIR[..if kind == PersonKind::Child { 4 } else { 5 }], s),
     };
     let is_leather = s.chance(0.5);
     let shoe = if is_leather { [0.03, 0.024, 0.02] } else { [s.range(0.03, 0.6) as f32; 3] };

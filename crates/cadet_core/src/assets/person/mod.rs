@@ -23,7 +23,7 @@ use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
-use proportions::{ArmPose, Kind, Legwear, Load, Proportions, Top};
+use proportions::{ArmPose, Legwear, Load, PersonKind, Proportions, Top};
 use sitting::{HIP_BEFORE_MIDDLE_M, Sitting};
 use tube::Tubes;
 
@@ -121,7 +121,7 @@ impl PersonModel {
 
     /// Whether somebody is a child, and whether they are old.
     pub(crate) fn is_child(&self) -> bool {
-        self.proportions.kind == Kind::Child
+        self.proportions.kind == PersonKind::Child
     }
 
     /// Whether somebody sits.

@@ -25,13 +25,13 @@ pub(in crate::assets) enum ArmPose {
 
 /// Kind of person.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::assets) enum Kind {
+pub(in crate::assets) enum PersonKind {
     Man,
     Woman,
     Child,
 }
 
-impl Kind {
+impl PersonKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Man => "man",
@@ -84,7 +84,7 @@ pub(in crate::assets) enum Headwear {
 /// A person's measures in meters, and how the person moves.
 #[derive(Debug, Clone)]
 pub(in crate::assets) struct Proportions {
-    pub kind: Kind,
+    pub kind: PersonKind,
     /// Height with shoes and hair.
     pub stature: f32,
     /// Girth relative to a slim adult's, and how far the belly sticks out.
@@ -140,23 +140,23 @@ impl Proportions {
     /// Draws a person of a height.
     pub fn draw(is_standing: bool, stature: f64, s: &mut Stream) -> Self {
         let kind = if stature < TALLEST_CHILD_M {
-            Kind::Child
+            PersonKind::Child
         } else if s.chance(share_of_men(stature)) {
-            Kind::Man
+            PersonKind::Man
         } else {
-            Kind::Woman
+            PersonKind::Woman
         };
-        let is_elderly = kind != Kind::Child && s.chance(0.15);
+        let is_elderly = kind != PersonKind::Child && s.chance(0.15);
         let speed = match kind {
             _ if is_standing => 0.0,
-            Kind::Child => s.range(1.1, 1.5),
+            PersonKind::Child => s.range(1.1, 1.5),
             _ if is_elderly => s.range(0.95, 1.15),
             _ => s.clipped_normal(1.38, 0.22).clamp(0.85, 1.9),
         };
         // Step length grows with the root of speed; short people take shorter steps.
         let step = (speed * 60.0 * 0.0064 * stature / 1.75).sqrt();
         let load_draw = s.unit();
-        let load = if kind == Kind::Child {
+        let load = if kind == PersonKind::Child {
             if load_draw < 0.4 { Load::Backpack } else { Load::None }
         } else if load_draw < 0.25 {
             Load::ShoulderBag
@@ -168,7 +168,7 @@ impl Proportions {
             Load::None
         };
         let arms = Self::draw_arms(s, is_standing, load);
-        let is_woman = kind == Kind::Woman;
+        let is_woman = kind == PersonKind::Woman;
         let legwear_draw = s.unit();
         let legwear = if is_woman && legwear_draw < 0.15 {
             Legwear::Skirt
@@ -194,7 +194,7 @@ impl Proportions {
         };
         // The measures' fractions are of the naked height; shoes add 2.5 cm and hair 1.5.
         let h = stature - 0.04;
-        let child = if kind == Kind::Child { ((1.6 - stature) / 0.45).clamp(0.0, 1.0) } else { 0.0 };
+        let child = if kind == PersonKind::Child { ((1.6 - stature) / 0.45).clamp(0.0, 1.0) } else { 0.0 };
         let leg_fraction = 0.530 - 0.07 * child;
         let head_fraction = 0.130 + 0.035 * child;
         let leg = (leg_fraction - 0.039) * h;
@@ -204,7 +204,7 @@ impl Proportions {
             kind,
             stature: stature as f32,
             girth: s.clipped_normal(if is_elderly { 1.08 } else { 1.0 }, 0.07) as f32,
-            belly: if kind == Kind::Child { 0.0 } else { (s.range(-0.04, 0.08)).max(0.0) as f32 },
+            belly: if kind == PersonKind::Child { 0.0 } else { (s.range(-0.04, 0.08)).max(0.0) as f32 },
             thigh: (0.499 * leg) as f32,
             shank: (0.501 * leg) as f32,
             upper_arm: (0.186 * h) as f32,

@@ -52,7 +52,7 @@ pub(super) struct PlotOnStreet {
 }
 
 /// The streets of a town, as they were laid out.
-pub(super) struct Streets<'a> {
+pub(super) struct StreetLayout<'a> {
     pub frontages: &'a [Frontage],
     pub styles: &'a [StreetStyle],
     pub plots_on_streets: &'a [PlotOnStreet],
@@ -91,7 +91,7 @@ fn bounds_of(walkway: &Walkway) -> (DVec2, DVec2) {
 /// Places the things of a town; parking places are those along streets and those in drives.
 pub(super) fn place(
     key: &StreamKey,
-    streets: &Streets,
+    streets: &StreetLayout,
     (parking, drives): (&[ParkingSpot], &[ParkingSpot]),
     walkways: &[Walkway],
     clutter: f64,

@@ -26,7 +26,7 @@ pub(super) use tram::{Coupled, Train, Tram, TramCar};
 pub(super) struct Agent {
     /// Of its first actor: never given twice; 0 for the ego. Its other actors have the next ones.
     pub id: i32,
-    pub kind: Kind,
+    pub kind: AgentKind,
     /// Put there by the user: never replaced.
     pub is_placed: bool,
 }
@@ -35,26 +35,26 @@ pub(super) struct Agent {
 macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident,)*) => {
         /// What an agent is.
-        pub(super) enum Kind {
+        pub(super) enum AgentKind {
             $($(#[$doc])* $kind(Box<$kind>),)*
         }
 
         impl Agent {
             pub fn behavior(&self) -> &dyn Behavior {
                 match &self.kind {
-                    $(Kind::$kind(own) => own.as_ref(),)*
+                    $(AgentKind::$kind(own) => own.as_ref(),)*
                 }
             }
 
             pub fn behavior_mut(&mut self) -> &mut dyn Behavior {
                 match &mut self.kind {
-                    $(Kind::$kind(own) => own.as_mut(),)*
+                    $(AgentKind::$kind(own) => own.as_mut(),)*
                 }
             }
         }
 
         $(
-            impl From<$kind> for Kind {
+            impl From<$kind> for AgentKind {
                 fn from(own: $kind) -> Self {
                     Self::$kind(Box::new(own))
                 }
@@ -62,11 +62,11 @@ macro_rules! kinds {
 
             impl OfKind for $kind {
                 fn of(agent: &Agent) -> Option<&Self> {
-                    if let Kind::$kind(own) = &agent.kind { Some(own) } else { None }
+                    if let AgentKind::$kind(own) = &agent.kind { Some(own) } else { None }
                 }
 
                 fn of_mut(agent: &mut Agent) -> Option<&mut Self> {
-                    if let Kind::$kind(own) = &mut agent.kind { Some(own) } else { None }
+                    if let AgentKind::$kind(own) = &mut agent.kind { Some(own) } else { None }
                 }
             }
         )*

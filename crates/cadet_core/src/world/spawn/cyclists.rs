@@ -9,7 +9,7 @@ use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId, LaneKind};
-use crate::world::agents::{Cyclist, Habits, Kind};
+use crate::world::agents::{AgentKind, Cyclist, Habits};
 use crate::world::body::stand_up;
 use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
@@ -39,7 +39,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         let model = Arc::new(CyclistModel::generate(stream.next_u64()));
         if stream.chance(COMPANY_SHARE)
             && let Some((lane, s_m)) = self.last_cyclist(slot)
@@ -87,7 +87,7 @@ impl Spawner<'_> {
         (lane, s_m): (LaneId, f64),
         headway_m: f64,
         stream: &mut Stream,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         let graph = &self.arena.streets.graph;
         let seed = self.key.indexed("cyclist route", stream.next_u64());
         let habits = Habits::draw(&mut Stream::from_seed("cyclist habits", stream.next_u64()));

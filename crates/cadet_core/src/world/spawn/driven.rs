@@ -12,7 +12,7 @@ use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
-use crate::world::agents::{Car, Kind};
+use crate::world::agents::{AgentKind, Car};
 use crate::world::body::{Chassis, settle};
 use crate::world::driving::IdmParameters;
 use crate::world::footprint::Footprint;
@@ -95,7 +95,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
         let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
             Some(model) => model,
@@ -124,7 +124,7 @@ impl Spawner<'_> {
         model: Arc<VehicleModel>,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         let needs = Needs::of_truck(model.size_lwh);
         self.place_car(slot, stream, model, needs, ring_m, entry)
     }
@@ -138,7 +138,7 @@ impl Spawner<'_> {
         needs: Needs,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         if self.is_fast() {
             return self.place_fast(slot, stream, model, needs, ring_m, entry);
         }

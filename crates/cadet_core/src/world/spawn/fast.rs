@@ -9,7 +9,7 @@ use crate::assets::vehicle::VehicleModel;
 use crate::math::DVec3;
 use crate::rng::Stream;
 use crate::town::LaneId;
-use crate::world::agents::{Car, Kind};
+use crate::world::agents::{AgentKind, Car};
 use crate::world::body::Body;
 use crate::world::driving::{IdmParameters, LaneView};
 use crate::world::params::{CAR, LONG_M};
@@ -71,7 +71,7 @@ impl Spawner<'_> {
         needs: Needs,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
         let mut idm = IdmParameters::draw(&CAR, stream);

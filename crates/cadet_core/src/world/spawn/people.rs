@@ -7,7 +7,7 @@ use super::spawner::{EGO_WAY_M, Entry, Spawner};
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::world::agents::{Kind, Pedestrian};
+use crate::world::agents::{AgentKind, Pedestrian};
 use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
 use crate::world::walking::Motion;
@@ -29,7 +29,7 @@ impl Spawner<'_> {
         stream: &mut Stream,
         ring_m: (f64, f64),
         entry: Entry,
-    ) -> Option<Kind> {
+    ) -> Option<AgentKind> {
         let ((ego, view), is_newcomer) = (self.arena.ego_place(), entry != Entry::Anywhere);
         let model = Arc::new(PersonModel::generate(stream.next_u64()));
         let walks = model.walking_speed_mps > 0.0;

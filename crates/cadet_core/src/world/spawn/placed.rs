@@ -12,7 +12,7 @@ use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
-use crate::world::agents::{Actor, Fixture, Kind, Led, PERSON_HALF_CHORD_M, Script, Scripted, TimedPath};
+use crate::world::agents::{Actor, AgentKind, Fixture, Led, PERSON_HALF_CHORD_M, Script, Scripted, TimedPath};
 use crate::world::arena::Arena;
 use crate::world::body::{Upright, settle, stand_up};
 use crate::world::course::{
@@ -43,7 +43,7 @@ pub(crate) fn add_vehicle(
             let (at, yaw_rad, _) = script.start();
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
             let led = Led::Vehicle(guided_vehicle(arena, model, script.start())?);
-            Kind::from(Scripted { script, led })
+            AgentKind::from(Scripted { script, led })
         }
         None => {
             let (at, yaw_rad) = standing(course)?;
@@ -77,7 +77,7 @@ pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, ov
         Some(script) => {
             let Actor { body, look } = person.own;
             let body = Upright { velocity_world: script.start().2.extend(0.0), ..body };
-            Kind::from(Scripted { script, led: Led::Person(Actor { body, look }) })
+            AgentKind::from(Scripted { script, led: Led::Person(Actor { body, look }) })
         }
         None => person.into(),
     };
@@ -106,7 +106,7 @@ pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, o
     let turn = Stream::from_seed("wheels", model_seed).unit();
     let own = ridden_bicycle(arena, model, (pose, yaw_rad), velocity, turn);
     let newcomer = match script {
-        Some(script) => Kind::from(Scripted { script, led: Led::Cyclist(own) }),
+        Some(script) => AgentKind::from(Scripted { script, led: Led::Cyclist(own) }),
         None => Fixture::Cyclist(own).into(),
     };
     Ok(arena.put_placed(newcomer))

@@ -12,7 +12,7 @@ use crate::frames;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::agents::{Actor, Fixture, Kind};
+use crate::world::agents::{Actor, AgentKind, Fixture};
 use crate::world::arena::Arena;
 use crate::world::body::Upright;
 use crate::world::course::{Course, Overlap};
@@ -48,7 +48,7 @@ impl Spawner<'_> {
 }
 
 /// Somebody on a seat.
-fn sitter(model: PersonModel, body: Upright) -> Kind {
+fn sitter(model: PersonModel, body: Upright) -> AgentKind {
     let look = PersonLook { model: Arc::new(model), phase: 0.0 };
     Fixture::Person(Actor { body, look }).into()
 }

@@ -6,7 +6,7 @@ use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::rng::Stream;
 use crate::town::Town;
-use crate::world::agents::{Agent, Car, Cyclist, Kind, Pedestrian};
+use crate::world::agents::{Agent, AgentKind, Car, Cyclist, Pedestrian};
 use crate::world::arena::Arena;
 use crate::world::driving::Cause;
 use crate::world::slot::{EGO, Slot};
@@ -111,7 +111,7 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
 }
 
 /// Makes somebody for a slot, between two distances from the ego; `None` where there is no place.
-type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<Kind>;
+type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<AgentKind>;
 
 /// Adds so many, or as many as find room; returns how many.
 fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) -> usize {

@@ -4,7 +4,7 @@ use super::super::interior::{add_occupant, add_wheel, limb};
 use super::super::paint::slot;
 use super::super::surface::{Outward, Surface};
 use super::hull::{Arch, Cell, Hull, Part};
-use super::plan::{Kind, Plan};
+use super::plan::{Plan, WorkKind};
 use crate::math::{Mat3, Quat, Vec3};
 
 /// The cab of a truck.
@@ -284,7 +284,9 @@ impl Cab {
             Vec3::new(front - 0.35, 0.42, self.floor - 0.05),
             slot::LINER,
         );
-        if p.cab_top + 0.25 < p.height && matches!(p.kind, Kind::Box | Kind::Curtain | Kind::Semi) && p.detail[6] > 0.3
+        if p.cab_top + 0.25 < p.height
+            && matches!(p.kind, WorkKind::Box | WorkKind::Curtain | WorkKind::Semi)
+            && p.detail[6] > 0.3
         {
             // The deflector on the roof.
             let (x0, x1) = (front - 0.55 - h.lean, h.rear_x + 0.05);

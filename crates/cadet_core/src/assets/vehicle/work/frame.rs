@@ -5,7 +5,7 @@ use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
 use super::super::wheels::{Rim, wheel};
 use super::cab::plate;
-use super::plan::{Kind, Plan};
+use super::plan::{Plan, WorkKind};
 use crate::math::{Mat3, Vec3, cosf, sinf};
 use std::f32::consts::PI;
 
@@ -201,7 +201,7 @@ pub(super) fn add_fixed_wheels(surface: &mut Surface, p: &Plan, level: usize) {
 
 /// The landing legs and the gap of a semi-trailer: its frame stands on the tractor's.
 pub(super) fn add_coupling(surface: &mut Surface, p: &Plan, level: usize) {
-    if p.kind != Kind::Semi {
+    if p.kind != WorkKind::Semi {
         return;
     }
     let x = p.axles_x[4] - 1.9;

@@ -5,7 +5,7 @@ use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
 use super::bay::{Room, block};
 use super::closed_load::{add_box, add_curtain};
-use super::plan::{Kind, Plan};
+use super::plan::{Plan, WorkKind};
 use super::special_load::{add_fire, add_refuse, add_tank};
 use crate::math::{Vec3, sinf};
 use std::f32::consts::TAU;
@@ -15,16 +15,16 @@ pub(super) fn add_load(surface: &mut Surface, p: &Plan, level: usize) {
     let room =
         Room { front: p.load_front(), rear: -p.length / 2.0, half_w: p.width / 2.0, floor: p.deck, top: p.height };
     match p.kind {
-        Kind::Box => add_box(surface, p, &room, level),
-        Kind::Curtain => add_curtain(surface, p, &room, level),
-        Kind::Semi if p.detail[7] > 0.45 => add_curtain(surface, p, &room, level),
-        Kind::Semi => add_box(surface, p, &room, level),
-        Kind::Tipper => add_tipper(surface, p, &room, level),
-        Kind::Flatbed => add_flatbed(surface, p, &room, level),
-        Kind::Tank => add_tank(surface, &room, level),
-        Kind::Refuse => add_refuse(surface, &room, level),
-        Kind::Fire => add_fire(surface, &room, level),
-        Kind::Bus => {}
+        WorkKind::Box => add_box(surface, p, &room, level),
+        WorkKind::Curtain => add_curtain(surface, p, &room, level),
+        WorkKind::Semi if p.detail[7] > 0.45 => add_curtain(surface, p, &room, level),
+        WorkKind::Semi => add_box(surface, p, &room, level),
+        WorkKind::Tipper => add_tipper(surface, p, &room, level),
+        WorkKind::Flatbed => add_flatbed(surface, p, &room, level),
+        WorkKind::Tank => add_tank(surface, &room, level),
+        WorkKind::Refuse => add_refuse(surface, &room, level),
+        WorkKind::Fire => add_fire(surface, &room, level),
+        WorkKind::Bus => {}
     }
 }
 

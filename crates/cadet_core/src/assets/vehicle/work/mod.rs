@@ -26,7 +26,7 @@ use crate::rng::Stream;
 
 use cab::Cab;
 use coach::Coach;
-use plan::{Kind, Plan, TowedPlan};
+use plan::{Plan, TowedPlan, WorkKind};
 
 pub(super) use hull::{Cell, Hull, Part};
 
@@ -48,7 +48,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
     let p = Plan::draw(s);
     let palette = work_paint::palette(ObjectClass::Truck, p.livery(), s);
     let has_passenger = s.chance(0.35);
-    let front: Front = if p.kind == Kind::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
+    let front: Front = if p.kind == WorkKind::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
     let size = Vec3::new(p.length, p.width, p.height);
     let mut fits = Vec::with_capacity(LEVELS);
     let body = levels_of(

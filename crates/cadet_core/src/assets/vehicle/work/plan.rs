@@ -8,7 +8,7 @@ use crate::rng::Stream;
 
 /// What a chassis carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum WorkKind {
     Box,
     Curtain,
     Tipper,
@@ -22,23 +22,29 @@ pub(super) enum Kind {
 
 /// Shares of the kinds among trucks that are as long and as high as the limits say. KITTI's boxes of 12.3 x 2.6 x 2.9 m
 /// are city buses, those of 16.4 m and more semi-trailers.
-const SHORT: [(Kind, f64); 4] = [(Kind::Box, 0.40), (Kind::Flatbed, 0.30), (Kind::Tipper, 0.22), (Kind::Fire, 0.14)];
-const MEDIUM: [(Kind, f64); 7] = [
-    (Kind::Box, 0.34),
-    (Kind::Curtain, 0.16),
-    (Kind::Tipper, 0.14),
-    (Kind::Flatbed, 0.10),
-    (Kind::Refuse, 0.14),
-    (Kind::Tank, 0.06),
-    (Kind::Fire, 0.13),
+const SHORT: [(WorkKind, f64); 4] =
+    [(WorkKind::Box, 0.40), (WorkKind::Flatbed, 0.30), (WorkKind::Tipper, 0.22), (WorkKind::Fire, 0.14)];
+const MEDIUM: [(WorkKind, f64); 7] = [
+    (WorkKind::Box, 0.34),
+    (WorkKind::Curtain, 0.16),
+    (WorkKind::Tipper, 0.14),
+    (WorkKind::Flatbed, 0.10),
+    (WorkKind::Refuse, 0.14),
+    (WorkKind::Tank, 0.06),
+    (WorkKind::Fire, 0.13),
 ];
-const LONG: [(Kind, f64); 5] =
-    [(Kind::Box, 0.38), (Kind::Curtain, 0.28), (Kind::Refuse, 0.12), (Kind::Tank, 0.08), (Kind::Bus, 0.14)];
+const LONG: [(WorkKind, f64); 5] = [
+    (WorkKind::Box, 0.38),
+    (WorkKind::Curtain, 0.28),
+    (WorkKind::Refuse, 0.12),
+    (WorkKind::Tank, 0.08),
+    (WorkKind::Bus, 0.14),
+];
 
 /// One truck's measures, meters in the box frame.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
-    pub kind: Kind,
+    pub kind: WorkKind,
     pub length: f32,
     pub width: f32,
     pub height: f32,
@@ -68,9 +74,9 @@ impl Plan {
     fn of_size(size: DVec3, s: &mut Stream) -> Self {
         let (l, h) = (size.x, size.z);
         let kind = if l > 14.5 {
-            Kind::Semi
+            WorkKind::Semi
         } else if l > 11.2 && h < 3.4 {
-            Kind::Bus
+            WorkKind::Bus
         } else if l > 9.8 {
             pick(&LONG, s)
         } else if l > 6.8 {
@@ -84,13 +90,13 @@ impl Plan {
         let is_small = length < 6.9;
         let wheel_radius = if is_small {
             0.36 + 0.05 * detail[0]
-        } else if kind == Kind::Bus {
+        } else if kind == WorkKind::Bus {
             0.48
         } else {
             0.46 + 0.05 * detail[0]
         };
         let deck = if is_small { 0.72 + 0.1 * detail[1] } else { 0.98 + 0.12 * detail[1] };
-        let has_sleeper = kind == Kind::Semi || (length > 8.5 && detail[2] > 0.55);
+        let has_sleeper = kind == WorkKind::Semi || (length > 8.5 && detail[2] > 0.55);
         let cab_length = if is_small {
             1.60
         } else if has_sleeper {
@@ -100,16 +106,16 @@ impl Plan {
         };
         let cab_height = if is_small {
             2.12 + 0.16 * detail[3]
-        } else if kind == Kind::Semi {
+        } else if kind == WorkKind::Semi {
             3.25 + 0.4 * detail[3]
         } else {
             2.62 + 0.28 * detail[3]
         };
-        let is_open = matches!(kind, Kind::Tipper | Kind::Flatbed);
+        let is_open = matches!(kind, WorkKind::Tipper | WorkKind::Flatbed);
         // Of small ones that carry no body the cab is the highest.
         let cab_top = if is_open && is_small { height.min(2.6) } else { cab_height.min(height - 0.12) };
         let front = half
-            - if kind == Kind::Bus {
+            - if kind == WorkKind::Bus {
                 2.7
             } else if is_small {
                 1.02
@@ -117,12 +123,12 @@ impl Plan {
                 1.36
             };
         let (axles_x, twin) = match kind {
-            Kind::Semi => {
+            WorkKind::Semi => {
                 let last = -half + 1.6 + 0.9 * detail[4];
                 let drive = front - 3.65;
                 (vec![front, last + 1.31, last, last + 2.62, drive], vec![false, false, false, false, true])
             }
-            Kind::Bus => (vec![front, front - 0.48 * length], vec![false, true]),
+            WorkKind::Bus => (vec![front, front - 0.48 * length], vec![false, true]),
             _ => {
                 let overhang = if is_small { 1.25 } else { 1.5 + 0.07 * length };
                 let rear = -half + overhang;
@@ -153,23 +159,23 @@ impl Plan {
 
     pub fn name(&self) -> &'static str {
         match self.kind {
-            Kind::Box => "box_truck",
-            Kind::Curtain => "curtain_sider",
-            Kind::Tipper => "tipper",
-            Kind::Flatbed => "flatbed",
-            Kind::Tank => "tanker",
-            Kind::Refuse => "refuse_truck",
-            Kind::Fire => "fire_engine",
-            Kind::Semi => "semi_trailer",
-            Kind::Bus => "bus",
+            WorkKind::Box => "box_truck",
+            WorkKind::Curtain => "curtain_sider",
+            WorkKind::Tipper => "tipper",
+            WorkKind::Flatbed => "flatbed",
+            WorkKind::Tank => "tanker",
+            WorkKind::Refuse => "refuse_truck",
+            WorkKind::Fire => "fire_engine",
+            WorkKind::Semi => "semi_trailer",
+            WorkKind::Bus => "bus",
         }
     }
 
     pub fn livery(&self) -> Livery {
         match self.kind {
-            Kind::Refuse => Livery::Municipal,
-            Kind::Fire => Livery::Fire,
-            Kind::Bus => Livery::Bus,
+            WorkKind::Refuse => Livery::Municipal,
+            WorkKind::Fire => Livery::Fire,
+            WorkKind::Bus => Livery::Bus,
             _ => Livery::Freight,
         }
     }
@@ -180,7 +186,7 @@ impl Plan {
 
     /// Where the load begins behind the cab.
     pub fn load_front(&self) -> f32 {
-        let gap = if self.kind == Kind::Semi { 0.55 } else { 0.10 };
+        let gap = if self.kind == WorkKind::Semi { 0.55 } else { 0.10 };
         self.front_x() - self.cab_length - gap
     }
 
