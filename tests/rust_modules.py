@@ -14,8 +14,9 @@ _UNIT_TESTS = re.compile(r"#\[cfg\(test\)\]\s*(?:#\[[^\n]*\]\s*)*(?:pub\S* )?mod
 
 
 def code_of(path: Path) -> str:
-    """Return a Rust file without comments, strings and unit tests."""
+    """Return a Rust file without comments, strings, unit tests, and how far its items are visible."""
     code = re.sub(r"//[^\n]*", "", path.read_text())
+    code = re.sub(r"\bpub\([^)]*\)", "pub", code)
     return _UNIT_TESTS.split(re.sub(r'"(?:[^"\\]|\\.)*"', '""', code))[0]
 
 

@@ -1,93 +1,32 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the props along its streets.
 
-mod belt;
-mod city_paving;
-mod city_rows;
-mod country_roads;
 mod countryside;
-mod curb_edges;
-mod curbside;
-mod cycle_lanes;
-mod cycle_paint;
-mod cycle_turns;
-mod face_index;
-mod fields;
-mod flat_road;
-mod frontage;
-mod garden;
 mod ground;
-mod ground_kind;
-mod ground_mesh;
-mod ground_palette;
-mod ground_region;
-mod ground_surface;
-mod height_field;
-mod junction_paint;
-mod junction_turns;
-mod lot_use;
 mod lots;
-mod map_levels;
-mod map_offset;
-mod map_signals;
-mod map_warnings;
-mod median;
-mod motorway;
-mod motorway_writer;
 mod network;
-mod occupancy;
 mod opendrive;
-mod overhead_line;
 mod paint;
-mod place_streets;
-mod placer;
-mod plan_curve;
-mod plot;
+mod plan;
 mod plots;
-mod prop_config;
 mod props;
-mod rails;
-mod relief;
-mod repairs;
-mod right_of_way;
-mod road_marking;
-mod roadside;
-mod roughness;
-mod roundabout;
-mod roundabout_island;
 mod signals;
-mod street_grid;
-mod street_plan;
-mod street_style;
 mod street_things;
-mod streetside;
-mod suburb;
-mod suburb_config;
-mod walkway;
-mod wear;
-mod xodr_lanes;
-mod xodr_numbers;
-mod xodr_signals;
-mod xodr_tags;
-mod xodr_text;
-mod xodr_writer;
-mod yard_region;
-mod yards;
 
-pub use curbside::parking_spots;
 pub use ground::Ground;
-pub use ground_kind::GroundKind;
-pub(crate) use network::RightOfWay;
-pub use network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork};
+pub use ground::kind::GroundKind;
+pub use ground::roughness::Roughness;
+pub use network::parking_spots::parking_spots;
+pub(crate) use network::road_network::RightOfWay;
+pub use network::road_network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork};
+pub use network::walkway::walkways;
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
-pub use prop_config::PropConfig;
-pub use roughness::Roughness;
+pub use plan::suburb::{Suburb, generate as generate_suburb};
+pub use plan::suburb_config::SuburbConfig;
+pub use props::config::PropConfig;
 pub use signals::{Arm, Aspect, CrossingRule, Head, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
 pub use street_things::Seat;
-pub use suburb::{Suburb, generate as generate_suburb};
-pub use suburb_config::SuburbConfig;
-pub use walkway::walkways;
 
-use self::wear::Wear;
+use self::paint::wear::Wear;
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
@@ -184,7 +123,7 @@ impl Town {
     #[must_use]
     pub fn flat() -> Self {
         let mut ground = Ground::flat(200.0);
-        ground.tiles = flat_road::tiles(200.0);
+        ground.tiles = ground::flat_road::tiles(200.0);
         Self {
             name: "flat".to_owned(),
             network: RoadNetwork::default(),
@@ -205,11 +144,14 @@ impl Town {
         let roughness = if network.is_motorway() { roughness.scaled(MOTORWAY_ROUGHNESS) } else { roughness };
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
-        let land = fields::Land::of(&network, key, ground::extent(&network));
+        let land = plots::fields::Land::of(&network, key, ground::extent(&network));
         let mut lots = lots::Lots::default();
         let has_lots = [config.car_park_share, config.industrial_share, config.campus_share].iter().any(|s| *s > 0.0);
-        let mut yards = yards::Yards { lines: curbside::bay_lines(&network, key), ..Default::default() };
-        let lay = |yards: &yards::Yards| Ground::of_town(&network, &roughness, &wear, &signals, (land.as_ref(), yards));
+        let mut yards =
+            plots::yards::Yards { lines: network::parking_spots::bay_lines(&network, key), ..Default::default() };
+        let lay = |yards: &plots::yards::Yards| {
+            Ground::of_town(&network, &roughness, &wear, &signals, (land.as_ref(), yards))
+        };
         let mut ground = lay(&yards)?;
         if has_lots && land.is_none() {
             lots = lots::Lots::plan(key, &network, &ground, config);

@@ -1,19 +1,19 @@
 //! Lone houses and farms beside country roads: a house with its garden, a barn, a drive.
 
-use super::super::ParkingSpot;
-use super::super::fields::Land;
-use super::super::frontage::{Frontage, right_of};
-use super::super::garden;
-use super::super::occupancy::Occupancy;
-use super::super::placer::Placer;
-use super::super::plot::{PlacedHouse, Plot};
-use super::super::prop_config::PropConfig;
-use super::super::street_style::StreetStyle;
 use crate::assets::scenery::materials::barn_palette;
 use crate::assets::scenery::{HouseKind, house, num_variants, paving};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
+use crate::town::ParkingSpot;
+use crate::town::plan::street_style::StreetStyle;
+use crate::town::plots::fields::Land;
+use crate::town::plots::frontage::{Frontage, right_of};
+use crate::town::plots::garden;
+use crate::town::plots::plot::{PlacedHouse, Plot};
+use crate::town::props::config::PropConfig;
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::Placer;
 
 /// Share of the sides of roads with a farm, and with a few houses at the edge of a village.
 const FARM_SHARE: f64 = 0.16;

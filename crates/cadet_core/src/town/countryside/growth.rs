@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use super::super::belt::StreetPoints;
-use super::super::fields::Crop;
-use super::super::ground_region::{Inside, Ring, with_steps};
-use super::super::occupancy::Occupancy;
-use super::super::placer::{Placer, boundary_palette};
-use super::super::street_style::Boundary;
-use super::SEEN_M;
-use super::roadsides::room_m;
 use crate::assets::scenery::materials::maize_palette;
 use crate::assets::scenery::{CROP_VARIANTS, FenceKind, MAIZE_M, TreeKind, maize as maize_row, num_variants, tree};
 use crate::math::DVec2;
 use crate::rng::{Stream, StreamKey};
+use crate::town::countryside::SEEN_M;
+use crate::town::countryside::roadsides::room_m;
+use crate::town::ground::region::{Inside, Ring, with_steps};
+use crate::town::plan::street_style::Boundary;
+use crate::town::plots::belt::StreetPoints;
+use crate::town::plots::fields::Crop;
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::{Placer, boundary_palette};
 
 /// Woods have a tree a cell, and farther than this from all roads only some.
 const WOOD_CELL_M: f64 = 4.4;

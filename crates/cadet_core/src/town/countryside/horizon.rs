@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::Ground;
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
 use crate::instance::Instance;
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{self, DPose3, DQuat, DVec2, DVec3, TAU};
 use crate::rng::{Stream, StreamKey};
+use crate::town::Ground;
 
 /// The rings of the hills: how far beyond the ground, and the share of their height that they have there.
 const RINGS_M: [(f64, f64); 9] = [
@@ -80,7 +80,7 @@ fn outward(v: f64) -> f64 {
 /// Places along a rectangle, counter-clockwise.
 fn outline(min: DVec2, max: DVec2) -> Vec<DVec2> {
     let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-    super::super::ground_region::with_steps(&corners, STEP_M)
+    crate::town::ground::region::with_steps(&corners, STEP_M)
 }
 
 /// How high hills and their trees are by direction.

@@ -10,15 +10,15 @@ mod tests;
 
 pub(super) use horizon::hills;
 
-use super::belt::StreetPoints;
-use super::fields::Land;
-use super::frontage::Frontage;
-use super::occupancy::Occupancy;
-use super::placer::Placer;
-use super::prop_config::PropConfig;
-use super::signals::Signals;
-use super::{ParkingSpot, RoadNetwork};
 use crate::rng::StreamKey;
+use crate::town::plots::belt::StreetPoints;
+use crate::town::plots::fields::Land;
+use crate::town::plots::frontage::Frontage;
+use crate::town::props::config::PropConfig;
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::Placer;
+use crate::town::signals::Signals;
+use crate::town::{ParkingSpot, RoadNetwork};
 
 /// Farther from all roads nothing is seen but the woods' outer trees.
 const SEEN_M: f64 = 150.0;

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use super::super::RoadNetwork;
-use super::super::fields::Land;
-use super::super::frontage::{Frontage, right_of};
-use super::super::network::RightOfWay;
-use super::super::occupancy::Occupancy;
-use super::super::placer::Placer;
-use super::super::signals::Signals;
-use super::super::street_style::Boundary;
 use crate::assets::scenery::materials::{guard_rail_palette, herbs_palette};
 use crate::assets::scenery::{CROP_VARIANTS, FenceKind, HERBS_M, PoleKind, TreeKind, herbs, num_variants, pole, tree};
 use crate::math::{DVec2, wrap_angle};
 use crate::rng::{Stream, StreamKey};
+use crate::town::RoadNetwork;
+use crate::town::network::road_network::RightOfWay;
+use crate::town::plan::street_style::Boundary;
+use crate::town::plots::fields::Land;
+use crate::town::plots::frontage::{Frontage, right_of};
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::Placer;
+use crate::town::signals::Signals;
 
 /// Delineators stand so far apart and so far from the carriageway (HLB, German guideline for delineators).
 const DELINEATOR_EVERY_M: f64 = 50.0;

@@ -1,15 +1,15 @@
 //! What stands beside country roads: where it should, and nothing on them.
 
-use super::super::fields::{Crop, Land};
-use super::super::props::{Props, place_in_country};
-use super::super::roadside::DistanceFrom;
-use super::super::roughness::Roughness;
-use super::super::signals::Signals;
-use super::super::wear::Wear;
-use super::super::{Ground, GroundKind, LaneKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, ground};
-use super::horizon;
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
+use crate::town::countryside::horizon;
+use crate::town::ground::road_section::DistanceFrom;
+use crate::town::ground::roughness::Roughness;
+use crate::town::paint::wear::Wear;
+use crate::town::plots::fields::{Crop, Land};
+use crate::town::props::{Props, place_in_country};
+use crate::town::signals::Signals;
+use crate::town::{Ground, GroundKind, LaneKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, ground};
 
 struct Country {
     key: StreamKey,
@@ -163,8 +163,8 @@ fn nobody_walks_or_parks_and_land_has_fields_of_all_kinds() {
     let mut crops = Vec::new();
     for seed in 0..6 {
         let country = Country::new(seed);
-        assert!(super::super::walkways(&country.ground).is_empty());
-        let spots = super::super::parking_spots(&country.network, &country.ground, &country.key);
+        assert!(crate::town::walkways(&country.ground).is_empty());
+        let spots = crate::town::parking_spots(&country.network, &country.ground, &country.key);
         assert!(spots.is_empty(), "seed {seed}: {} places to park", spots.len());
         let none = [LaneKind::Sidewalk, LaneKind::Parking, LaneKind::Median];
         assert!(country.network.lanes.iter().all(|l| !none.contains(&l.kind)));

@@ -1,12 +1,12 @@
 //! Institutes: set back behind lawns with large trees, a paved way to the door, racks of bicycles, benches.
 
-use super::super::street_style::Boundary;
-use super::super::yards::YardSurface;
-use super::BEFORE_M;
-use super::layout::{Item, Layout, fitting};
 use crate::assets::scenery::{BENCH_SEAT_M, FurnitureKind, HallKind, NARROW_HEDGES, ThingKind, TreeKind, furniture};
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::lots::BEFORE_M;
+use crate::town::lots::layout::{Item, Layout, fitting};
+use crate::town::plan::street_style::Boundary;
+use crate::town::plots::yards::YardSurface;
 
 /// Width of the way to a door.
 const WAY_M: f64 = 3.0;

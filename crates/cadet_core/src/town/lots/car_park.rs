@@ -1,13 +1,13 @@
 //! Car parks: rows of bays along aisles, islands with trees, hedges about them, and a market behind some.
 
-use super::super::SpotKind;
-use super::super::street_style::Boundary;
-use super::super::yards::YardSurface;
-use super::BEFORE_M;
-use super::layout::{Bay, Layout, fitting};
 use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, TreeKind, num_variants};
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::SpotKind;
+use crate::town::lots::BEFORE_M;
+use crate::town::lots::layout::{Bay, Layout, fitting};
+use crate::town::plan::street_style::Boundary;
+use crate::town::plots::yards::YardSurface;
 
 /// A bay and an aisle (EAR 05: 2.5 m by 5.0 m, aisles of 6.0 m).
 const BAY_M: (f64, f64) = (5.0, 2.5);

@@ -1,13 +1,13 @@
 //! Works and offices: a hall with a forecourt, a yard beside it, lawns with young trees, and fences with gates.
 
-use super::super::SpotKind;
-use super::super::street_style::Boundary;
-use super::super::yards::YardSurface;
-use super::BEFORE_M;
-use super::layout::{Bay, Layout, fitting};
 use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, ThingKind, TreeKind, num_variants};
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::SpotKind;
+use crate::town::lots::BEFORE_M;
+use crate::town::lots::layout::{Bay, Layout, fitting};
+use crate::town::plan::street_style::Boundary;
+use crate::town::plots::yards::YardSurface;
 
 const BAY_M: (f64, f64) = (5.0, 2.5);
 const SPOT_WIDTH_M: f64 = 1.95;

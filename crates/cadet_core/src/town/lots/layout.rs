@@ -2,9 +2,6 @@
 
 use std::sync::Arc;
 
-use super::super::SpotKind;
-use super::super::street_style::Boundary;
-use super::super::yards::YardSurface;
 use crate::assets::scenery::{
     HALL_VARIANTS, HallKind, LotFurniture, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, hall, hall_palette,
     lot_furniture, lot_furniture_palette, thing, thing_palette,
@@ -12,6 +9,9 @@ use crate::assets::scenery::{
 use crate::material::Palette;
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::SpotKind;
+use crate::town::plan::street_style::Boundary;
+use crate::town::plots::yards::YardSurface;
 
 /// A place for a vehicle.
 #[derive(Debug, Clone)]

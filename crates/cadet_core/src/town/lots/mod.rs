@@ -8,22 +8,22 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use super::frontage::{Frontage, frontages};
-use super::lot_use::LotUse;
-use super::network::PaintColor;
-use super::occupancy::{Occupancy, Site};
-use super::place_streets::AISLE_KMH;
-use super::plot::Plot;
-use super::plots::{fits, plot_at};
-use super::prop_config::PropConfig;
-use super::street_style::StreetStyle;
-use super::yards::Yards;
-use super::{Ground, PaintedQuad, ParkingSpot, RoadNetwork, Walkway};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
+use crate::town::network::road_network::PaintColor;
+use crate::town::plan::place_streets::AISLE_KMH;
+use crate::town::plan::street_style::StreetStyle;
+use crate::town::plots::frontage::{Frontage, frontages};
+use crate::town::plots::lot_use::LotUse;
+use crate::town::plots::plot::Plot;
+use crate::town::plots::yards::Yards;
+use crate::town::plots::{fits, plot_at};
+use crate::town::props::config::PropConfig;
+use crate::town::props::occupancy::{Occupancy, Site};
+use crate::town::{Ground, PaintedQuad, ParkingSpot, RoadNetwork, Walkway};
 
-use self::layout::Layout;
+use crate::town::lots::layout::Layout;
 
 /// Width of the lines between bays.
 const LINE_M: f64 = 0.12;

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::super::occupancy::Occupancy;
-use super::super::placer::{Placer, boundary_palette};
-use super::super::street_things::{Seat, StreetThings};
-use super::layout::Item;
-use super::{Lot, Lots};
 use crate::assets::scenery::{TreeKind, num_variants, tree};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
+use crate::town::lots::layout::Item;
+use crate::town::lots::{Lot, Lots};
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::{Placer, boundary_palette};
+use crate::town::street_things::{Seat, StreetThings};
 
 /// Trunks keep so far from bays and from what stands.
 const TRUNK_APART_M: f64 = 0.35;

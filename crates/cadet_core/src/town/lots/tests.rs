@@ -1,21 +1,21 @@
 //! Lots: nothing on them overlaps, floats, or stands on a street, and their bays are free.
 
-use super::super::occupancy::Site;
-use super::super::props::place_props;
-use super::super::roughness::Roughness;
-use super::super::signals::Signals;
-use super::super::wear::Wear;
-use super::super::{Ground, GroundKind, PropConfig, SpotKind, SuburbConfig, generate_suburb};
-use super::*;
 use crate::material::{Pattern, Semantic};
 use crate::plane::OrientedRect;
+use crate::town::ground::roughness::Roughness;
+use crate::town::lots::*;
+use crate::town::paint::wear::Wear;
+use crate::town::props::occupancy::Site;
+use crate::town::props::place_props;
+use crate::town::signals::Signals;
+use crate::town::{Ground, GroundKind, PropConfig, SpotKind, SuburbConfig, generate_suburb};
 
 struct Built {
     network: RoadNetwork,
     ground: Ground,
     lots: Lots,
     spots: Vec<ParkingSpot>,
-    props: super::super::props::Props,
+    props: crate::town::props::Props,
 }
 
 fn configs() -> [(SuburbConfig, PropConfig); 3] {
@@ -40,7 +40,7 @@ fn built(seed: u64, place: usize) -> Built {
     let lots = Lots::plan(&key, &network, &lay(&Yards::default()), &config);
     let ground = lay(&lots.yards());
     let spots = lots.parking(&ground);
-    let walkways = super::super::walkways(&ground);
+    let walkways = crate::town::walkways(&ground);
     let props = place_props(&key, (&network, &mut Signals::default()), &ground, (&spots, &walkways, &lots), &config);
     Built { network, ground, lots, spots, props }
 }

@@ -1,7 +1,7 @@
 //! The arms of a junction: where their lanes end, how wide they are, and where people cross them.
 
 use crate::math::{self, DVec2, PI};
-use crate::town::network::{Lane, LaneId, LaneKind, RoadNetwork};
+use crate::town::network::road_network::{Lane, LaneId, LaneKind, RoadNetwork};
 
 /// Where the ford begins and ends before the junction.
 pub(crate) const FORD_M: (f64, f64) = (0.9, 4.3);

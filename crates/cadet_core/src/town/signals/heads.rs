@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use super::arm::{Arm, FORD_M};
-use super::{Aspect, Signals};
 use crate::assets::scenery::{
     HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_head, signal_post,
 };
@@ -12,7 +10,9 @@ use crate::instance::Instance;
 use crate::math::{DPose3, DVec2, DVec3, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
-use crate::town::placer::Placer;
+use crate::town::props::placer::Placer;
+use crate::town::signals::arm::{Arm, FORD_M};
+use crate::town::signals::{Aspect, Signals};
 
 /// Posts stand so far before the junction, and so far behind the curb; farther where that is still a road.
 const POST_BEFORE_M: f64 = FORD_M.1 - 0.1;

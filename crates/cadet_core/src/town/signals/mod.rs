@@ -15,10 +15,10 @@ use arm::arms_of;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::network::{LaneId, LaneKind, RoadNetwork};
 use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::rng::StreamKey;
+use crate::town::network::road_network::{LaneId, LaneKind, RoadNetwork};
 
 /// Lights farther from who looks are left out of snapshots.
 const SEEN_M: f64 = 200.0;

@@ -1,9 +1,9 @@
 //! Lights of generated suburbs, of hand-written maps, and of the shared ones.
 
-use super::*;
 use crate::math::DVec3;
 use crate::town::RightOfWay;
-use crate::town::network::Lane;
+use crate::town::network::road_network::Lane;
+use crate::town::signals::*;
 use crate::town::{GroundKind, PropConfig, SuburbConfig, Town, generate_suburb, load_map};
 
 fn config() -> SuburbConfig {

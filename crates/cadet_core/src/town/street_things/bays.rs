@@ -1,10 +1,10 @@
 //! What stands in parking places instead of cars.
 
-use super::super::{ParkingSpot, SpotKind};
-use super::{Furnisher, footprint, rect_of};
 use crate::assets::scenery::{THING_VARIANTS, ThingKind, thing, thing_palette};
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::street_things::{Furnisher, footprint, rect_of};
+use crate::town::{ParkingSpot, SpotKind};
 
 /// Share of the places along curbs that hold something else than a car.
 const FILLED_SHARE: f64 = 0.03;

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::frontage::Frontage;
-use super::Furnisher;
-use super::edge::{CORNER_M, INSET_M, along_edge, at_edge};
 use crate::assets::scenery::{CHAIR_SEAT_M, THING_VARIANTS, ThingKind, thing, thing_palette};
 use crate::material::Palette;
 use crate::rng::Stream;
+use crate::town::plots::frontage::Frontage;
+use crate::town::street_things::Furnisher;
+use crate::town::street_things::edge::{CORNER_M, INSET_M, along_edge, at_edge};
 
 /// Between the tables of a row, and between rows; a second row needs a sidewalk so wide.
 const TABLE_EVERY_M: f64 = 2.6;

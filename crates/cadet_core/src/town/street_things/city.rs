@@ -2,10 +2,6 @@
 
 use std::sync::Arc;
 
-use super::super::frontage::{Frontage, right_of};
-use super::super::plot::Plot;
-use super::super::street_style::CityStyle;
-use super::{Furnisher, cafes, footprint};
 use crate::assets::scenery::{
     SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree,
     tree_pit,
@@ -14,6 +10,10 @@ use crate::frames;
 use crate::math::{DVec2, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
+use crate::town::plan::street_style::CityStyle;
+use crate::town::plots::frontage::{Frontage, right_of};
+use crate::town::plots::plot::Plot;
+use crate::town::street_things::{Furnisher, cafes, footprint};
 
 /// Nothing stands so near to the ends of a frontage.
 const CORNER_M: f64 = 5.0;

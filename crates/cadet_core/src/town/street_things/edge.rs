@@ -1,8 +1,8 @@
 //! Places along the outer edges of sidewalks.
 
-use super::super::frontage::{Frontage, right_of};
 use crate::assets::scenery::SceneryModel;
 use crate::math::DVec2;
+use crate::town::plots::frontage::{Frontage, right_of};
 
 /// Things keep this far from the ends of a frontage, where people turn the corner.
 pub(super) const CORNER_M: f64 = 4.0;

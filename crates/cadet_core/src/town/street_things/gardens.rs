@@ -1,13 +1,13 @@
 //! What stands in front gardens and drives.
 
-use super::super::ParkingSpot;
-use super::super::plot::Plot;
-use super::super::street_style::StreetStyle;
-use super::Furnisher;
 use crate::assets::scenery::{HouseKind, THING_VARIANTS, ThingKind, thing, thing_palette};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::Stream;
+use crate::town::ParkingSpot;
+use crate::town::plan::street_style::StreetStyle;
+use crate::town::plots::plot::Plot;
+use crate::town::street_things::Furnisher;
 
 /// Share of the gardens that have something in front.
 const FURNISHED_SHARE: f64 = 0.45;
@@ -78,14 +78,16 @@ pub(super) fn roof_over(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
         return;
     }
     let at = spot.world_from_spot.translation.truncate();
-    let rect = super::footprint(&model, at, axis);
+    let rect = crate::town::street_things::footprint(&model, at, axis);
     // It stands on its posts, beside the car: only they must be free.
     let feet = [(-1.0, -1.0), (-1.0, 1.0), (0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(x, y)| {
         let center = at + axis * (x * (rect.half.x - 0.06)) + axis.perp() * (y * (rect.half.y - 0.06));
-        super::OrientedRect { center, axis, half: DVec2::splat(0.06) }
+        crate::town::street_things::OrientedRect { center, axis, half: DVec2::splat(0.06) }
     });
     let is_free = feet.iter().all(|foot| f.taken.is_free(foot) && !f.placer.site.is_street(foot.center));
-    if is_free && f.taken.is_free(&super::OrientedRect { half: rect.half - DVec2::splat(0.3), ..rect }) {
+    if is_free
+        && f.taken.is_free(&crate::town::street_things::OrientedRect { half: rect.half - DVec2::splat(0.3), ..rect })
+    {
         let position = spot.world_from_spot.translation;
         f.placer
             .instances

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::super::plot::Plot;
-use super::super::street_style::StreetStyle;
-use super::Furnisher;
 use crate::assets::scenery::{
     BENCH_SEAT_M, FurnitureKind, SHELTER_SEAT_M, SceneryModel, THING_VARIANTS, ThingKind, furniture, thing,
 };
 use crate::rng::Stream;
+use crate::town::plan::street_style::StreetStyle;
+use crate::town::plots::plot::Plot;
+use crate::town::street_things::Furnisher;
 
 /// Share of the vacant plots on which something is built, in a common suburb.
 const CLEARED_SHARE: f64 = 0.4;
@@ -134,7 +134,7 @@ fn green(f: &mut Furnisher, plot: &Plot, s: &mut Stream) {
 fn bench(f: &mut Furnisher, plot: &Plot, s: &mut Stream) {
     let model = furniture(FurnitureKind::Bench, s.below(3));
     let (at, facing) = (plot.at(s.range(-0.3, 0.3) * plot.length_m, s.range(0.4, 0.9)), -plot.out());
-    let rect = super::footprint(&model, at, facing);
+    let rect = crate::town::street_things::footprint(&model, at, facing);
     if rect.samples(0.5).all(|p| !f.placer.site.is_street(p)) && f.is_free(&rect) {
         f.placer.put(&model, Arc::clone(&model.palette), at, facing);
         f.taken.take(rect);

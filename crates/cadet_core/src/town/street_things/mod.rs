@@ -12,18 +12,18 @@ pub(super) use lots::is_cleared;
 
 use std::sync::Arc;
 
-use super::frontage::Frontage;
-use super::occupancy::Occupancy;
-use super::placer::Placer;
-use super::plot::Plot;
-use super::street_style::StreetStyle;
-use super::{ParkingSpot, SpotKind, Walkway};
 use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_doors, thing, thing_palette};
 use crate::frames;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
+use crate::town::plan::street_style::StreetStyle;
+use crate::town::plots::frontage::Frontage;
+use crate::town::plots::plot::Plot;
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::Placer;
+use crate::town::{ParkingSpot, SpotKind, Walkway};
 use edge::EdgePlace;
 
 /// Where somebody may sit.

@@ -2,11 +2,6 @@
 
 use std::sync::Arc;
 
-use super::super::frontage::{Frontage, right_of};
-use super::super::plot::Plot;
-use super::super::street_style::{Boundary, StreetStyle};
-use super::edge::{CORNER_M, along_edge, at_edge};
-use super::{Furnisher, cafes};
 use crate::assets::scenery::materials::guard_rail_palette;
 use crate::assets::scenery::{
     BENCH_SEAT_M, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, furniture,
@@ -14,6 +9,11 @@ use crate::assets::scenery::{
 };
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::plan::street_style::{Boundary, StreetStyle};
+use crate::town::plots::frontage::{Frontage, right_of};
+use crate::town::plots::plot::Plot;
+use crate::town::street_things::edge::{CORNER_M, along_edge, at_edge};
+use crate::town::street_things::{Furnisher, cafes};
 
 /// Share of the streets where the bins are out for collection, and of their houses that have put some out.
 const COLLECTION_SHARE: f64 = 0.16;
@@ -126,7 +126,7 @@ fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
         let out = right_of(frontage.along(at_m));
         let sidewalk_m = frontage.sidewalk_at(at_m);
         let at = frontage.at(at_m) - out * (sidewalk_m - 0.32);
-        let rect = super::footprint(&model, at, -out);
+        let rect = crate::town::street_things::footprint(&model, at, -out);
         if sidewalk_m > 1.6 && f.is_free(&rect) && f.parked.is_free(&rect.grown(0.4)) {
             f.placer.put(&model, Arc::clone(&model.palette), at, -out);
             f.taken.take(rect);
@@ -139,7 +139,7 @@ fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut St
     let length_m = frontage.length_m();
     let put = |f: &mut Furnisher, model: &SceneryModel, at_m: f64, facing: DVec2| {
         let at = frontage.at(at_m) - right_of(frontage.along(at_m)) * 0.24;
-        let rect = super::footprint(model, at, facing);
+        let rect = crate::town::street_things::footprint(model, at, facing);
         if f.is_free(&rect) {
             f.placer.put(model, Arc::clone(&model.palette), at, facing);
             f.taken.take(rect);
@@ -172,7 +172,7 @@ fn guard_rail(f: &mut Furnisher, frontage: &Frontage, s: &mut Stream) {
         let inside = |m: f64| frontage.at(m) - right_of(frontage.along(m)) * 0.1;
         let (from, to) = (inside(at_m), inside(at_m + 4.8));
         let middle = (from + to) / 2.0;
-        let rect = super::OrientedRect {
+        let rect = crate::town::street_things::OrientedRect {
             center: middle,
             axis: (to - from).normalize_or(DVec2::X),
             half: DVec2::new((to - from).length() / 2.0, 0.12),

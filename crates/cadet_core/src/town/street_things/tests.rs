@@ -1,14 +1,14 @@
 //! Things stand apart, off the lanes, before no door, and people get past.
 
-use super::super::frontage::frontages;
-use super::super::occupancy::Site;
-use super::super::props::place_props;
-use super::super::signals::Signals;
-use super::super::{
+use crate::plane::OrientedRect;
+use crate::town::plots::frontage::frontages;
+use crate::town::props::occupancy::Site;
+use crate::town::props::place_props;
+use crate::town::signals::Signals;
+use crate::town::street_things::*;
+use crate::town::{
     Ground, GroundKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, parking_spots, walkways,
 };
-use super::*;
-use crate::plane::OrientedRect;
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 
@@ -16,7 +16,7 @@ struct Placed {
     network: RoadNetwork,
     ground: Ground,
     parking: Vec<ParkingSpot>,
-    props: super::super::props::Props,
+    props: crate::town::props::Props,
 }
 
 fn placed(seed: u64, clutter: f64) -> Placed {
@@ -62,7 +62,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
                 }
             }
         }
-        let solid = |s: &&super::super::placer::Standing| s.rect.half.x > 0.01;
+        let solid = |s: &&crate::town::props::placer::Standing| s.rect.half.x > 0.01;
         for (i, a) in props.standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
             for (j, b) in props.standing.iter().enumerate().filter(|(_, s)| solid(s)) {
                 let is_far = (a.rect.center - b.rect.center).length() > 16.0;
@@ -109,7 +109,7 @@ fn no_thing_stands_before_a_door() {
         for (i, frontage) in frontages(&network, &site).iter().enumerate() {
             let style = StreetStyle::of(&key, frontage, &PropConfig::default());
             let mut s = key.indexed("plots", i as u64);
-            for plot in super::super::plots::lay_out(frontage, &style, &site, &mut taken, &mut s) {
+            for plot in crate::town::plots::lay_out(frontage, &style, &site, &mut taken, &mut s) {
                 let Some(house) = &plot.house else { continue };
                 let wall = plot.at(house.along_m, house.setback_m);
                 for y in house_doors(&house.model) {
@@ -149,7 +149,7 @@ fn there_is_as_much_as_was_asked_for() {
 fn without_clutter_all_else_stands_where_it_stood() {
     let (without, with) = (placed(1, 0.0).props, placed(1, 1.0).props);
     assert!(without.things.obstacles.is_empty() && without.things.seats.is_empty());
-    let houses = |props: &super::super::props::Props| {
+    let houses = |props: &crate::town::props::Props| {
         let big = props.standing.iter().filter(|s| s.rect.half.x > 2.5 && kind_of(&s.name).is_none());
         big.map(|s| (s.name.clone(), s.rect.center)).collect::<Vec<_>>()
     };

@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::super::occupancy::Occupancy;
-use super::super::super::placer::Placer;
-use super::Side;
 use crate::assets::scenery::{MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, PoleKind, motorway_thing, pole};
 use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
+use crate::town::countryside::motorway::Side;
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::Placer;
 
 /// Delineators stand so far apart and from the asphalt (HLB, German guideline for delineators).
 const DELINEATOR_EVERY_M: f64 = 50.0;

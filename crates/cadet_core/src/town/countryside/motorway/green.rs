@@ -1,10 +1,10 @@
 //! What grows on the slopes beside a motorway, stretch by stretch: grass, shrubs, or woods.
 
-use super::super::super::occupancy::Occupancy;
-use super::super::super::placer::Placer;
-use super::Side;
 use crate::assets::scenery::{TreeKind, num_variants, tree};
 use crate::rng::Stream;
+use crate::town::countryside::motorway::Side;
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::Placer;
 
 /// Stretches of one kind of growth.
 const STRETCH_M: (f64, f64) = (50.0, 260.0);

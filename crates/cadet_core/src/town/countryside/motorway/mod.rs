@@ -9,17 +9,17 @@ mod posts;
 
 use std::sync::Arc;
 
-use self::plan::RoadPlan;
-use super::super::RoadNetwork;
-use super::super::fields::Land;
-use super::super::frontage::{Frontage, right_of};
-use super::super::occupancy::Occupancy;
-use super::super::placer::{Placer, Standing};
 use crate::assets::scenery::{BRIDGE_DECK_M, RAMP_M, SceneryModel, overpass};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
+use crate::town::RoadNetwork;
+use crate::town::countryside::motorway::plan::RoadPlan;
+use crate::town::plots::fields::Land;
+use crate::town::plots::frontage::{Frontage, right_of};
+use crate::town::props::occupancy::Occupancy;
+use crate::town::props::placer::{Placer, Standing};
 
 /// An abutment stands so far from the asphalt; plants keep so far from the middle of a bridge.
 const ABUTMENT_OFF_M: f64 = 7.5;

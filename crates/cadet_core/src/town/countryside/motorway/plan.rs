@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::super::super::{Lane, LaneKind, RoadNetwork};
 use crate::math::{DVec2, DVec3};
 use crate::plane::Polyline;
 use crate::rng::StreamKey;
+use crate::town::{Lane, LaneKind, RoadNetwork};
 
 /// Shares of the roads with a bridge, with a gantry on each side, and with a board beside it.
 const BRIDGE_SHARE: f64 = 0.3;

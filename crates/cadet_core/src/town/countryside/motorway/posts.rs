@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::super::frontage::right_of;
-use super::super::super::placer::Placer;
-use super::plan::GANTRY_SHARE;
-use super::{Side, stand};
 use crate::assets::scenery::{MotorwayKind, gantry, motorway_thing, speed_sign};
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::countryside::motorway::plan::GANTRY_SHARE;
+use crate::town::countryside::motorway::{Side, stand};
+use crate::town::plots::frontage::right_of;
+use crate::town::props::placer::Placer;
 
 /// Middles of posts stand so far from the asphalt.
 const SMALL_OFF_M: f64 = 1.4;

@@ -1,0 +1,95 @@
+//! Paint that is laid on a ground: thin quadrilaterals that hug it.
+
+pub(in crate::town) mod cycle_lanes;
+pub(in crate::town) mod junctions;
+pub(in crate::town) mod rails;
+pub(in crate::town) mod repairs;
+pub(in crate::town) mod road_marking;
+pub(in crate::town) mod wear;
+
+use crate::math::DVec2;
+use crate::town::network::road_network::{PaintColor, PaintedQuad};
+
+pub(in crate::town) const PAINT_LIFT_M: f64 = 0.0055;
+/// Paint is laid in pieces at most this long, so that it hugs the triangles below.
+const PIECE_M: f64 = 0.75;
+/// Lines shorter than this are not painted.
+const LEAST_M: f64 = 0.01;
+
+/// Depth of stop lines.
+pub(in crate::town) const STOP_LINE_DEPTH_M: f64 = 0.5;
+
+/// Paint that has been laid, and the ground below it.
+pub(in crate::town) struct Paint<'a> {
+    /// Height of the ground at (x, y), and whether a road is there.
+    pub ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>,
+    /// Whether what lies beside roads, as on medians, is left out.
+    pub is_on_roads: bool,
+    /// Height over the ground.
+    pub lift_m: f64,
+    pub quads: Vec<PaintedQuad>,
+}
+
+impl<'a> Paint<'a> {
+    /// Nothing yet, at the height of paint.
+    pub fn new(ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>, is_on_roads: bool) -> Self {
+        Self { ground_height, is_on_roads, lift_m: PAINT_LIFT_M, quads: Vec::new() }
+    }
+
+    /// A line's piece, cut into shorter ones; only its place in the plane counts.
+    pub fn along(&mut self, mark: &PaintedQuad) {
+        let [a, b, c, d] = mark.corners.map(|p| p.truncate());
+        // The longer sides are along the line.
+        let ([a, b], [d, c]) = if (b - a).length() > (c - b).length() { ([a, b], [d, c]) } else { ([b, c], [a, d]) };
+        let length_m = (b - a).length().max((c - d).length());
+        if length_m < LEAST_M {
+            return;
+        }
+        let pieces = (length_m / PIECE_M).ceil();
+        let at = |k: usize| (a.lerp(b, k as f64 / pieces), d.lerp(c, k as f64 / pieces));
+        for k in 0..pieces as usize {
+            let ((a, d), (b, c)) = (at(k), at(k + 1));
+            self.quad([a, b, c, d], mark);
+        }
+    }
+
+    /// An area, cut into pieces both ways; its corners are counter-clockwise from above.
+    pub fn area(&mut self, mark: &PaintedQuad) {
+        let [a, b, c, d] = mark.corners.map(|p| p.truncate());
+        let count = |a: DVec2, b: DVec2, c: DVec2, d: DVec2| {
+            let pieces = ((b - a).length().max((c - d).length()) / PIECE_M).ceil().max(1.0);
+            (pieces as usize, pieces)
+        };
+        let ((columns, across), (rows, along)) = (count(a, b, c, d), count(b, c, d, a));
+        let at = |i: usize, k: usize| {
+            let (u, v) = (i as f64 / across, k as f64 / along);
+            a.lerp(b, u).lerp(d.lerp(c, u), v)
+        };
+        for i in 0..columns {
+            for k in 0..rows {
+                self.quad([at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)], mark);
+            }
+        }
+    }
+
+    /// A bar across a lane from `from` to `to` left of its middle, `depth_m` long.
+    pub fn across(&mut self, at: DVec2, left: DVec2, (from, to): (f64, f64), depth_m: f64, line: u32) {
+        let (a, b, back) = (at + left * from, at + left * to, left.perp() * depth_m);
+        let corners = [a, b, b + back, a + back].map(|p| p.extend(0.0));
+        self.along(&PaintedQuad { corners, color: PaintColor::White, line });
+    }
+
+    fn quad(&mut self, corners: [DVec2; 4], mark: &PaintedQuad) {
+        let lifted = corners.map(|p| {
+            let (z, is_road) = (self.ground_height)(p.x, p.y)?;
+            (is_road || !self.is_on_roads).then_some(p.extend(z + self.lift_m))
+        });
+        if let [Some(a), Some(b), Some(c), Some(d)] = lifted {
+            // A corner on a sidewalk would tilt the paint up the curb.
+            let (lo, hi) = [b, c, d].iter().fold((a.z, a.z), |(l, h), p| (l.min(p.z), h.max(p.z)));
+            if hi - lo < 0.09 {
+                self.quads.push(PaintedQuad { corners: [a, b, c, d], ..*mark });
+            }
+        }
+    }
+}

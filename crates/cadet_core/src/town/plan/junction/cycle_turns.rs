@@ -1,0 +1,68 @@
+//! The ways of bicycles through a junction that a street with cycle lanes leads to: from every arm to every other one.
+
+use crate::math::{PI, wrap_angle};
+use crate::town::plan::junction::turns::{End, STRAIGHT_RAD, StreetArm};
+use crate::town::plan::plan_curve::{PlanCurve, PlanPose};
+use crate::town::plan::street_grid::LineStyle;
+
+/// Where a street has no cycle lane, cyclists ride in the middle of a strip of such a width, so far from the right edge of
+/// its outermost lane.
+const STRIP_M: f64 = 1.2;
+const FROM_EDGE_M: f64 = 1.0;
+
+/// A bicycle's way through a junction.
+#[derive(Debug, Clone)]
+pub(in crate::town) struct CycleTurn {
+    pub(in crate::town) junction: usize,
+    pub(in crate::town) from: (usize, End),
+    pub(in crate::town) to: (usize, End),
+    /// From the left edge of the one lane to the left edge of the other.
+    pub(in crate::town) curve: PlanCurve,
+    /// At its beginning and its end.
+    pub(in crate::town) widths_m: [f64; 2],
+    /// Whether lines are painted along it: straight on from one cycle lane to another.
+    pub(in crate::town) has_lines: bool,
+    pub(in crate::town) is_red: bool,
+}
+
+/// The ways through one junction; none where no arm has a cycle lane. Arms go round counter-clockwise, `pose` looks out of
+/// the junction from the middle of an arm's end.
+pub(in crate::town) fn cycle_turns(
+    junction: usize,
+    arms: &[StreetArm],
+    pose: &dyn Fn(&StreetArm) -> PlanPose,
+) -> Vec<CycleTurn> {
+    let with_lanes = arms.iter().filter(|a| a.style.cycle_lane.is_some()).count();
+    if with_lanes == 0 {
+        return Vec::new();
+    }
+    let mut turns = Vec::new();
+    for (i, from) in arms.iter().enumerate() {
+        for (_, to) in arms.iter().enumerate().filter(|(j, _)| *j != i) {
+            let (a, b) = (strip(&from.style), strip(&to.style));
+            let curve = PlanCurve::between(pose(from).reversed().shifted_right(a.0), pose(to).shifted_right(b.0));
+            let is_straight = wrap_angle(to.heading_rad - from.heading_rad - PI).abs() < STRAIGHT_RAD;
+            let [leaves, reaches] = [from, to].map(|arm| arm.style.cycle_lane);
+            turns.push(CycleTurn {
+                junction,
+                from: (from.street, from.end),
+                to: (to.street, to.end),
+                curve,
+                widths_m: [a.1, b.1],
+                has_lines: is_straight && leaves.is_some() && reaches.is_some(),
+                // Two coats would lie on each other where streets with cycle lanes cross.
+                is_red: is_straight && with_lanes == 2 && leaves.is_some_and(|c| c.is_red) && reaches.is_some(),
+            });
+        }
+    }
+    turns
+}
+
+/// From the middle of the road to the left edge of where bicycles are ridden, and the width of that.
+fn strip(style: &LineStyle) -> (f64, f64) {
+    let driven_m = style.driven_half_width_m();
+    match style.cycle_lane {
+        Some(lane) => (driven_m, lane.width_m),
+        None => (driven_m - FROM_EDGE_M - STRIP_M / 2.0, STRIP_M),
+    }
+}

@@ -1,0 +1,5 @@
+//! Writes a plan as OpenDRIVE.
+
+pub(in crate::town) mod motorway;
+pub(in crate::town) mod signals;
+pub(in crate::town) mod writer;

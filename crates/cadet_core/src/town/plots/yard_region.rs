@@ -1,0 +1,39 @@
+//! Where yards lie in plan: what streets leave of them.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::core::solver::Solver;
+
+use crate::math::DVec2;
+use crate::town::ground::region::{Contour, Frame, Ring, grow, union};
+use crate::town::plots::yards::{YardSurface, Yards};
+
+/// A strip so wide is left to grass between a yard and what is paved otherwise: outlines must not meet.
+const APART_M: f64 = 0.05;
+
+/// What sidewalks leave of the yards, by surface.
+pub(in crate::town) fn regions(yards: &Yards, sidewalk: &[Ring]) -> Vec<(YardSurface, Vec<Ring>)> {
+    let Some((_, first)) = yards.outlines.first() else { return Vec::new() };
+    let frame = Frame { origin: first[0].round() };
+    let contour = |ring: &[DVec2]| -> Contour { ring.iter().map(|p| frame.point(*p)).collect() };
+    let streets: Vec<Contour> = sidewalk.iter().map(|ring| contour(ring)).collect();
+    let mut kept: Vec<Contour> = grow(&union(&streets), APART_M).into_iter().flatten().collect();
+    let mut regions = Vec::new();
+    for surface in YardSurface::ALL {
+        let of_surface = yards.outlines.iter().filter(|(s, _)| *s == surface);
+        let outlines: Vec<Contour> = of_surface.map(|(_, ring)| contour(ring)).collect();
+        if outlines.is_empty() {
+            continue;
+        }
+        let whole: Vec<Contour> = union(&outlines).into_iter().flatten().collect();
+        let mut overlay = Overlay::new_custom(whole.len() + 64, IntOverlayOptions::default(), Solver::FRAG);
+        overlay.add_source(&whole, ShapeType::Subject);
+        overlay.add_source(&kept, ShapeType::Clip);
+        // Shrunk and grown again: slivers vanish.
+        let left = grow(&grow(&overlay.overlay(OverlayRule::Difference, FillRule::NonZero), -0.2), 0.2);
+        kept.extend(grow(&left, APART_M).into_iter().flatten());
+        regions.push((surface, frame.rings(&left)));
+    }
+    regions
+}

@@ -1,0 +1,39 @@
+//! Paved ground beside streets: what covers it, where it lies in plan, and what is painted on it.
+
+use crate::math::DVec2;
+use crate::town::network::road_network::PaintedQuad;
+use crate::town::paint::Paint;
+
+/// What covers a yard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::town) enum YardSurface {
+    /// As on carriageways.
+    Asphalt,
+    /// Blocks of concrete.
+    Pavers,
+    /// Large slabs.
+    Slabs,
+}
+
+impl YardSurface {
+    /// Every surface.
+    pub const ALL: [Self; 3] = [Self::Asphalt, Self::Pavers, Self::Slabs];
+}
+
+/// The yards of a town.
+#[derive(Debug, Clone, Default)]
+pub(in crate::town) struct Yards {
+    /// Outlines, which may overlap each other and streets.
+    pub outlines: Vec<(YardSurface, [DVec2; 4])>,
+    /// Lines on yards and on parking places; their heights do not count.
+    pub lines: Vec<PaintedQuad>,
+}
+
+impl Yards {
+    /// Lays the lines on a ground.
+    pub fn paint(&self, height: &dyn Fn(f64, f64) -> Option<(f64, bool)>, quads: &mut Vec<PaintedQuad>) {
+        let mut paint = Paint::new(height, false);
+        self.lines.iter().for_each(|line| paint.along(line));
+        quads.append(&mut paint.quads);
+    }
+}
