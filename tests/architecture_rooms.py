@@ -344,3 +344,20 @@ CORE_ROOMS: dict[str, set[str]] = {
 }
 
 CORE_ROOMS["scene"] = set(CORE_ROOMS)
+
+# A room of `town` and those of its neighbors that it may use.
+TOWN_ROOMS: dict[str, set[str]] = {
+    "network": set(),
+    "opendrive": {"network"},
+    "plan": {"network", "opendrive"},
+    "signals": {"network"},
+    "paint": {"network", "signals"},
+    "ground": {"network", "paint", "signals"},
+    "roadside": {"ground", "network"},
+    "placement": {"ground"},
+    "plots": {"ground", "network", "placement"},
+    "street_things": {"network", "placement", "plots"},
+    "lots": {"ground", "network", "placement", "plots", "street_things"},
+    "countryside": {"ground", "network", "placement", "plots", "signals"},
+}
+TOWN_ROOMS["props"] = set(TOWN_ROOMS) - {"opendrive", "plan"}

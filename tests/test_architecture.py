@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from architecture_rooms import AVOD_ROOMS, CORE_ROOMS, PYTHON_ROOMS
+from architecture_rooms import AVOD_ROOMS, CORE_ROOMS, PYTHON_ROOMS, TOWN_ROOMS
 from rust_modules import Modules, circles
 
 ROOT = Path(__file__).parent.parent
@@ -131,6 +131,17 @@ def test_a_core_room_uses_only_its_neighbors(room: str) -> None:
     for path in files:
         known = {name for name in uses(path) if (CORE / name).is_dir() or (CORE / f"{name}.rs").is_file()}
         assert known <= CORE_ROOMS[room] | {room}, f"{path.relative_to(ROOT)} uses {sorted(known - CORE_ROOMS[room])}"
+
+
+def test_a_room_of_the_town_uses_only_its_neighbors() -> None:
+    modules = Modules(CORE)
+    used: dict[str, set[str]] = {}
+    for module in modules.files:
+        if len(module) > 1 and module[0] == "town":
+            others = {other[1] for other in modules.uses(module) if len(other) > 1 and other[0] == "town"}
+            used.setdefault(module[1], set()).update(others - {module[1]})
+    assert set(used) == set(TOWN_ROOMS)
+    assert not {room: rooms - TOWN_ROOMS[room] for room, rooms in used.items() if rooms - TOWN_ROOMS[room]}
 
 
 def test_the_core_knows_no_python_and_prints_nothing() -> None:

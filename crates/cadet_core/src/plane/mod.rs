@@ -5,3 +5,10 @@ mod rect;
 
 pub(crate) use polyline::{Polyline, nearest, piece_at};
 pub use rect::OrientedRect;
+
+use crate::math::{self, DVec2};
+
+/// Unit vector at an angle from x.
+pub(crate) fn unit(heading_rad: f64) -> DVec2 {
+    DVec2::new(math::cos(heading_rad), math::sin(heading_rad))
+}

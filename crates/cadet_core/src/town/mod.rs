@@ -6,72 +6,37 @@ mod lots;
 mod network;
 mod opendrive;
 mod paint;
+mod placement;
 mod plan;
 mod plots;
 mod props;
+mod roadside;
 mod signals;
 mod street_things;
 
 pub use ground::Ground;
 pub use ground::kind::GroundKind;
 pub use ground::roughness::Roughness;
-pub use network::parking_spots::parking_spots;
+pub use network::places::{ParkingSpot, SpotKind, Walkway};
 pub(crate) use network::road_network::RightOfWay;
 pub use network::road_network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork};
-pub use network::walkway::walkways;
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
+pub use placement::prop_config::PropConfig;
 pub use plan::suburb::{Suburb, generate as generate_suburb};
 pub use plan::suburb_config::SuburbConfig;
-pub use props::config::PropConfig;
+pub use roadside::parking_spots::parking_spots;
+pub use roadside::walkway::walkways;
 pub use signals::{Arm, Aspect, CrossingRule, Head, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
 pub use street_things::Seat;
 
 use self::paint::wear::Wear;
 use crate::error::Result;
 use crate::instance::Instance;
-use crate::math::{DPose3, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 
 /// Motorways are smoother than streets.
 const MOTORWAY_ROUGHNESS: f64 = 0.3;
-
-/// How cars stand in a parking place, and who fills it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SpotKind {
-    /// Along the curb, at it or in a bay.
-    Parallel,
-    /// In a bay at an angle to the curb, up to a right one.
-    Angled,
-    /// In the drive of a house.
-    Drive,
-    /// In a row of a lot beside the street.
-    Lot,
-    /// In the yard of works: for trucks, vans, and trailers.
-    Yard,
-}
-
-/// A place where a vehicle may be parked.
-#[derive(Debug, Clone)]
-pub struct ParkingSpot {
-    /// How cars stand in it.
-    pub kind: SpotKind,
-    /// Middle of the spot on the ground, x along the parked vehicle's heading.
-    pub world_from_spot: DPose3,
-    /// Room along x.
-    pub length_m: f64,
-    /// Room along y.
-    pub width_m: f64,
-}
-
-/// A line that people walk along, on a sidewalk.
-#[derive(Debug, Clone)]
-pub struct Walkway {
-    /// Points at most 2 m apart, on the ground.
-    pub center: Vec<DVec3>,
-    /// Usable width.
-    pub width_m: f64,
-}
 
 /// Everything of a place that does not move.
 #[derive(Debug, Clone)]
@@ -144,12 +109,14 @@ impl Town {
         let roughness = if network.is_motorway() { roughness.scaled(MOTORWAY_ROUGHNESS) } else { roughness };
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
-        let land = plots::fields::Land::of(&network, key, ground::extent(&network));
+        let land = ground::land::fields::Land::of(&network, key, ground::extent(&network));
         let mut lots = lots::Lots::default();
         let has_lots = [config.car_park_share, config.industrial_share, config.campus_share].iter().any(|s| *s > 0.0);
-        let mut yards =
-            plots::yards::Yards { lines: network::parking_spots::bay_lines(&network, key), ..Default::default() };
-        let lay = |yards: &plots::yards::Yards| {
+        let mut yards = ground::land::yards::Yards {
+            lines: roadside::parking_spots::bay_lines(&network, key),
+            ..Default::default()
+        };
+        let lay = |yards: &ground::land::yards::Yards| {
             Ground::of_town(&network, &roughness, &wear, &signals, (land.as_ref(), yards))
         };
         let mut ground = lay(&yards)?;

@@ -6,14 +6,14 @@ use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::ParkingSpot;
-use crate::town::plan::street_style::StreetStyle;
-use crate::town::plots::fields::Land;
+use crate::town::ground::land::fields::Land;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
+use crate::town::placement::prop_config::PropConfig;
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::garden;
 use crate::town::plots::plot::{PlacedHouse, Plot};
-use crate::town::props::config::PropConfig;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
+use crate::town::plots::street_style::StreetStyle;
 
 /// Share of the sides of roads with a farm, and with a few houses at the edge of a village.
 const FARM_SHARE: f64 = 0.16;

@@ -8,12 +8,12 @@ use crate::math::DVec2;
 use crate::rng::{Stream, StreamKey};
 use crate::town::countryside::SEEN_M;
 use crate::town::countryside::roadsides::room_m;
+use crate::town::ground::land::fields::Crop;
 use crate::town::ground::region::{Inside, Ring, with_steps};
-use crate::town::plan::street_style::Boundary;
+use crate::town::placement::boundary::Boundary;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::{Placer, boundary_palette};
 use crate::town::plots::belt::StreetPoints;
-use crate::town::plots::fields::Crop;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::{Placer, boundary_palette};
 
 /// Woods have a tree a cell, and farther than this from all roads only some.
 const WOOD_CELL_M: f64 = 4.4;

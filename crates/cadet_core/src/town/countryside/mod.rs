@@ -11,12 +11,12 @@ mod tests;
 pub(super) use horizon::hills;
 
 use crate::rng::StreamKey;
+use crate::town::ground::land::fields::Land;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
+use crate::town::placement::prop_config::PropConfig;
 use crate::town::plots::belt::StreetPoints;
-use crate::town::plots::fields::Land;
 use crate::town::plots::frontage::Frontage;
-use crate::town::props::config::PropConfig;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
 use crate::town::signals::Signals;
 use crate::town::{ParkingSpot, RoadNetwork};
 

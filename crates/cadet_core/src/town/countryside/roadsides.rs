@@ -7,12 +7,12 @@ use crate::assets::scenery::{CROP_VARIANTS, FenceKind, HERBS_M, PoleKind, TreeKi
 use crate::math::{DVec2, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 use crate::town::RoadNetwork;
+use crate::town::ground::land::fields::Land;
 use crate::town::network::road_network::RightOfWay;
-use crate::town::plan::street_style::Boundary;
-use crate::town::plots::fields::Land;
+use crate::town::placement::boundary::Boundary;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::{Frontage, right_of};
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
 use crate::town::signals::Signals;
 
 /// Delineators stand so far apart and so far from the carriageway (HLB, German guideline for delineators).

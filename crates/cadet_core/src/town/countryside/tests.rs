@@ -3,10 +3,10 @@
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::countryside::horizon;
+use crate::town::ground::land::fields::{Crop, Land};
 use crate::town::ground::road_section::DistanceFrom;
 use crate::town::ground::roughness::Roughness;
 use crate::town::paint::wear::Wear;
-use crate::town::plots::fields::{Crop, Land};
 use crate::town::props::{Props, place_in_country};
 use crate::town::signals::Signals;
 use crate::town::{Ground, GroundKind, LaneKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, ground};

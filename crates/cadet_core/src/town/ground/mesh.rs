@@ -7,10 +7,10 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3};
 use crate::town::ground::kind::GroundKind;
+use crate::town::ground::land::fields::Crop;
+use crate::town::ground::land::yards::YardSurface;
 use crate::town::ground::region::{Inside, Regions, Ring, with_steps};
 use crate::town::network::road_network::LaneSurface;
-use crate::town::plots::fields::Crop;
-use crate::town::plots::yards::YardSurface;
 
 /// How finely the plane is cut.
 #[derive(Debug, Clone, Copy)]

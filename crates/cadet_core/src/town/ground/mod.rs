@@ -5,6 +5,7 @@ pub(in crate::town) mod face_index;
 pub(in crate::town) mod flat_road;
 pub(in crate::town) mod height_field;
 pub(in crate::town) mod kind;
+pub(in crate::town) mod land;
 pub(in crate::town) mod mesh;
 pub(in crate::town) mod palette;
 pub(in crate::town) mod region;
@@ -19,6 +20,9 @@ use crate::town::ground::face_index::FaceIndex;
 use crate::town::ground::height_field::HeightField;
 use crate::town::ground::kind::GroundKind;
 
+use crate::town::ground::land::fields::{Crop, Land};
+use crate::town::ground::land::yard_region;
+use crate::town::ground::land::yards::Yards;
 use crate::town::ground::mesh::{Cover, Fineness, PlanMesh};
 use crate::town::ground::region::{Regions, Ring};
 use crate::town::ground::road_section::DistanceFrom;
@@ -27,9 +31,6 @@ use crate::town::ground::surface::{Heights, Surface};
 use crate::town::network::road_network::{Lane, LaneKind, RoadNetwork};
 use crate::town::paint::wear::Wear;
 use crate::town::paint::{rails, repairs, road_marking};
-use crate::town::plots::fields::{Crop, Land};
-use crate::town::plots::yard_region;
-use crate::town::plots::yards::Yards;
 use crate::town::signals::Signals;
 
 use crate::instance::Instance;

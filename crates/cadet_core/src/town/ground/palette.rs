@@ -2,11 +2,11 @@
 
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use crate::road_paint::{self, WornPaint};
+use crate::town::ground::land::fields::Crop;
+use crate::town::ground::land::yards::YardSurface;
 use crate::town::ground::mesh::Cover;
 use crate::town::network::road_network::{LaneSurface, PaintColor};
 use crate::town::paint::wear::{LEFT, Wear};
-use crate::town::plots::fields::Crop;
-use crate::town::plots::yards::YardSurface;
 
 pub(in crate::town) const ASPHALT: u8 = 0;
 pub(in crate::town) const SIDEWALK: u8 = 1;

@@ -15,9 +15,9 @@ use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
 use crate::error::{Error, Result};
 use crate::math::DVec2;
+use crate::town::ground::land::fields::{Crop, Land};
+use crate::town::ground::land::yards::YardSurface;
 use crate::town::network::road_network::{Lane, LaneKind, LaneSurface, RoadNetwork};
-use crate::town::plots::fields::{Crop, Land};
-use crate::town::plots::yards::YardSurface;
 
 /// A closed line: outer boundaries run counter-clockwise, holes clockwise; the first point is not repeated.
 pub(in crate::town) type Ring = Vec<DVec2>;

@@ -10,8 +10,8 @@ use crate::town::ground::curb_edges::curb_edges;
 use crate::town::ground::mesh::PlanMesh;
 use crate::town::ground::palette;
 use crate::town::ground::palette::Asphalt;
+use crate::town::network::limits::CURB_HEIGHT_M;
 use crate::town::network::road_network::PaintedQuad;
-use crate::town::opendrive::lanes::CURB_HEIGHT_M;
 use crate::town::paint::wear::Wear;
 
 /// Side of a tile of visible ground.

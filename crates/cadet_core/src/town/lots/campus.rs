@@ -3,10 +3,10 @@
 use crate::assets::scenery::{BENCH_SEAT_M, FurnitureKind, HallKind, NARROW_HEDGES, ThingKind, TreeKind, furniture};
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
 use crate::town::lots::layout::{Item, Layout, fitting};
-use crate::town::plan::street_style::Boundary;
-use crate::town::plots::yards::YardSurface;
+use crate::town::placement::boundary::Boundary;
 
 /// Width of the way to a door.
 const WAY_M: f64 = 3.0;

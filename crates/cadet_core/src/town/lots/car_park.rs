@@ -4,10 +4,10 @@ use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, T
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::SpotKind;
+use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
 use crate::town::lots::layout::{Bay, Layout, fitting};
-use crate::town::plan::street_style::Boundary;
-use crate::town::plots::yards::YardSurface;
+use crate::town::placement::boundary::Boundary;
 
 /// A bay and an aisle (EAR 05: 2.5 m by 5.0 m, aisles of 6.0 m).
 const BAY_M: (f64, f64) = (5.0, 2.5);

@@ -4,10 +4,10 @@ use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, T
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::SpotKind;
+use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
 use crate::town::lots::layout::{Bay, Layout, fitting};
-use crate::town::plan::street_style::Boundary;
-use crate::town::plots::yards::YardSurface;
+use crate::town::placement::boundary::Boundary;
 
 const BAY_M: (f64, f64) = (5.0, 2.5);
 const SPOT_WIDTH_M: f64 = 1.95;

@@ -10,8 +10,8 @@ use crate::material::Palette;
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::SpotKind;
-use crate::town::plan::street_style::Boundary;
-use crate::town::plots::yards::YardSurface;
+use crate::town::ground::land::yards::YardSurface;
+use crate::town::placement::boundary::Boundary;
 
 /// A place for a vehicle.
 #[derive(Debug, Clone)]

@@ -9,8 +9,8 @@ use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
 use crate::town::lots::layout::Item;
 use crate::town::lots::{Lot, Lots};
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::{Placer, boundary_palette};
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::{Placer, boundary_palette};
 use crate::town::street_things::{Seat, StreetThings};
 
 /// Trunks keep so far from bays and from what stands.

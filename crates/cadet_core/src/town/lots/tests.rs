@@ -5,7 +5,7 @@ use crate::plane::OrientedRect;
 use crate::town::ground::roughness::Roughness;
 use crate::town::lots::*;
 use crate::town::paint::wear::Wear;
-use crate::town::props::occupancy::Site;
+use crate::town::placement::occupancy::Site;
 use crate::town::props::place_props;
 use crate::town::signals::Signals;
 use crate::town::{Ground, GroundKind, PropConfig, SpotKind, SuburbConfig, generate_suburb};

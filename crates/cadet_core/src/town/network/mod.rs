@@ -1,6 +1,5 @@
-//! The roads, in lanes: how they lead on, who goes first, where people walk and cars park.
+//! The roads, in lanes that lead on to each other, and the places beside them.
 
-pub(in crate::town) mod parking_spots;
-pub(in crate::town) mod right_of_way;
+pub(in crate::town) mod limits;
+pub(in crate::town) mod places;
 pub(in crate::town) mod road_network;
-pub(in crate::town) mod walkway;

@@ -3,13 +3,11 @@
 //! `xodr` bakes lanes in single precision along the road's own direction; here they become double-precision polylines
 //! in **driving** direction, rounded to 0.1 mm so that the last bit of a platform's `sin` leaves no trace.
 
-pub(in crate::town) mod lanes;
 pub(in crate::town) mod levels;
 pub(in crate::town) mod numbers;
 pub(in crate::town) mod offset;
 pub(in crate::town) mod signals;
 pub(in crate::town) mod tags;
-pub(in crate::town) mod text;
 pub(in crate::town) mod warnings;
 
 use std::collections::BTreeMap;

@@ -34,11 +34,11 @@ mod tests {
     use crate::rng::StreamKey;
     use crate::town::ground::Ground;
     use crate::town::ground::kind::GroundKind;
-    use crate::town::network::parking_spots;
     use crate::town::network::road_network::{Lane, LaneKind, PaintColor, RoadNetwork};
     use crate::town::paint::{Paint, cycle_lanes};
     use crate::town::plan::suburb::generate;
     use crate::town::plan::suburb_config::SuburbConfig;
+    use crate::town::roadside::parking_spots;
 
     fn network(seed: u64) -> RoadNetwork {
         let config = SuburbConfig { blocks: (3, 3), main_share: 0.5, cycle_lane_share: 1.0, ..SuburbConfig::default() };

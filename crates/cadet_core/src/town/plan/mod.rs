@@ -9,7 +9,6 @@ pub(in crate::town) mod plan_curve;
 pub(in crate::town) mod relief;
 pub(in crate::town) mod street_grid;
 pub(in crate::town) mod street_plan;
-pub(in crate::town) mod street_style;
 pub(in crate::town) mod suburb;
 pub(in crate::town) mod suburb_config;
 pub(in crate::town) mod xodr;

@@ -1,13 +1,13 @@
 //! The streets of car parks, commercial areas, and campuses: how wide, how fast, and what covers them.
 
 use crate::rng::{Stream, StreamKey};
+use crate::town::network::limits::AISLE_KMH;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
 use crate::town::plan::suburb_config::SuburbConfig;
 
-/// Aisles between rows of bays: width of a lane, of the strip behind the bays, and speed.
+/// Aisles between rows of bays: width of a lane, and of the strip behind the bays.
 const AISLE_LANE_M: f64 = 3.0;
 const AISLE_WALK_M: (f64, f64) = (1.6, 2.2);
-pub(in crate::town) const AISLE_KMH: u32 = 20;
 /// Depth of the bays at an aisle.
 pub(in crate::town) const AISLE_BAY_M: f64 = 5.0;
 /// Streets of commercial areas.

@@ -1,6 +1,7 @@
 //! Curves in plan, made of lines and arcs that meet without a kink.
 
 use crate::math::{self, DVec2, wrap_angle};
+use crate::plane::unit;
 
 /// A shorter line is none.
 const LEAST_LINE_M: f64 = 1e-9;
@@ -30,10 +31,6 @@ impl PlanPose {
     pub(in crate::town) fn reversed(&self) -> Self {
         Self::new(self.at, self.heading_rad + math::PI)
     }
-}
-
-pub(in crate::town) fn unit(heading_rad: f64) -> DVec2 {
-    DVec2::new(math::cos(heading_rad), math::sin(heading_rad))
 }
 
 pub(in crate::town) fn heading_of(v: DVec2) -> f64 {

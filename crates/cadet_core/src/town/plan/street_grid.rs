@@ -1,9 +1,10 @@
 //! The irregular grid that a suburb's streets follow, thinned to T-junctions, with bends at its corners.
 
 use crate::math::{self, DVec2, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
 use crate::town::network::road_network::LaneSurface;
-use crate::town::plan::plan_curve::{heading_of, unit};
+use crate::town::plan::plan_curve::heading_of;
 use crate::town::plan::suburb_config::SuburbConfig;
 
 /// Crossroads are thinned to this share of all nodes; the other nodes are T-junctions and bends.

@@ -1,13 +1,14 @@
 //! Lays out a suburb: streets, junctions, and parking bays along a grid.
 
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
+use crate::plane::unit;
 use crate::rng::{Stream, StreamKey};
 use crate::town::plan::junction::cycle_turns::{CycleTurn, cycle_turns};
 use crate::town::plan::junction::roundabout::Roundabout;
 use crate::town::plan::junction::turns::{End, StreetArm, Turn, turns};
 use crate::town::plan::place_streets;
 use crate::town::plan::place_streets::AISLE_BAY_M;
-use crate::town::plan::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
+use crate::town::plan::plan_curve::{PlanCurve, PlanPose, heading_of};
 use crate::town::plan::street_grid::{
     LineStyle, StreetKind, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads,
 };

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use crate::assets::scenery::TreeKind;
 use crate::math::DVec2;
 use crate::rng::Stream;
+use crate::town::placement::occupancy::{MAX_MARGIN_M, Occupancy};
+use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::Frontage;
-use crate::town::props::occupancy::{MAX_MARGIN_M, Occupancy};
-use crate::town::props::placer::Placer;
 
 /// One tree a cell at most.
 const CELL_M: f64 = 8.0;

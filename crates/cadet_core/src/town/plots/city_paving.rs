@@ -4,10 +4,10 @@ use crate::assets::scenery::flagstones;
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::Plot;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
 
 /// Beyond an end of a frontage and along it, and behind the sidewalk's edge.
 const BEYOND_M: f64 = 11.0;

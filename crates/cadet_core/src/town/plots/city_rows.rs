@@ -4,9 +4,9 @@ use crate::assets::scenery::{CityCorner, CityKind, HouseKind, NUM_CITY_HOUSES, S
 use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
+use crate::town::placement::occupancy::{Occupancy, Site};
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::{PlacedHouse, Plot};
-use crate::town::props::occupancy::{Occupancy, Site};
 
 /// Between the sidewalk's edge and the walls: the foot of a house fills it.
 const FRONT_GAP_M: f64 = 0.1;
@@ -322,7 +322,8 @@ mod tests {
                 // As they were laid out: nothing else is drawn from these streams.
                 for plot in lay_out(frontage, &site, &mut taken, &mut key.indexed("plots", i as u64)) {
                     let Some(house) = &plot.house else { continue };
-                    let is_there = |s: &&crate::town::props::placer::Standing| s.rect.contains(plot.at(0.0, 6.0), 0.0);
+                    let is_there =
+                        |s: &&crate::town::placement::placer::Standing| s.rect.contains(plot.at(0.0, 6.0), 0.0);
                     assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.model.name));
                     for door in house_doors(&house.model) {
                         num_doors += 1;
@@ -356,7 +357,7 @@ mod tests {
                 assert!(kind.is_some_and(|k| k != GroundKind::Terrain), "seed {seed}: lamp at {middle}");
                 for end in [bounds.min.y, bounds.max.y] {
                     let at = lamp.world_from_local.transform_point(crate::math::DVec3::new(0.0, f64::from(end), 0.0));
-                    let in_wall = |s: &crate::town::props::placer::Standing| {
+                    let in_wall = |s: &crate::town::placement::placer::Standing| {
                         s.name.starts_with("city-") && s.rect.contains(at.truncate(), 0.0)
                     };
                     assert!(props.standing.iter().any(in_wall), "seed {seed}: a wire ends in the air at {at}");

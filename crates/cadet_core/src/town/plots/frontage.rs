@@ -2,7 +2,7 @@
 
 use crate::math::DVec2;
 use crate::plane::{Polyline, piece_at};
-use crate::town::props::occupancy::Site;
+use crate::town::placement::occupancy::Site;
 use crate::town::{Lane, LaneId, LaneKind, RoadNetwork};
 
 /// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to

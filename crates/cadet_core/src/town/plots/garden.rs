@@ -10,9 +10,10 @@ use crate::assets::scenery::{
 use crate::frames;
 use crate::math::DVec3;
 use crate::rng::Stream;
-use crate::town::plan::street_style::{Boundary, StreetStyle};
+use crate::town::placement::boundary::Boundary;
+use crate::town::placement::placer::{Placer, boundary_depth_m, boundary_palette};
 use crate::town::plots::plot::{PlacedHouse, Plot};
-use crate::town::props::placer::{Placer, boundary_depth_m, boundary_palette};
+use crate::town::plots::street_style::StreetStyle;
 use crate::town::{ParkingSpot, SpotKind};
 
 const GATE_M: f64 = 1.3;

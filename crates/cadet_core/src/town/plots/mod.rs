@@ -3,23 +3,21 @@
 pub(in crate::town) mod belt;
 pub(in crate::town) mod city_paving;
 pub(in crate::town) mod city_rows;
-pub(in crate::town) mod fields;
 pub(in crate::town) mod frontage;
 pub(in crate::town) mod garden;
 pub(in crate::town) mod lot_use;
 pub(in crate::town) mod plot;
-pub(in crate::town) mod yard_region;
-pub(in crate::town) mod yards;
+pub(in crate::town) mod street_style;
 
 use crate::assets::scenery::{HouseKind, house, num_variants};
 use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
-use crate::town::plan::street_style::StreetStyle;
+use crate::town::plots::street_style::StreetStyle;
 
+use crate::town::placement::occupancy::{Occupancy, Site};
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::{PlacedHouse, Plot};
-use crate::town::props::occupancy::{Occupancy, Site};
 
 impl Plot {
     /// Away from the street.

@@ -4,8 +4,8 @@ use crate::assets::scenery::{PoleKind, StreetLight, TreeKind, num_variants, pole
 use crate::math::{DVec2, DVec3};
 use crate::rng::StreamKey;
 use crate::town::network::road_network::{Lane, LaneKind, RoadNetwork};
-use crate::town::plan::street_style::Boundary;
-use crate::town::props::placer::{Placer, boundary_palette};
+use crate::town::placement::boundary::Boundary;
+use crate::town::placement::placer::{Placer, boundary_palette};
 use crate::town::props::roundabout_island::is_island;
 
 /// Nothing stands nearer to the ends of a median.

@@ -1,29 +1,27 @@
 //! Prop placement: houses, gardens, hedges, trees, lamps and signs along a network; a function of network and seed.
 
-pub(in crate::town) mod config;
 pub(in crate::town) mod median;
-pub(in crate::town) mod occupancy;
 pub(in crate::town) mod overhead_line;
-pub(in crate::town) mod placer;
 pub(in crate::town) mod roundabout_island;
 pub(in crate::town) mod sidewalk_edge;
+pub(in crate::town) mod signal_heads;
 
 use crate::instance::Instance;
 use crate::rng::StreamKey;
+use crate::town::ground::land::fields::Land;
 use crate::town::lots::Lots;
 use crate::town::network::road_network::RightOfWay;
-use crate::town::plan::street_style::StreetStyle;
+use crate::town::placement::occupancy::Site;
+use crate::town::placement::placer::{Placer, Standing};
+use crate::town::placement::prop_config::PropConfig;
 use crate::town::plots::city_paving::Paving;
-use crate::town::plots::fields::Land;
 use crate::town::plots::frontage::frontages;
+use crate::town::plots::street_style::StreetStyle;
 use crate::town::plots::{belt, garden};
-use crate::town::props::config::PropConfig;
-use crate::town::props::occupancy::Site;
-use crate::town::props::placer::{Placer, Standing};
 
 use crate::town::street_things;
 use crate::town::street_things::{PlotOnStreet, StreetThings};
-use crate::town::{Ground, ParkingSpot, RoadNetwork, Signals, Walkway, countryside, plots, signals};
+use crate::town::{Ground, ParkingSpot, RoadNetwork, Signals, Walkway, countryside, plots};
 
 /// What stands along the streets of a town.
 #[derive(Debug)]
@@ -84,7 +82,7 @@ pub(in crate::town) fn place_props(
     roundabout_island::furnish(key, network, config.greenery, &mut placer);
     overhead_line::string(key, network, &mut placer);
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
-    let mut posts = signals::place(signals, key, &mut placer);
+    let mut posts = signal_heads::place(signals, key, &mut placer);
     let streets =
         street_things::StreetLayout { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
     let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);

@@ -7,7 +7,7 @@ use crate::material::Palette;
 use crate::math::{DVec2, DVec3};
 use crate::rng::StreamKey;
 use crate::town::network::road_network::{Lane, RoadNetwork};
-use crate::town::props::placer::Placer;
+use crate::town::placement::placer::Placer;
 
 /// Distance between masts, and of the first from the street's end.
 const SPACING_M: (f64, f64) = (30.0, 40.0);

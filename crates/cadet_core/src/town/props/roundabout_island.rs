@@ -5,7 +5,7 @@ use crate::assets::scenery::{PoleKind, TreeKind, pole};
 use crate::math::{self, DVec2, DVec3, TAU};
 use crate::rng::{Stream, StreamKey};
 use crate::town::network::road_network::{Lane, LaneKind, RoadNetwork};
-use crate::town::props::placer::Placer;
+use crate::town::placement::placer::Placer;
 
 /// Boards stand so far inside of the curb, signs so far beside the lane and before its end.
 const BOARD_INSET_M: f64 = 1.2;

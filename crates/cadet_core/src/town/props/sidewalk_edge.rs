@@ -6,9 +6,9 @@ use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole,
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::network::road_network::RightOfWay;
-use crate::town::plan::street_style::StreetStyle;
+use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::{Frontage, right_of};
-use crate::town::props::placer::Placer;
+use crate::town::plots::street_style::StreetStyle;
 
 /// Lamps and signs stand this far inside the sidewalk's outer edge.
 const POLE_INSET_M: f64 = 0.22;

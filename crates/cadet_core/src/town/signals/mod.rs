@@ -1,15 +1,15 @@
 //! Traffic lights and zebra crossings: which lanes they hold, when lights are green, where people cross, and what is seen.
 
 mod arm;
-mod heads;
+mod head;
 mod plan;
+pub(in crate::town) mod right_of_way;
 
 pub use arm::{Arm, CrossingRule, STOP_LINE_M};
-pub use heads::Head;
+pub use head::Head;
 pub use plan::{Aspect, SignalPlan};
 
 pub(super) use arm::FORD_M;
-pub(super) use heads::place;
 
 use arm::arms_of;
 

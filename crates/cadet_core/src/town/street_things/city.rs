@@ -10,9 +10,9 @@ use crate::frames;
 use crate::math::{DVec2, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
-use crate::town::plan::street_style::CityStyle;
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::Plot;
+use crate::town::plots::street_style::CityStyle;
 use crate::town::street_things::{Furnisher, cafes, footprint};
 
 /// Nothing stands so near to the ends of a frontage.

@@ -5,8 +5,8 @@ use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::ParkingSpot;
-use crate::town::plan::street_style::StreetStyle;
 use crate::town::plots::plot::Plot;
+use crate::town::plots::street_style::StreetStyle;
 use crate::town::street_things::Furnisher;
 
 /// Share of the gardens that have something in front.

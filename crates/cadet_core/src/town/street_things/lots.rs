@@ -6,8 +6,8 @@ use crate::assets::scenery::{
     BENCH_SEAT_M, FurnitureKind, SHELTER_SEAT_M, SceneryModel, THING_VARIANTS, ThingKind, furniture, thing,
 };
 use crate::rng::Stream;
-use crate::town::plan::street_style::StreetStyle;
 use crate::town::plots::plot::Plot;
+use crate::town::plots::street_style::StreetStyle;
 use crate::town::street_things::Furnisher;
 
 /// Share of the vacant plots on which something is built, in a common suburb.

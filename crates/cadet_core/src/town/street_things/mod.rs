@@ -18,11 +18,11 @@ use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
-use crate::town::plan::street_style::StreetStyle;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::Frontage;
 use crate::town::plots::plot::Plot;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
+use crate::town::plots::street_style::StreetStyle;
 use crate::town::{ParkingSpot, SpotKind, Walkway};
 use edge::EdgePlace;
 

@@ -9,9 +9,10 @@ use crate::assets::scenery::{
 };
 use crate::math::DVec2;
 use crate::rng::Stream;
-use crate::town::plan::street_style::{Boundary, StreetStyle};
+use crate::town::placement::boundary::Boundary;
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::Plot;
+use crate::town::plots::street_style::StreetStyle;
 use crate::town::street_things::edge::{CORNER_M, along_edge, at_edge};
 use crate::town::street_things::{Furnisher, cafes};
 

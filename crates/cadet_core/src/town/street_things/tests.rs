@@ -1,8 +1,8 @@
 //! Things stand apart, off the lanes, before no door, and people get past.
 
 use crate::plane::OrientedRect;
+use crate::town::placement::occupancy::Site;
 use crate::town::plots::frontage::frontages;
-use crate::town::props::occupancy::Site;
 use crate::town::props::place_props;
 use crate::town::signals::Signals;
 use crate::town::street_things::*;
@@ -62,7 +62,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
                 }
             }
         }
-        let solid = |s: &&crate::town::props::placer::Standing| s.rect.half.x > 0.01;
+        let solid = |s: &&crate::town::placement::placer::Standing| s.rect.half.x > 0.01;
         for (i, a) in props.standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
             for (j, b) in props.standing.iter().enumerate().filter(|(_, s)| solid(s)) {
                 let is_far = (a.rect.center - b.rect.center).length() > 16.0;

@@ -8,8 +8,8 @@ use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
 use crate::town::countryside::motorway::Side;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
 
 /// Delineators stand so far apart and from the asphalt (HLB, German guideline for delineators).
 const DELINEATOR_EVERY_M: f64 = 50.0;

@@ -3,8 +3,8 @@
 use crate::assets::scenery::{TreeKind, num_variants, tree};
 use crate::rng::Stream;
 use crate::town::countryside::motorway::Side;
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::Placer;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::Placer;
 
 /// Stretches of one kind of growth.
 const STRETCH_M: (f64, f64) = (50.0, 260.0);

@@ -6,7 +6,7 @@ use crate::assets::scenery::{MOTORWAY_PIECE_M, MotorwayKind, TreeKind, motorway_
 use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::countryside::motorway::plan::RoadPlan;
-use crate::town::props::placer::Placer;
+use crate::town::placement::placer::Placer;
 
 /// Two rows of rails stand so far from the middle where shrubs grow between them; else one row of two beams does.
 const RAILS_OFF_M: f64 = 0.75;

@@ -16,10 +16,10 @@ use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 use crate::town::RoadNetwork;
 use crate::town::countryside::motorway::plan::RoadPlan;
-use crate::town::plots::fields::Land;
+use crate::town::ground::land::fields::Land;
+use crate::town::placement::occupancy::Occupancy;
+use crate::town::placement::placer::{Placer, Standing};
 use crate::town::plots::frontage::{Frontage, right_of};
-use crate::town::props::occupancy::Occupancy;
-use crate::town::props::placer::{Placer, Standing};
 
 /// An abutment stands so far from the asphalt; plants keep so far from the middle of a bridge.
 const ABUTMENT_OFF_M: f64 = 7.5;

@@ -8,8 +8,8 @@ use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::countryside::motorway::plan::GANTRY_SHARE;
 use crate::town::countryside::motorway::{Side, stand};
+use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::right_of;
-use crate::town::props::placer::Placer;
 
 /// Middles of posts stand so far from the asphalt.
 const SMALL_OFF_M: f64 = 1.4;

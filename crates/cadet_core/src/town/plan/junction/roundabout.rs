@@ -1,8 +1,9 @@
 //! Roundabouts: one lane about an island, in place of the ways across a junction.
 
 use crate::math::{self, DVec2, PI, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
-use crate::town::plan::plan_curve::{PlanCurve, PlanPose, Segment, unit};
+use crate::town::plan::plan_curve::{PlanCurve, PlanPose, Segment};
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
 
 /// Radius of the island and width of the lane about it: 26 to 30 m from side to side, a small roundabout of the German

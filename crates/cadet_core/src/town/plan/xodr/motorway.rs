@@ -1,10 +1,10 @@
 //! Writes a motorway as OpenDRIVE 1.7: roads that follow each other, without a junction.
 
 use crate::town::network::road_network::LaneSurface;
-use crate::town::opendrive::lanes::{LaneRecord, OuterLine, Section, write_lanes};
-use crate::town::opendrive::text::{Cubic, put};
 use crate::town::plan::motorway::{CrossSection, Motorway};
 use crate::town::plan::relief::Relief;
+use crate::town::plan::xodr::lanes::{LaneRecord, OuterLine, Section, write_lanes};
+use crate::town::plan::xodr::text::{Cubic, put};
 use crate::town::plan::xodr::writer::{HEADER, write_shape};
 
 /// The whole document; roads have ids from 1 on.

@@ -1,9 +1,9 @@
 //! The traffic lights of a street plan as OpenDRIVE: signals along the streets, and the controllers of junctions.
 
 use crate::math::{PI, wrap_angle};
-use crate::town::opendrive::text::put;
 use crate::town::plan::junction::turns::End;
 use crate::town::plan::street_plan::{Street, StreetPlan};
+use crate::town::plan::xodr::text::put;
 
 /// Lights stand so far before the end of a street.
 const BEFORE_END_M: f64 = 4.2;

@@ -2,11 +2,6 @@
 
 use crate::math;
 use crate::town::network::road_network::LaneSurface;
-use crate::town::opendrive::lanes::{
-    CYCLE_FORD_M, LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
-    street_sections, write_lanes,
-};
-use crate::town::opendrive::text::{Cubic, put};
 use crate::town::plan::junction::cycle_turns::CycleTurn;
 use crate::town::plan::junction::roundabout::Roundabout;
 use crate::town::plan::junction::turns::{End, Turn};
@@ -14,7 +9,12 @@ use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::relief::Relief;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
 use crate::town::plan::street_plan::{Street, StreetPlan};
+use crate::town::plan::xodr::lanes::{
+    CYCLE_FORD_M, LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
+    street_sections, write_lanes,
+};
 use crate::town::plan::xodr::signals::{write_controllers, write_junction_controllers, write_signals};
+use crate::town::plan::xodr::text::{Cubic, put};
 
 /// How a document begins.
 pub(in crate::town) const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n";

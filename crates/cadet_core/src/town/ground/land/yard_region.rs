@@ -6,8 +6,8 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::Solver;
 
 use crate::math::DVec2;
+use crate::town::ground::land::yards::{YardSurface, Yards};
 use crate::town::ground::region::{Contour, Frame, Ring, grow, union};
-use crate::town::plots::yards::{YardSurface, Yards};
 
 /// A strip so wide is left to grass between a yard and what is paved otherwise: outlines must not meet.
 const APART_M: f64 = 0.05;

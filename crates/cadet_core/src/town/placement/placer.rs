@@ -10,8 +10,8 @@ use crate::material::Palette;
 use crate::math::{DVec2, DVec3, TAU, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
-use crate::town::plan::street_style::Boundary;
-use crate::town::props::occupancy::Site;
+use crate::town::placement::boundary::Boundary;
+use crate::town::placement::occupancy::Site;
 
 /// What stands on the ground: for the tests, and for what is placed later.
 #[derive(Debug, Clone)]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
+use crate::town::ground::land::fields::Crop;
 use crate::town::ground::region::Ring;
-use crate::town::plots::fields::Crop;
 use crate::town::{Ground, GroundKind};
 
 const CELL_M: f64 = 16.0;

@@ -3,16 +3,15 @@
 use std::sync::Arc;
 
 use crate::assets::scenery::{
-    HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_head, signal_post,
+    HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_post,
 };
 use crate::frames;
-use crate::instance::Instance;
-use crate::math::{DPose3, DVec2, DVec3, atan2};
+use crate::math::{DVec2, DVec3, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
-use crate::town::props::placer::Placer;
-use crate::town::signals::arm::{Arm, FORD_M};
-use crate::town::signals::{Aspect, Signals};
+use crate::town::placement::placer::Placer;
+use crate::town::signals::{Arm, FORD_M};
+use crate::town::signals::{Head, Signals};
 
 /// Posts stand so far before the junction, and so far behind the curb; farther where that is still a road.
 const POST_BEFORE_M: f64 = FORD_M.1 - 0.1;
@@ -24,41 +23,6 @@ const MAST_SHARE: f64 = 0.35;
 const BOARD_SHARE: f64 = 0.2;
 /// Half the side of what people keep off.
 const POST_HALF_M: f64 = 0.09;
-
-/// A light.
-#[derive(Debug, Clone)]
-pub struct Head {
-    /// What it is like.
-    pub kind: HeadKind,
-    /// Its junction and arm in [`Signals::junctions`].
-    pub arm: (usize, usize),
-    /// The middle of its back's bottom edge; it faces x.
-    pub world_from_head: DPose3,
-}
-
-impl Head {
-    /// Which lenses are lit: red, yellow, green.
-    #[must_use]
-    pub fn lenses(&self, signals: &Signals, time_s: f64) -> [bool; 3] {
-        let (junction, arm) = self.arm;
-        if self.kind == HeadKind::Walk {
-            let walks = signals.may_walk(self.arm, time_s);
-            return [!walks, false, walks];
-        }
-        let junction = &signals.junctions[junction];
-        match junction.plan.aspect(junction.arms[arm].stage, time_s) {
-            Aspect::Red => [true, false, false],
-            Aspect::RedYellow => [true, true, false],
-            Aspect::Yellow => [false, true, false],
-            Aspect::Green => [false, false, true],
-        }
-    }
-
-    pub(super) fn lit(&self, signals: &Signals, time_s: f64) -> Instance {
-        let (shape, palette) = signal_head(self.kind, self.lenses(signals, time_s));
-        Instance::new(shape, palette, self.world_from_head, 0)
-    }
-}
 
 /// Sets up the lights of a town; returns what people keep off.
 pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mut Placer) -> Vec<OrientedRect> {

@@ -1,10 +1,10 @@
 //! What the land between country roads is used for: parcels of meadows, fields and woods.
 
 use crate::math::{self, DVec2};
+use crate::plane::unit;
 use crate::rng::{Stream, StreamKey};
 use crate::town::ground::road_section::Roadside;
 use crate::town::network::road_network::RoadNetwork;
-use crate::town::plan::plan_curve::unit;
 
 /// What grows on a parcel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,14 +1,13 @@
 //! The lanes of a street as OpenDRIVE: median, driving lanes, parking bays, sidewalk, and the lines between them.
 
+use crate::town::network::limits::CURB_HEIGHT_M;
 use crate::town::network::road_network::LaneSurface;
-use crate::town::opendrive::text::{Cubic, put};
 use crate::town::plan::country_roads;
 use crate::town::plan::country_roads::EDGE_LINE_INSET_M;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
 use crate::town::plan::street_plan::Street;
+use crate::town::plan::xodr::text::{Cubic, put};
 
-/// Height of a curb: a sidewalk's lane lies this much above the carriageway.
-pub(in crate::town) const CURB_HEIGHT_M: f64 = 0.12;
 /// The curb swings out into the bay over this length.
 const BAY_TAPER_M: f64 = 2.5;
 /// Narrower carriageways have no center line.

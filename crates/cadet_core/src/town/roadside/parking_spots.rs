@@ -6,8 +6,8 @@ use crate::math::{self, DPose3, DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::ground::Ground;
 use crate::town::ground::kind::GroundKind;
+use crate::town::network::limits::AISLE_KMH;
 use crate::town::network::road_network::{Lane, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
-use crate::town::plan::place_streets::AISLE_KMH;
 use crate::town::{ParkingSpot, SpotKind};
 
 /// Distance between the middles of spots: drawn per row.
