@@ -41,6 +41,7 @@ BESIDE_M = 0.3
 EVEN_M = 0.01
 HEIGHTS_EVERY_S = 5
 MOVING_MPS = 0.3
+EGO = 0
 CORNERS = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
 AROUND = [*CORNERS, [0, 1], [-1, 0], [0, -1], [1, 0]]
 
@@ -123,15 +124,22 @@ def kind_of(a: cadet.Agent, b: cadet.Agent) -> str:
     return "overlap with people, m" if a.type in PEOPLE or b.type in PEOPLE else "overlap of vehicles, m"
 
 
-def reason(agent: cadet.Agent, agents: dict[int, cadet.Agent]) -> str:
+def reason(agent: cadet.Agent, scene: cadet.Scene, agents: dict[int, cadet.Agent]) -> str:
     """Return what the head of an agent's queue waits for; "each other" where the queue bites its tail."""
-    seen = [agent.id]
-    while (ahead := agents.get(agent.brakes_for_id or 0)) is not None and ahead.speed_mps <= MOVING_MPS:
-        if ahead.id in seen:
+    waits = {other.id: (other.brakes_for, other.brakes_for_id) for other in agents.values() if is_slow(other)}
+    waits[EGO] = scene.ego_brakes_for or (None, None)
+    seen, (why, ahead) = [agent.id], (agent.brakes_for, agent.brakes_for_id)
+    while ahead in waits:
+        if ahead in seen:
             return "each other"
-        seen.append(ahead.id)
-        agent = ahead
-    return agent.brakes_for or "nothing"
+        seen.append(ahead)
+        why, ahead = waits[ahead]
+    return why or "nothing"
+
+
+def is_slow(agent: cadet.Agent) -> bool:
+    """Return whether an agent stands, or nearly."""
+    return agent.speed_mps <= MOVING_MPS
 
 
 def watch(seed: int, seconds: int, policy: cadet.ResetPolicy) -> Worst:
@@ -151,10 +159,10 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy) -> Worst:
             worst.meet(kind, abs(height_m), 0.03, f"{place}{agent.id} ({agent.model})")
         by_id = {agent.id: agent for agent in agents}
         for agent in agents:
-            if agent.speed_mps > MOVING_MPS:
+            if not is_slow(agent):
                 last_moved_s[agent.id] = since_s[agent.id] = second
             elif agent.id in last_moved_s and agent.type not in PEOPLE:
-                why = reason(agent, by_id)
+                why = reason(agent, scene, by_id)
                 is_long = why in LONG_REASONS
                 stood_s = second - (last_moved_s if is_long else since_s)[agent.id]
                 if is_long:

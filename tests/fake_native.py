@@ -271,6 +271,7 @@ class Scene:
         self.driven_m = self.time_s = 0.0
         self.num_views = 0
         self.ego_is_at_road_end = False
+        self.ego_brakes_for = None
         self.calls: list[str] = []
         self.map_warnings = lambda: [f'{map_name}: road "7": lost'] if map_name == "lossy.xodr" else []
         self.num_triangles, self.num_actors = 1, 1

@@ -173,6 +173,11 @@ class Scene:
         """Every agent around the ego now, parked vehicles too, by rising id; no sensor is asked."""
         return tuple(agent_from_native(native) for native in self._native.agents)
 
+    @property
+    def ego_brakes_for(self) -> tuple[str, int | None] | None:
+        """What the ego's driver brakes or waits for, and whose id: an agent's `brakes_for` and `brakes_for_id`."""
+        return self._native.ego_brakes_for
+
     def add(
         self,
         kind: str,

@@ -6,7 +6,7 @@ pub use capture::{Frame, Image, Request};
 
 use std::sync::Arc;
 
-use crate::actor::ObjectClass;
+use crate::actor::{BrakesFor, ObjectClass};
 use crate::assets::vehicle::UserVehicles;
 use crate::error::{Error, Result, finite};
 use crate::label::{LabelConfig, TakenView};
@@ -282,6 +282,12 @@ impl Scene {
         self.sensed = None;
         let _ = self.world.drive(distance_m, blocked_s)?;
         Ok(())
+    }
+
+    /// What the ego's driver brakes or waits for.
+    #[must_use]
+    pub fn ego_brakes_for(&self) -> Option<BrakesFor> {
+        self.world.ego_brakes_for()
     }
 
     /// Whether the ego has come to where its road ends, so that it can't go on.

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, TryLockError};
 
-use cadet_core::actor::ObjectClass;
+use cadet_core::actor::{BrakesFor, ObjectClass};
 use cadet_core::lidar::Scan;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene as core;
@@ -170,6 +170,11 @@ impl Scene {
 
     fn drive(&self, py: Python<'_>, distance_m: f64, blocked_s: f64) -> Result<(), BorderError> {
         self.with(py, |scene| scene.drive(distance_m, blocked_s))
+    }
+
+    #[getter]
+    fn ego_brakes_for(&self, py: Python<'_>) -> Result<Option<(&'static str, Option<i32>)>, BorderError> {
+        self.with(py, |scene| Ok(scene.ego_brakes_for().map(BrakesFor::name_and_id)))
     }
 
     #[getter]

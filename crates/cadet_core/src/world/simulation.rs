@@ -11,12 +11,12 @@ use super::footprint::Footprint;
 use super::params::LOOK_STEPS;
 use super::physics::DT_S;
 use super::slot::{EGO, Slot};
-use super::snapshot::{EgoState, Snapshot};
+use super::snapshot::{EgoState, Snapshot, brakes_for};
 use super::spawn::{
     EgoStarts, RENEW_EVERY, Respawns, Shortfall, Spawner, TrafficConfig, add_cyclist, add_person, add_seated,
     add_vehicle, box_at, check_free, fill, leave, place_ego, renew, too_short,
 };
-use crate::actor::ObjectClass;
+use crate::actor::{BrakesFor, ObjectClass};
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
 use crate::frames;
@@ -295,6 +295,12 @@ impl World {
             velocity_world: body.velocity_world(physics),
             angular_velocity_world: body.angular_velocity_world(physics),
         }
+    }
+
+    /// What the ego's driver brakes or waits for.
+    #[must_use]
+    pub fn ego_brakes_for(&self) -> Option<BrakesFor> {
+        brakes_for(&self.arena, self.arena.ego())
     }
 
     /// Whether the ego has come to where its road ends, so that it can't go on.

@@ -94,7 +94,7 @@ impl Snapshot {
 }
 
 /// What an agent's driver brakes for, by the ids of actors.
-fn brakes_for(arena: &Arena, agent: &Agent) -> Option<BrakesFor> {
+pub(super) fn brakes_for(arena: &Arena, agent: &Agent) -> Option<BrakesFor> {
     let id = |slot: Slot| arena.agents[slot].id;
     match agent.behavior().cause() {
         Cause::Nothing => None,

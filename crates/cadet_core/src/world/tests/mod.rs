@@ -31,7 +31,7 @@ use super::body::Fixed;
 use super::footprint::Footprint;
 use super::junctions::{Junctions, Refusal, Request};
 use super::{Course, ModelChoice, Overlap, Shortfall, TrafficConfig, Waypoint, World};
-use crate::actor::ObjectClass;
+use crate::actor::{BrakesFor, ObjectClass};
 use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::StreamKey;
@@ -252,6 +252,7 @@ fn a_car_keeps_its_distance_to_one_that_stands_in_its_lane() {
             [parked(&world)[0], world.arena.ego()].map(|a| footprint(&world, a).half_length_m).iter().sum::<f64>();
         let gap_m = 80.0 - gone_m - half_m;
         assert!((3.9..6.0).contains(&gap_m), "stopped {gap_m} m behind");
+        assert_eq!(world.ego_brakes_for(), Some(BrakesFor::Obstacle));
     }
 }
 
