@@ -71,7 +71,7 @@ def test_traffic_has_cyclists_if_they_are_asked_for(core: Any) -> None:
         return [o for o in meta["objects"] if o["type"] != "DontCare"]
 
     assert not [o for o in actors(0) if o["type"] == "Cyclist"]
-    assert [o for o in actors(40) if o["type"] == "Cyclist"]
+    assert [o for o in actors(12) if o["type"] == "Cyclist"]
 
 
 def test_evaluation_finds_cyclists(core: Any) -> None:

@@ -70,7 +70,7 @@ pub struct Curve {
 ///
 /// ```
 /// use cadet_core::evaluate::{
-///     ClassLimits, FramePair, Kind, Level, Settings, evaluate, parse_detections, parse_truths,
+///     ClassLimits, FramePair, ObjectType, Level, Settings, evaluate, parse_detections, parse_truths,
 /// };
 ///
 /// let car = "Car 0.00 0 0.10 100.00 150.00 200.00 220.00 1.50 1.60 3.90 1.00 1.60 20.00 0.15";
@@ -78,7 +78,7 @@ pub struct Curve {
 /// let found = parse_detections(format!("{car} 0.9").as_bytes(), "000000.txt")?;
 /// let frames = [FramePair { truths: truths.objects, detections: found.objects }];
 ///
-/// let class = ClassLimits::of(Kind::Car, [0.7; 3]);
+/// let class = ClassLimits::of(ObjectType::Car, [0.7; 3]);
 /// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion: 0.0, max_truncation: 0.15 };
 /// let curves = evaluate(&frames, &Settings { classes: vec![class], levels: vec![easy] })?;
 /// // In the image, from above, and in 3D.

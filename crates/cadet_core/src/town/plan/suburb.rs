@@ -18,7 +18,7 @@ const MOTORWAY_VERTICAL_RADIUS_M: f64 = 5000.0;
 pub struct Suburb {
     /// Its OpenDRIVE 1.7 document.
     pub xodr: String,
-    /// Its network, read from the document by [`super::load_map`].
+    /// Its network, read from the document by [`crate::town::load_map`].
     pub network: RoadNetwork,
 }
 

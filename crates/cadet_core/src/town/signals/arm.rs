@@ -110,7 +110,7 @@ impl Arm {
         left_m > self.right_m - SIDEWALK_M && left_m < self.left_m + SIDEWALK_M
     }
 
-    /// How people get over this arm with lights: [`Over::Ford`] with zeros on its ford.
+    /// How people get over this arm with lights: [`CrossingRule::Ford`] with zeros on its ford.
     pub(super) fn crossing_rule(&self, from: DVec2, to: DVec2) -> CrossingRule {
         let (before_m, left_m) = self.local((from + to) / 2.0);
         if !(-NO_CROSSING_M.1..NO_CROSSING_M.0).contains(&before_m) || !self.is_across(left_m) {
