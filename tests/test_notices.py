@@ -61,6 +61,7 @@ def test_cadet_gen_prints_a_maps_losses_in_one_line_however_many_workers_read_it
 
 
 def test_what_finds_no_room_is_warned_of_if_the_user_asked_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cadet.notices._said", set())
     monkeypatch.setattr("cadet._cadet.Scene.shortfalls", lambda self: [("num_cars", 500, 20), ("num_trams", 3, 0)])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

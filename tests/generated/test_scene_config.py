@@ -38,7 +38,7 @@ def test_shadows_fall_away_from_the_sun() -> None:
 
 @pytest.mark.parametrize("elevation_deg", [3.0, 90.0])
 def test_the_sun_stands_where_it_is_put(elevation_deg: float) -> None:
-    config = SceneConfig(num_cars=20, sun_elevation_deg=elevation_deg, sun_azimuth_deg=180.0)
+    config = SceneConfig(num_cars=8, sun_elevation_deg=elevation_deg, sun_azimuth_deg=180.0)
     frame = Scene.random(seed=1, weather="clear_noon", rig=SMALL, config=config).capture()
     assert frame.meta is not None
     assert frame.meta["sun"]["elevation_rad"] == pytest.approx(math.radians(elevation_deg))
@@ -49,7 +49,7 @@ def test_the_sun_stands_where_it_is_put(elevation_deg: float) -> None:
 def test_suburbs_have_as_many_blocks_as_asked_for() -> None:
     def extent_m(blocks: tuple[int, int]) -> float:
         suburb = SuburbConfig(blocks=blocks, block_m=(80.0, 80.0))
-        scene = Scene.random(seed=2, weather="clear_noon", rig=SMALL, config=SceneConfig(num_cars=30, suburb=suburb))
+        scene = Scene.random(seed=2, weather="clear_noon", rig=SMALL, config=SceneConfig(num_cars=8, suburb=suburb))
         vertices, _, _ = scene.triangles()
         return float(np.ptp(vertices[:, :2], axis=0).max())
 
@@ -60,7 +60,7 @@ def test_suburbs_have_as_many_blocks_as_asked_for() -> None:
 def test_towns_without_greenery_have_no_trees() -> None:
     def num_high(greenery: float) -> int:
         props = PropConfig(greenery=greenery, belt_m=40.0 * greenery)
-        scene = Scene.random(seed=3, weather="clear_noon", rig=SMALL, config=SceneConfig(num_cars=30, props=props))
+        scene = Scene.random(seed=3, weather="clear_noon", rig=SMALL, config=SceneConfig(num_cars=8, props=props))
         scan = scene.scan(Lidar.vlp16(), ideal=True)
         # Hedges and lawns are lower.
         return int(((scan.semantic == Semantic.VEGETATION) & (scan.points_velo[:, 2] > 1.5)).sum())
