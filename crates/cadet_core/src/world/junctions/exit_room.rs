@@ -38,6 +38,7 @@ pub(super) fn exit_blocked_by(
 mod tests {
     use super::*;
     use crate::town::{Lane, LaneId, LaneKind};
+    use crate::world::junctions::reservations::Reservation;
     use crate::world::lane_use::OnLane;
     use crate::world::streets::LanePosition;
     use crate::world::tests::towns::{main_roads, tram_main_roads};
@@ -108,5 +109,19 @@ mod tests {
             }
         }
         assert!(count > 3, "{count} such ends");
+    }
+
+    #[test]
+    fn room_that_was_promised_to_somebody_is_nobody_elses() {
+        let roads = LaneGraph::new(main_roads(3));
+        for exits in exits_in_pieces(&roads, LaneKind::Driving) {
+            let room_m = exits.iter().map(|id| roads.lane(*id).length_m()).sum::<f64>() / 2.0 + 1.0;
+            let own = Request { room_m, exits: exits.clone(), ..Request::of_car(1, &[]) };
+            let mut junctions = Junctions::new(&roads);
+            assert_eq!(exit_blocked_by(&own, &LaneUse::default(), &junctions, &roads), None);
+            let (lane, tail_m, clear_at_m) = (exits[0], f64::NEG_INFINITY, None);
+            junctions.held.push(Reservation { slot: 2, lane, since_step: 0, exit: lane, room_m, tail_m, clear_at_m });
+            assert_eq!(exit_blocked_by(&own, &LaneUse::default(), &junctions, &roads), Some(2), "{exits:?}");
+        }
     }
 }

@@ -68,3 +68,21 @@ fn bays_are_as_full_as_the_district_and_yards_have_trucks() {
     }
     assert!(trucks >= 4, "{trucks}");
 }
+
+#[test]
+fn nobody_on_foot_appears_in_a_bicycle_that_stands() {
+    let mut world = World::new(suburb(0), StreamKey::scene(2)).unwrap();
+    for walkway in &world.town().walkways.clone() {
+        for p in walkway.center.iter().step_by(4) {
+            let course = Course::Stand { x_m: p.x, y_m: p.y, yaw_rad: 0.5 };
+            world.add(ObjectClass::Cyclist, ModelChoice::Seed(1), &course, Overlap::Allow).unwrap();
+        }
+    }
+    let config = TrafficConfig { num_cars: 0, num_pedestrians: 60, ..TrafficConfig::default() };
+    world.spawn_traffic(&config).unwrap();
+    assert!(walkers(&world).len() > 15, "{} people", walkers(&world).len());
+    for (agent, _) in walkers(&world) {
+        let at = place(&world, agent);
+        assert!(world.arena.vehicles().all(|(_, o)| (o.closest_point(at) - at).length() > 0.3), "{at}");
+    }
+}
