@@ -42,6 +42,13 @@ impl Polyline {
         (self.points[i] - self.points[i - 1]).normalize_or(DVec2::X)
     }
 
+    /// Distance along the line of the point, of those that it leads through, nearest to a place; `None` without points.
+    pub fn s_of_nearest_point(&self, place: DVec2) -> Option<f64> {
+        let away = |p: &DVec2| (*p - place).length_squared();
+        let points = self.points.iter().zip(&self.s_m);
+        points.min_by(|(p, _), (q, _)| away(p).total_cmp(&away(q))).map(|(_, s_m)| *s_m)
+    }
+
     /// The points strictly between two distances.
     pub fn between(&self, from_m: f64, to_m: f64) -> &[DVec2] {
         let (i, j) = (self.s_m.partition_point(|v| *v <= from_m), self.s_m.partition_point(|v| *v < to_m));

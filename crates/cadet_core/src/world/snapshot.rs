@@ -77,7 +77,7 @@ impl Snapshot {
             actors.push(ActorState {
                 id,
                 class: look.class(),
-                model: look.name().to_owned(),
+                model: look.model().name.to_owned(),
                 size_lwh: look.size_lwh(),
                 annotated: look.annotated_from(near_end),
                 world_from_box,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::assets::scenery::materials::maize_palette;
 use crate::assets::scenery::{CROP_VARIANTS, FenceKind, MAIZE_M, TreeKind, maize as maize_row, num_variants, tree};
 use crate::math::DVec2;
+use crate::plane::bounds;
 use crate::rng::{Stream, StreamKey};
 use crate::town::countryside::SEEN_M;
 use crate::town::countryside::roadsides::room_m;
@@ -50,8 +51,7 @@ struct Site<'a> {
 impl<'a> Site<'a> {
     fn new(rings: &'a [Ring]) -> Self {
         let points = rings.iter().flatten();
-        let (min, max) =
-            points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(*p), hi.max(*p)));
+        let (min, max) = bounds(points.copied());
         Self { rings, inside: Inside::new(rings), min, max }
     }
 

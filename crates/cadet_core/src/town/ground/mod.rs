@@ -35,6 +35,7 @@ use crate::town::signals::Signals;
 
 use crate::instance::Instance;
 use crate::math::{DVec2, DVec3, Vec3};
+use crate::plane::bounds;
 
 /// The ground goes on this far beyond the outermost lane.
 const MARGIN_M: f64 = 160.0;
@@ -44,7 +45,7 @@ const SAMPLE_STEP_M: f64 = 1.7;
 /// The corners of the ground under and around a network.
 pub(in crate::town) fn extent(network: &RoadNetwork) -> (DVec2, DVec2) {
     let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
-    let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    let (min, max) = bounds(everything);
     ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil())
 }
 

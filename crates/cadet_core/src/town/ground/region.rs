@@ -15,6 +15,7 @@ use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
 use crate::error::{Error, Result};
 use crate::math::DVec2;
+use crate::plane::bounds;
 use crate::town::ground::land::fields::{Crop, Land};
 use crate::town::ground::land::yards::YardSurface;
 use crate::town::network::road_network::{Lane, LaneKind, LaneSurface, RoadNetwork};
@@ -90,7 +91,7 @@ impl Regions {
     pub(in crate::town) fn of(network: &RoadNetwork, land: Option<&Land>) -> Result<Self> {
         let fail = |reason: String| Error::Map { map: "ground".to_owned(), reason };
         let points = || network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
-        let (min, max) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let (min, max) = bounds(points());
         let extent = (max - min).max_element();
         if extent.is_nan() || extent > MAX_EXTENT_M {
             return Err(fail(format!("the network is {extent} m across, expected less than {MAX_EXTENT_M} m")));

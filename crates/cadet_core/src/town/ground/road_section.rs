@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::math::{self, DVec2, PI, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
 
 /// How steeply a verge falls away from the asphalt.
@@ -92,7 +93,7 @@ impl Roadside {
 fn draw_waves(stream: &mut Stream, length_m: (f64, f64)) -> [(DVec2, f64); 4] {
     std::array::from_fn(|_| {
         let (length_m, heading) = (stream.range(length_m.0, length_m.1), stream.range(0.0, TAU));
-        (DVec2::new(math::cos(heading), math::sin(heading)) * (TAU / length_m), stream.range(0.0, TAU))
+        (unit(heading) * (TAU / length_m), stream.range(0.0, TAU))
     })
 }
 

@@ -1,6 +1,7 @@
 //! How uneven streets are over meters: long-wave roughness as a sum of sines, so that heights are a closed form.
 
 use crate::math::{self, DVec2, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
 
 /// (shortest and longest wave, root mean square height) of the octaves: with them the road 4 to 20 m ahead is off its
@@ -24,7 +25,7 @@ struct Wave {
 impl Wave {
     fn new(stream: &mut Stream, lengths_m: (f64, f64), amplitude_m: f64) -> Self {
         let (length_m, heading) = (stream.range(lengths_m.0, lengths_m.1), stream.range(0.0, TAU));
-        let k = DVec2::new(math::cos(heading), math::sin(heading)) * (TAU / length_m);
+        let k = unit(heading) * (TAU / length_m);
         Self { k, phase: stream.range(0.0, TAU), amplitude_m }
     }
 

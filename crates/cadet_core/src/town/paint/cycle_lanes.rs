@@ -1,7 +1,7 @@
 //! Paint on lanes for bicycles: a bicycle every so often, and a red coat over junctions.
 
-use crate::math;
 use crate::math::{DVec2, DVec3, TAU};
+use crate::plane::unit;
 use crate::town::network::road_network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use crate::town::paint::Paint;
 
@@ -67,7 +67,7 @@ fn bicycle(lane: &Lane, s_m: f64, paint: &mut Paint) {
     for hub in [rear, front] {
         let rim = |k: usize| {
             let angle = TAU * k as f64 / WHEEL_CORNERS as f64;
-            hub + DVec2::new(math::cos(angle), math::sin(angle)) * radius
+            hub + unit(angle) * radius
         };
         (0..WHEEL_CORNERS).for_each(|k| stroke(rim(k), rim(k + 1)));
     }

@@ -3,7 +3,8 @@
 //!
 //! How much there is of it is drawn street by street.
 
-use crate::math::{self, DVec2, TAU};
+use crate::math::{DVec2, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
 use crate::town::network::road_network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use crate::town::paint::Paint;
@@ -114,7 +115,7 @@ impl Works<'_, '_> {
             }
             let corner = |k: usize, radius_m: f64| {
                 let angle = TAU * k as f64 / COVER_CORNERS as f64;
-                middle + DVec2::new(math::cos(angle), math::sin(angle)) * radius_m
+                middle + unit(angle) * radius_m
             };
             for k in 0..COVER_CORNERS {
                 let (a, b) = (corner(k, outer_m), corner(k + 1, outer_m));

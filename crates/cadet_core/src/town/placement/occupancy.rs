@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
+use crate::plane::bounds;
 use crate::town::ground::land::fields::Crop;
 use crate::town::ground::region::Ring;
 use crate::town::{Ground, GroundKind};
@@ -78,8 +79,7 @@ impl<'a> Site<'a> {
     /// Surveys the streets of a town.
     pub fn new(ground: &'a Ground) -> Self {
         let points = ground.sidewalk_outline().iter().flatten();
-        let (min, max) =
-            points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(*p), hi.max(*p)));
+        let (min, max) = bounds(points.copied());
         let origin = min - DVec2::splat(MAX_MARGIN_M + 1.0);
         let size = max + DVec2::splat(MAX_MARGIN_M + 1.0) - origin;
         let step_m = STEP_M.max((size.x * size.y / MAX_POINTS).sqrt());

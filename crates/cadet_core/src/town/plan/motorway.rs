@@ -1,6 +1,7 @@
 //! Motorways and bypasses: a course that closes on itself, and what lies across it from the median to the verge.
 
-use crate::math::{self, DVec2, TAU};
+use crate::math::{self, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose, heading_of};
 
@@ -101,7 +102,7 @@ fn draw_course(stream: &mut Stream, tightest_m: f64) -> Vec<PlanCurve> {
     let scale_m = tightest_m * around(720).map(curvature).fold(0.0, f64::max);
     let pose = |turn: f64| {
         let [r, d, _] = radius(turn);
-        let out = DVec2::new(math::cos(turn), math::sin(turn));
+        let out = unit(turn);
         PlanPose::new(out * (r * scale_m), heading_of(out * d + out.perp() * r))
     };
     let length_m = around(720).map(|turn| radius(turn)[0]).sum::<f64>() * scale_m * TAU / 720.0;

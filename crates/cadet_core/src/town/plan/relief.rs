@@ -1,6 +1,7 @@
 //! The lie of the land under a generated suburb: a few long waves, so that heights, slopes and bends are closed forms.
 
 use crate::math::{self, DVec2, TAU};
+use crate::plane::unit;
 use crate::rng::Stream;
 
 /// Streets bend over crests and dips with at least this radius, which bounds the sum of all waves' curvatures. With it
@@ -31,7 +32,7 @@ impl Relief {
             .map(|i| {
                 let length = stream.range(380.0, 620.0) + 90.0 * f64::from(i);
                 let heading = stream.range(0.0, TAU);
-                let k = DVec2::new(math::cos(heading), math::sin(heading)) * (TAU / length);
+                let k = unit(heading) * (TAU / length);
                 let steepness = stream.range(0.5, 1.0);
                 Wave { k, phase: stream.range(0.0, TAU), amplitude_m: steepness / k.length() }
             })

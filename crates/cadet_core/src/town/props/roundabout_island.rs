@@ -2,7 +2,8 @@
 //! right, and the signs of those who give way.
 
 use crate::assets::scenery::{PoleKind, TreeKind, pole};
-use crate::math::{self, DVec2, DVec3, TAU};
+use crate::math::{DVec2, DVec3, TAU};
+use crate::plane::unit;
 use crate::rng::{Stream, StreamKey};
 use crate::town::network::road_network::{Lane, LaneKind, RoadNetwork};
 use crate::town::placement::placer::Placer;
@@ -39,8 +40,7 @@ impl Island {
     /// A place anywhere on it, so far inside of its edge.
     fn place(&self, inset_m: f64, s: &mut Stream) -> DVec2 {
         let (around_rad, share) = (s.range(0.0, TAU), s.unit());
-        self.center
-            + DVec2::new(math::cos(around_rad), math::sin(around_rad)) * (self.radius_m - inset_m) * share.sqrt()
+        self.center + unit(around_rad) * (self.radius_m - inset_m) * share.sqrt()
     }
 }
 

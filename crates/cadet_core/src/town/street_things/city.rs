@@ -57,10 +57,7 @@ pub(super) fn furnish(
     }
     for plot in plots.iter().filter(|p| p.house.is_some()) {
         let (has_cafe, has_cycles, has_shop_front) = (s.chance(CAFE_SHARE), s.chance(0.25), s.chance(SHOP_FRONT_SHARE));
-        let nearest = |p: &DVec2| (*p - plot.front).length();
-        let near = (0..frontage.line.points().len())
-            .min_by(|a, b| nearest(&frontage.line.points()[*a]).total_cmp(&nearest(&frontage.line.points()[*b])));
-        let Some(middle_m) = near.map(|i| frontage.line.s_m()[i]) else { continue };
+        let Some(middle_m) = frontage.line.s_of_nearest_point(plot.front) else { continue };
         if has_cafe && (CORNER_M..length_m - CORNER_M).contains(&middle_m) {
             cafes::terrace(f, frontage, (middle_m - 0.35 * plot.length_m).max(CORNER_M), s);
         } else if has_shop_front {

@@ -16,7 +16,7 @@ use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_door
 use crate::frames;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
-use crate::plane::OrientedRect;
+use crate::plane::{OrientedRect, bounds};
 use crate::rng::{Stream, StreamKey};
 use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::Placer;
@@ -84,8 +84,7 @@ struct Furnisher<'a, 'b> {
 }
 
 fn bounds_of(walkway: &Walkway) -> (DVec2, DVec2) {
-    let places = walkway.center.iter().map(|p| p.truncate());
-    places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+    bounds(walkway.center.iter().map(|p| p.truncate()))
 }
 
 /// Places the things of a town; parking places are those along streets and those in drives.

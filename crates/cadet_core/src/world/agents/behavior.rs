@@ -37,7 +37,7 @@ pub(crate) trait Behavior: Send + Sync {
     }
 
     /// What drivers have to keep off because of a person on the road.
-    fn on_road(&self, _roads: &LaneGraph) -> Option<Footprint> {
+    fn on_road(&self, _graph: &LaneGraph) -> Option<Footprint> {
         None
     }
 

@@ -181,12 +181,6 @@ impl Car {
     pub fn changes_lane(&self) -> bool {
         self.lanes.change.is_some()
     }
-
-    /// What the driver shows of where it goes.
-    #[cfg(test)]
-    pub fn signal(&self) -> TurnSignal {
-        self.own.look.signal
-    }
 }
 
 pub(crate) fn axles_of(chassis: &Chassis) -> Axles {

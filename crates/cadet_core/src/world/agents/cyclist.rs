@@ -2,7 +2,8 @@
 
 use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
-use crate::math::{self, DVec2};
+use crate::math::DVec2;
+use crate::plane::unit;
 use crate::rng::Stream;
 use crate::world::body::{Body, Cycle, Step};
 use crate::world::driving::{Cause, IdmParameters, OnRoute, leave_junctions, perceive, turn_ahead};
@@ -117,10 +118,7 @@ impl Behavior for Cyclist {
         let to = self.route.ahead(reach_m, &streets.graph).at - body.at();
         let curvature = 2.0 * heading.perp_dot(to) / to.length_squared().max(1.0);
         let turn_rad = curvature.clamp(-TIGHTEST_PER_M, TIGHTEST_PER_M) * moved_m;
-        let turned = |angle_rad: f64| {
-            let (cos, sin) = (math::cos(angle_rad), math::sin(angle_rad));
-            heading * cos + heading.perp() * sin
-        };
+        let turned = |angle_rad: f64| unit(angle_rad).rotate(heading);
         let at = body.at() + turned(turn_rad / 2.0) * moved_m;
         body.guide(physics, &Step { at, velocity: turned(turn_rad) * self.speed_mps, moved_m, turn_rad });
         ride.advance(model, moved_m, turn_rad, accel_mps2 > COASTS_MPS2);

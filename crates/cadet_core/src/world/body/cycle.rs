@@ -8,6 +8,7 @@ use crate::assets::cyclist::CyclistModel;
 use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
+use crate::plane::unit;
 use crate::world::physics::{DT_S, Physics, pose_f32};
 
 /// How high above the ground the body begins that others bump into.
@@ -31,7 +32,7 @@ pub(crate) fn stand_up(physics: &Physics, half_wheelbase_m: f64, x_m: f64, y_m: 
     finite("x", x_m)?;
     finite("y", y_m)?;
     finite("yaw", yaw_rad)?;
-    let heading = DVec2::new(math::cos(yaw_rad), math::sin(yaw_rad));
+    let heading = unit(yaw_rad);
     let foot = |along_m: f64| {
         let p = DVec2::new(x_m, y_m) + heading * along_m;
         let ground = physics.ground_at(p.x, p.y).ok_or_else(|| Error::Scene {
@@ -68,7 +69,7 @@ impl Cycle {
 
     /// Unit vector in the plane.
     pub fn heading(&self) -> DVec2 {
-        DVec2::new(math::cos(self.yaw_rad), math::sin(self.yaw_rad))
+        unit(self.yaw_rad)
     }
 
     /// Leads the body to its place after the physics step to come.

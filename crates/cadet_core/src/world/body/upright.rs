@@ -4,7 +4,8 @@ use rapier3d::prelude::RigidBodyHandle;
 
 use super::Body;
 use crate::frames;
-use crate::math::{self, DPose3, DVec2, DVec3};
+use crate::math::{DPose3, DVec2, DVec3};
+use crate::plane::unit;
 use crate::world::physics::Physics;
 
 /// A place on the ground and a heading.
@@ -27,7 +28,7 @@ impl Upright {
 
     /// Unit vector in the plane.
     pub fn heading(&self) -> DVec2 {
-        DVec2::new(math::cos(self.yaw_rad), math::sin(self.yaw_rad))
+        unit(self.yaw_rad)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::junction_ahead::look_at_junction;
 use super::on_route::{Cause, Constraint, OnRoute};
-use crate::math::DVec2;
+use crate::plane::bounds;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Request;
 use crate::world::params::driver::{
@@ -54,8 +54,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, grap
     let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
     let (side_standing_m, side_moving_m, swept_m) =
         if own.reduced_clearance { (SIDE_STANDING_REDUCED_M, SIDE_MOVING_REDUCED_M, SWEPT_M.1) } else { usual_m };
-    let (low, high) =
-        ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
+    let (low, high) = bounds(ahead.iter().map(|a| a.at));
     let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, side_standing_m, o));
     // Of two side by side, the one whose front is farther on goes first: else each would wait for the other.
     let others = || around.vehicles.iter().filter(|v| v.agent != own.slot && !footprint.leads(&v.footprint));
@@ -100,6 +99,7 @@ fn road_end(own: &OnRoute<'_>, graph: &LaneGraph) -> Option<Constraint> {
 mod tests {
     use super::super::idm::IdmParameters;
     use super::*;
+    use crate::math::DVec2;
     use crate::rng::Stream;
     use crate::world::params::CAR;
     use crate::world::streets::Route;

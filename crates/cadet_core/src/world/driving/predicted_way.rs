@@ -2,6 +2,7 @@
 
 use super::pursuit::{Axles, pursue};
 use crate::math::{self, DVec2};
+use crate::plane::unit;
 use crate::world::body::{MAX_STEER_RAD, STEER_RATE_RADPS};
 use crate::world::streets::{LaneGraph, Route};
 
@@ -41,7 +42,7 @@ impl Iterator for PredictedWay<'_> {
         self.steer_rad += (wanted_rad - self.steer_rad).clamp(-most_rad, most_rad);
         // A single-track model: the rear axle goes where the vehicle points.
         let turn_rad = Self::STEP_M * math::tan(self.steer_rad) / self.axles.wheelbase_m;
-        let turned = |by_rad: f64| DVec2::new(math::cos(by_rad), math::sin(by_rad)).rotate(self.heading);
+        let turned = |by_rad: f64| unit(by_rad).rotate(self.heading);
         self.rear_axle += turned(turn_rad / 2.0) * Self::STEP_M;
         self.heading = turned(turn_rad);
         let middle = self.rear_axle + self.heading * self.axles.rear_m;

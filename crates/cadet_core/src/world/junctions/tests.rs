@@ -1,7 +1,8 @@
 //! Tests of who goes first at crossings: by the rules of the road, whatever the order in which requests stand.
 
 use super::*;
-use crate::math::{self, DVec2};
+use crate::math;
+use crate::plane::unit;
 use crate::town::RightOfWay;
 use crate::world::lane_use::LaneUse;
 use crate::world::slot::Slot;
@@ -22,7 +23,7 @@ impl Crossing {
     }
 
     fn request(&self, slot: Slot, heading_rad: f64, turn: Turn, right_of_way: RightOfWay) -> Request {
-        let heading = DVec2::new(math::cos(heading_rad), math::sin(heading_rad));
+        let heading = unit(heading_rad);
         let is_way = |l: &&crate::town::Lane| {
             l.junction.is_some()
                 && l.start_tangent().dot(heading) > 0.7

@@ -23,22 +23,30 @@ use crate::math::{DPose3, DVec3};
 pub(super) trait Look: Send + Sync {
     fn class(&self) -> ObjectClass;
 
-    /// The model's name.
-    fn name(&self) -> &str;
+    /// Name, size, and annotated box of its model.
+    fn model(&self) -> ModelFacts<'_>;
 
     /// Length, width, height.
-    fn size_lwh(&self) -> DVec3;
-
-    /// The box that an annotator would draw of the model.
-    fn annotated(&self) -> AnnotatedBox;
+    fn size_lwh(&self) -> DVec3 {
+        self.model().size_lwh
+    }
 
     /// The annotated box, displaced toward the ego as by annotators of its class to whom an end is near.
     fn annotated_from(&self, near_end: End) -> AnnotatedBox {
-        annotation::displaced(self.annotated(), self.class(), near_end)
+        annotation::displaced(self.model().annotated, self.class(), near_end)
     }
 
     /// Appends the posed parts.
     fn parts(&self, posed: &PosedBox<'_>, parts: &mut Vec<Instance>);
+}
+
+/// Facts of a model, whatever it is of.
+pub(super) struct ModelFacts<'a> {
+    pub name: &'a str,
+    /// Length, width, height.
+    pub size_lwh: DVec3,
+    /// The box that an annotator would draw of it.
+    pub annotated: AnnotatedBox,
 }
 
 /// Where an actor is, and what its lamps depend on.

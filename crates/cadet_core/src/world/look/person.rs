@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{Look, PosedBox};
-use crate::actor::{AnnotatedBox, ObjectClass};
+use super::{Look, ModelFacts, PosedBox};
+use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
 use crate::instance::Instance;
-use crate::math::DVec3;
 
 /// A person's model and the state of its parts.
 pub(crate) struct PersonLook {
@@ -27,16 +26,8 @@ impl Look for PersonLook {
         if self.model.sits() { ObjectClass::PersonSitting } else { ObjectClass::Pedestrian }
     }
 
-    fn name(&self) -> &str {
-        &self.model.name
-    }
-
-    fn size_lwh(&self) -> DVec3 {
-        self.model.size_lwh
-    }
-
-    fn annotated(&self) -> AnnotatedBox {
-        self.model.annotated
+    fn model(&self) -> ModelFacts<'_> {
+        ModelFacts { name: &self.model.name, size_lwh: self.model.size_lwh, annotated: self.model.annotated }
     }
 
     fn parts(&self, posed: &PosedBox<'_>, parts: &mut Vec<Instance>) {

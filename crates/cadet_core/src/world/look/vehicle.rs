@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::{Look, PosedBox, TurnSignal};
-use crate::actor::{AnnotatedBox, ObjectClass};
+use super::{Look, ModelFacts, PosedBox, TurnSignal};
+use crate::actor::ObjectClass;
 use crate::assets::vehicle::{LitLamps, Opening, VehicleModel};
 use crate::geometry::LodSet;
 use crate::instance::Instance;
-use crate::math::{DPose3, DVec3};
+use crate::math::DPose3;
 
 /// Engines slow a car without lighting its brake lamps; a pressed pedal is not let go for a moment.
 const BRAKING_MPS2: f64 = -0.8;
@@ -55,16 +55,8 @@ impl Look for VehicleLook {
         self.model.class
     }
 
-    fn name(&self) -> &str {
-        &self.model.name
-    }
-
-    fn size_lwh(&self) -> DVec3 {
-        self.model.size_lwh
-    }
-
-    fn annotated(&self) -> AnnotatedBox {
-        self.model.annotated
+    fn model(&self) -> ModelFacts<'_> {
+        ModelFacts { name: &self.model.name, size_lwh: self.model.size_lwh, annotated: self.model.annotated }
     }
 
     fn parts(&self, posed: &PosedBox<'_>, parts: &mut Vec<Instance>) {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::spawner::Spawner;
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
+use crate::plane::unit;
 use crate::rng::Stream;
 use crate::world::agents::Pedestrian;
 use crate::world::slot::Slot;
@@ -118,7 +119,7 @@ impl Spawner<'_> {
     ) -> Option<Pedestrian> {
         let middle = self.place_of(leader);
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
-        let away = DVec2::new(math::cos(bearing), math::sin(bearing));
+        let away = unit(bearing);
         let at = middle + away * distance_m;
         if !self.arena.streets.graph.is_sidewalk(at) || !self.has_room_for_person(at, slot, CIRCLE_M) {
             return None;

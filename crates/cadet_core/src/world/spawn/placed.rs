@@ -11,6 +11,7 @@ use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DVec2, DVec3};
+use crate::plane::unit;
 use crate::rng::Stream;
 use crate::world::agents::{Actor, AgentKind, Fixture, Led, PERSON_HALF_CHORD_M, Script, Scripted, TimedPath};
 use crate::world::arena::Arena;
@@ -158,7 +159,7 @@ fn scripted(
             if speed_mps == 0.0 {
                 return Ok(None);
             }
-            let heading = DVec2::new(math::cos(yaw_rad), math::sin(yaw_rad));
+            let heading = unit(yaw_rad);
             let steps = (1..=(FARTHEST_M / CHECKED_EVERY_M) as u32).map(|k| f64::from(k) * CHECKED_EVERY_M);
             let way_m =
                 steps.take_while(|s| is_ground(arena, from + heading * *s, yaw_rad).is_ok()).last().unwrap_or(0.0);

@@ -63,22 +63,21 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<Vec<Shortfa
     spawner.roll_ego();
     let car_m = car_m * if spawner.is_fast() { fast::FARTHER } else { 1.0 };
     spawner.refresh_traffic_state();
-    let cars = add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
-    let num_people = config.num_pedestrians;
-    let people = add(spawner, "people", num_people, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
-    let num_cyclists = config.num_cyclists;
-    let cyclists = add(spawner, "cyclists", num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
-    let placed = [
-        ("num_cars", config.num_cars, cars),
-        ("num_pedestrians", num_people, people),
-        ("num_cyclists", num_cyclists, cyclists),
+    let kinds: [(_, usize, _, _, Make<'_>); 3] = [
+        ("num_cars", config.num_cars, "driven cars", (CAR_STARTS_M, car_m), Spawner::new_car),
+        ("num_pedestrians", config.num_pedestrians, "people", (WALKER_STARTS_M, walker_m), Spawner::new_walker),
+        ("num_cyclists", config.num_cyclists, "cyclists", (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist),
     ];
+    let mut placed = Vec::new();
+    for (setting, asked, stream, ring_m, make) in kinds {
+        placed.push(Shortfall { setting, asked, placed: add(spawner, stream, asked, ring_m, make) });
+    }
     let people: Vec<Slot> = spawner.arena.each::<Pedestrian>().map(|(slot, ..)| slot).collect();
     spawner.assign_belongings(&people);
     spawner.seat_people(town);
-    let trams = ("num_trams", config.num_trams, spawner.fill_tracks());
-    let placed = placed.into_iter().chain([trams]).filter(|(_, asked, placed)| placed < asked);
-    Ok(placed.map(|(setting, asked, placed)| Shortfall { setting, asked, placed }).collect())
+    placed.push(Shortfall { setting: "num_trams", asked: config.num_trams, placed: spawner.fill_tracks() });
+    placed.retain(|kind| kind.placed < kind.asked);
+    Ok(placed)
 }
 
 /// How many have been replaced, and when.

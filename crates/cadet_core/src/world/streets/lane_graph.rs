@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::abreast;
 use super::room::{Needs, Room};
 use crate::math::{self, DVec2, DVec3};
+use crate::plane::bounds;
 use crate::town::{GroundKind, Lane, LaneId, LaneKind, RightOfWay, RoadNetwork, Signals, Town};
 use crate::world::footprint::Footprint;
 use crate::world::params::SAME_WAY;
@@ -57,14 +58,7 @@ impl LaneGraph {
         let curvatures: Vec<Vec<f64>> = lanes.iter().map(curvatures).collect();
         let allowed_mps = lanes.iter().zip(&curvatures).map(|(l, c)| allowed_speeds(l, c)).collect();
         let room = Room::beside(curvatures);
-        let bounds = lanes
-            .iter()
-            .map(|l| {
-                l.center.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| {
-                    (lo.min(p.truncate()), hi.max(p.truncate()))
-                })
-            })
-            .collect();
+        let bounds = lanes.iter().map(|l| bounds(l.center.iter().map(|p| p.truncate()))).collect();
         let widest_m = lanes.iter().flat_map(|l| &l.width_m).copied().fold(0.0, f64::max);
         let reach_m = reaches(&town.network);
         let beside = abreast::neighbors(lanes);

@@ -140,6 +140,7 @@ impl Room {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::unit;
     use crate::town::RoadNetwork;
     use crate::world::streets::LaneGraph;
     use crate::world::tests::towns;
@@ -156,7 +157,7 @@ mod tests {
         let lane = &mut network.lanes[id.0];
         (lane.width_m, lane.speed_limit_mps) = (vec![4.7; lane.center.len()], 10.0);
         let mut graph = LaneGraph::new(towns::town(network, towns::ground(90.0, 5.0, &|_, _| 0.0), Vec::new()));
-        let out = DVec2::new(math::cos(at_rad), math::sin(at_rad));
+        let out = unit(at_rad);
         let (half_length_m, half_width_m) = (0.3, 0.3);
         let away_m = BEND_M + apart_m + half_length_m * apart_m.signum();
         let post = Footprint { center: out * away_m, heading: out, half_length_m, half_width_m, velocity: DVec2::ZERO };

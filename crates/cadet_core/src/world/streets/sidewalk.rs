@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::math::DVec2;
-use crate::plane::Polyline;
+use crate::plane::{Polyline, bounds};
 use crate::town::{Town, Walkway};
 
 /// Ends nearer to each other than this are one corner.
@@ -31,7 +31,8 @@ pub(crate) struct Spot {
 impl Sidewalks {
     pub fn new(town: Arc<Town>) -> Self {
         let lines = &town.walkways;
-        let middles = lines.iter().map(|w| Polyline::new(w.center.iter().map(|p| p.truncate()).collect())).collect();
+        let middles: Vec<Polyline> =
+            lines.iter().map(|w| Polyline::new(w.center.iter().map(|p| p.truncate()).collect())).collect();
         let ends = |w: &Walkway| [w.center.first(), w.center.last()].map(|p| p.map(|p| p.truncate()));
         let onward = lines
             .iter()
@@ -51,14 +52,7 @@ impl Sidewalks {
                 })
             })
             .collect();
-        let bounds = lines
-            .iter()
-            .map(|w| {
-                w.center.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| {
-                    (lo.min(p.truncate()), hi.max(p.truncate()))
-                })
-            })
-            .collect();
+        let bounds = middles.iter().map(|line| bounds(line.points().iter().copied())).collect();
         let is_closed = lines
             .iter()
             .map(|w| match ends(w) {

@@ -19,7 +19,7 @@ fn things(world: &World) -> Vec<(i32, String)> {
         let kind = name.split('/').next().unwrap_or_default();
         kind.split_once(" with ").map(|(_, thing)| thing.to_owned()).unwrap_or_default()
     };
-    walkers(world).into_iter().map(|(agent, _)| (agent.id, thing(agent.actor().look.name()))).collect()
+    walkers(world).into_iter().map(|(agent, _)| (agent.id, thing(agent.actor().look.model().name))).collect()
 }
 
 #[test]

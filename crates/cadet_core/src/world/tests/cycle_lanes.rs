@@ -56,7 +56,7 @@ fn tell(world: &World, agent: &Agent) -> String {
         "{} slot {:?} {} at {:.1} heading {:.2} at {:.1} m/s on {lanes:?} at {:.1} m, {:.2} m aside, {cause:?}",
         agent.id,
         world.arena.agents.iter().position(|a| a.id == agent.id),
-        agent.actor().look.name(),
+        agent.actor().look.model().name,
         own.center,
         own.heading,
         own.velocity.length(),

@@ -134,7 +134,7 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                 assert!(
                     !a.grown(-OVERLAP_M / 2.0).overlaps(&b.grown(-OVERLAP_M / 2.0)),
                     "{name}: cars {id} ({}) and {other} overlap at tick {tick}, {} and {}, speeds {} and {}",
-                    driven[i].actor().look.name(),
+                    driven[i].actor().look.model().name,
                     a.center,
                     b.center,
                     a.velocity.length(),
@@ -163,7 +163,12 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                     let all = world.arena.present().map(|(_, a)| a).filter(|a| a.actor().body.person().is_none());
                     let apart = |a: &Agent| (footprint(world, a).closest_point(p.truncate()) - p.truncate()).length();
                     let nearest = all.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("a vehicle");
-                    format!("{:?}, {:.2} m from {}", pedestrian.motion, apart(nearest), nearest.actor().look.name())
+                    format!(
+                        "{:?}, {:.2} m from {}",
+                        pedestrian.motion,
+                        apart(nearest),
+                        nearest.actor().look.model().name
+                    )
                 };
                 assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}, {}", walker.id, near());
             }

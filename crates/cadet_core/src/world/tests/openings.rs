@@ -14,7 +14,7 @@ fn two_in_a_hundred_parked_cars_stand_open_with_the_boxes_of_closed_ones() {
             open += usize::from(opened.is_some());
             assert_eq!(opened.is_some(), model.name.contains(" with open "), "{}", model.name);
             assert_eq!(agent.actor().look.size_lwh(), model.size_lwh);
-            assert_eq!(agent.actor().look.annotated(), model.annotated);
+            assert_eq!(agent.actor().look.model().annotated, model.annotated);
         }
     }
     let share = f64::from(open as u32) / f64::from(all);

@@ -41,7 +41,7 @@ fn traffic_goes_round_without_touching_or_jamming_and_signals_to_leave() {
                 entered += usize::from(is_new && agent.get::<Car>().is_some());
                 cyclists_entered += usize::from(is_new && agent.get::<Cyclist>().is_some());
                 if let Some(driver) = agent.get::<Car>() {
-                    let shows = driver.signal() != TurnSignal::Off;
+                    let shows = driver.own.look.signal != TurnSignal::Off;
                     let is_late = s_m > lane.length_m() - 12.0;
                     early += usize::from(shows && s_m < lane.length_m() - 16.0);
                     late_looks += usize::from(is_late);

@@ -5,6 +5,7 @@ use super::*;
 use crate::actor::ActorState;
 use crate::frames::yaw_of;
 use crate::math::{TAU, wrap_angle};
+use crate::plane::unit;
 use crate::world::agents::{Led, Scripted};
 use crate::world::look::PersonLook;
 
@@ -126,7 +127,7 @@ fn who_goes_straight_on_keeps_the_speed_and_stops_where_the_ground_ends() {
     world.move_ego(-50.0, 0.0, 0.0, Overlap::Refuse).unwrap();
     let straight = |x_m, y_m, yaw_rad, speed_mps| Course::Straight { x_m, y_m, yaw_rad, speed_mps };
     let id = put(&mut world, ObjectClass::Van, 1, &straight(70.0, 8.0, 0.3, 9.0));
-    let heading = DVec2::new(math::cos(0.3), math::sin(0.3));
+    let heading = unit(0.3);
     assert!((actor(&world, id).velocity_world.truncate() - heading * 9.0).length() < 1e-9, "at once");
     world.step(2 * SECOND);
     let now = actor(&world, id);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::math::{self, DVec2, DVec3, TAU, Vec3};
+use crate::plane::unit;
 use crate::rng::StreamKey;
 use crate::town::{Ground, Lane, LaneId, LaneKind, LaneSurface, RoadNetwork, Town, Walkway};
 
@@ -67,10 +68,7 @@ pub(crate) fn join(network: &mut RoadNetwork, from: LaneId, to: LaneId) {
 /// Points along an arc (counter-clockwise for a positive turn), at most 1.5 m apart.
 pub(crate) fn arc(middle: DVec2, radius_m: f64, from_rad: f64, turn_rad: f64) -> Vec<DVec2> {
     let n = (radius_m * turn_rad.abs() / 1.5).ceil() as i32;
-    (0..=n)
-        .map(|i| from_rad + turn_rad * f64::from(i) / f64::from(n))
-        .map(|a| middle + DVec2::new(math::cos(a), math::sin(a)) * radius_m)
-        .collect()
+    (0..=n).map(|i| from_rad + turn_rad * f64::from(i) / f64::from(n)).map(|a| middle + unit(a) * radius_m).collect()
 }
 
 pub(crate) fn line(a: DVec2, b: DVec2) -> Vec<DVec2> {
@@ -131,7 +129,7 @@ pub(crate) fn crossing() -> Arc<Town> {
     let (near, far, half) = (10.0, 80.0, 1.5);
     let turned = |p: DVec2, quarter: i32| {
         let a = f64::from(quarter) * math::PI / 2.0;
-        DVec2::new(math::cos(a), math::sin(a)).rotate(p)
+        unit(a).rotate(p)
     };
     let arm = |points: Vec<DVec2>, quarter| points.into_iter().map(|p| turned(p, quarter)).collect::<Vec<_>>();
     let (mut inward, mut outward) = (Vec::new(), Vec::new());

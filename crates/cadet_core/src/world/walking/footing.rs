@@ -1,6 +1,7 @@
 //! Where somebody on foot may set the next step: nobody's body enters a vehicle or another person.
 
 use crate::math::{self, DVec2};
+use crate::plane::unit;
 use crate::world::footprint::Footprint;
 use crate::world::params::walking::{BODY_M, STRIDE_M};
 use crate::world::slot::Slot;
@@ -68,7 +69,7 @@ impl Nearby {
         if is_free(to) && allowed(to) {
             return Some(to);
         }
-        let turned = |turn: f64| from + DVec2::new(math::cos(turn), math::sin(turn)).rotate(to - from);
+        let turned = |turn: f64| from + unit(turn).rotate(to - from);
         let (side, p) = [self.side, -self.side]
             .into_iter()
             .flat_map(|side| TURNS_RAD.map(|turn| (side, turned(side * turn))))

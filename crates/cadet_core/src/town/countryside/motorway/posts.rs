@@ -34,9 +34,7 @@ pub(super) fn place(s: &mut Stream, side: &Side, placer: &mut Placer) -> Vec<Ran
     let on_frontage = |at_m: f64| {
         // Bridges are told along the middle, which runs with the first carriageway or against it.
         let (middle, _) = plan.middle(at_m);
-        let (points, s_m) = (frontage.line.points(), frontage.line.s_m());
-        let near = |k: usize| (points[k] - middle).length_squared();
-        (0..points.len()).min_by(|a, b| near(*a).total_cmp(&near(*b))).map_or(0.0, |k| s_m[k])
+        frontage.line.s_of_nearest_point(middle).unwrap_or(0.0)
     };
     let bridge_m = plan.bridge_m.map(on_frontage);
     if let Some(at_m) = bridge_m {
