@@ -1,6 +1,5 @@
 //! The ground: one continuous surface of road, sidewalk and terrain.
 
-pub(in crate::town) mod curb_edges;
 pub(in crate::town) mod face_index;
 pub(in crate::town) mod flat_road;
 pub(in crate::town) mod height_field;

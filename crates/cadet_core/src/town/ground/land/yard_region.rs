@@ -1,13 +1,8 @@
 //! Where yards lie in plan: what streets leave of them.
 
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::core::solver::Solver;
-
 use crate::math::DVec2;
 use crate::town::ground::land::yards::{YardSurface, Yards};
-use crate::town::ground::region::{Contour, Frame, Ring, grow, union};
+use crate::town::ground::region::shapes::{Contour, Frame, Ring, difference, grow, union};
 
 /// A strip so wide is left to grass between a yard and what is paved otherwise: outlines must not meet.
 const APART_M: f64 = 0.05;
@@ -27,11 +22,8 @@ pub(in crate::town) fn regions(yards: &Yards, sidewalk: &[Ring]) -> Vec<(YardSur
             continue;
         }
         let whole: Vec<Contour> = union(&outlines).into_iter().flatten().collect();
-        let mut overlay = Overlay::new_custom(whole.len() + 64, IntOverlayOptions::default(), Solver::FRAG);
-        overlay.add_source(&whole, ShapeType::Subject);
-        overlay.add_source(&kept, ShapeType::Clip);
         // Shrunk and grown again: slivers vanish.
-        let left = grow(&grow(&overlay.overlay(OverlayRule::Difference, FillRule::NonZero), -0.2), 0.2);
+        let left = grow(&grow(&difference(&whole, &kept), -0.2), 0.2);
         kept.extend(grow(&left, APART_M).into_iter().flatten());
         regions.push((surface, frame.rings(&left)));
     }
