@@ -11,7 +11,7 @@ use crate::camera::{
 use crate::error::{Error, Result};
 use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
 use crate::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
-use crate::math::{DPose3, DVec3};
+use crate::math::{DPose3, DVec2, DVec3};
 use crate::rig::Mounted;
 use crate::sense::Motion;
 use crate::spray::Spray;
@@ -241,11 +241,13 @@ impl Scene {
 
     fn plane(&mut self) -> Result<[f64; 4]> {
         let (_, world_from_cam) = self.sensor_poses();
+        let ego_z_m = self.sensed().snapshot.ego.world_from_ego.translation.z;
         let ground = &self.world.town().ground;
+        let surface_near = |p: DVec2| ground.surface_near(p.extend(ego_z_m));
         road_plane_cam(
             &world_from_cam,
-            |p| ground.height_at(p.x, p.y).filter(|_| ground.kind_at(p.x, p.y) == Some(GroundKind::Road)),
-            |p| ground.height_at(p.x, p.y),
+            |p| surface_near(p).filter(|(_, kind)| *kind == GroundKind::Road).map(|(z, _)| z),
+            |p| surface_near(p).map(|(z, _)| z),
         )
         .ok_or_else(|| Error::Scene { reason: "no ground ahead of the camera".to_owned() })
     }

@@ -36,7 +36,8 @@ impl Arena {
         let streets = Streets::new(town);
         let mut around = TrafficState::new(&streets.graph);
         for obstacle in &town.obstacles {
-            around.stand(Footprint::standing(obstacle), &streets.graph);
+            let z_m = town.ground.height_at(obstacle.center.x, obstacle.center.y).unwrap_or(0.0);
+            around.stand(Footprint::standing(obstacle, z_m), &streets.graph);
         }
         let (agents, active, labeled_ends) = (Vec::new(), Vec::new(), BTreeMap::new());
         Ok(Self { agents, physics, streets, around, active, next_id: 0, labeled_ends })
@@ -220,8 +221,8 @@ impl Arena {
             for (_, actor) in agents[slot].actors() {
                 if let Some(person) = actor.body.person() {
                     let speed_mps = person.velocity_world.truncate().length();
-                    let (at, heading) = (person.at(), person.heading());
-                    around.people.push(PersonAt { agent: slot, at, heading, speed_mps });
+                    let (at, z_m, heading) = (person.at(), person.position.z, person.heading());
+                    around.people.push(PersonAt { agent: slot, at, z_m, heading, speed_mps });
                 } else {
                     let (footprint, is_cycle) = (actor.footprint(physics), actor.body.is_cycle());
                     around.vehicles.push(VehicleAt { agent: slot, footprint, is_cycle });

@@ -1,6 +1,6 @@
 //! Rectangles in the plane: what agents cover, and what others have to keep off.
 
-use super::params::SAME_WAY;
+use super::params::{GRADE, LEVEL_M, SAME_WAY};
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::plane::OrientedRect;
 
@@ -12,6 +12,8 @@ pub(super) struct Footprint {
     pub heading: DVec2,
     pub half_length_m: f64,
     pub half_width_m: f64,
+    /// Height of the ground below.
+    pub z_m: f64,
     pub velocity: DVec2,
 }
 
@@ -23,6 +25,7 @@ impl Footprint {
             heading: (world_from_box.rotation * DVec3::X).truncate().normalize(),
             half_length_m: size_lwh.x / 2.0,
             half_width_m: size_lwh.y / 2.0,
+            z_m: world_from_box.translation.z,
             velocity,
         }
     }
@@ -34,9 +37,14 @@ impl Footprint {
     }
 
     /// What stands there for good.
-    pub fn standing(rect: &OrientedRect) -> Self {
+    pub fn standing(rect: &OrientedRect, z_m: f64) -> Self {
         let OrientedRect { center, axis: heading, half } = *rect;
-        Self { center, heading, half_length_m: half.x, half_width_m: half.y, velocity: DVec2::ZERO }
+        Self { center, heading, half_length_m: half.x, half_width_m: half.y, z_m, velocity: DVec2::ZERO }
+    }
+
+    /// Whether somebody at a place could meet it on one road, and is not on a bridge over it or below.
+    pub fn is_level_with(&self, at: DVec2, z_m: f64) -> bool {
+        (self.z_m - z_m).abs() < LEVEL_M + GRADE * (self.center - at).length()
     }
 
     /// The point of the rectangle nearest to `p`.
@@ -51,7 +59,7 @@ impl Footprint {
 
     /// Whether two rectangles overlap.
     pub fn overlaps(&self, other: &Self) -> bool {
-        self.rect().overlaps(&other.rect())
+        self.is_level_with(other.center, other.z_m) && self.rect().overlaps(&other.rect())
     }
 
     /// Whether it goes the same way as another and its front is farther on: of two side by side it goes first.

@@ -13,13 +13,16 @@ use rapier3d::prelude::{
 
 use super::ground_shape::GroundShape;
 use crate::error::{Error, Result};
-use crate::math::{DPose3, DVec3};
+use crate::math::{DPose3, DVec2, DVec3};
 use crate::town::Town;
 
 /// One physics step, seconds.
 pub const DT_S: f64 = 1.0 / 60.0;
 /// Standard gravity, m/s².
 pub(super) const GRAVITY_MPS2: f64 = 9.81;
+
+/// The ground under somebody may lie so far above the height at which they were.
+const STEP_M: f64 = 1.5;
 
 const GROUND: Group = Group::GROUP_1;
 const VEHICLES: Group = Group::GROUP_2;
@@ -37,6 +40,7 @@ pub(super) struct Physics {
     under_wheels: Bvh,
     top_z_m: f32,
     depth_m: f32,
+    has_bridges: bool,
 }
 
 /// A point of the ground.
@@ -51,6 +55,7 @@ impl Physics {
         if town.ground.faces.is_empty() {
             return fail("no triangles");
         }
+        let has_bridges = town.ground.has_bridges();
         let ground = GroundShape::new(town);
         let bounds = ground.bounds();
         if !(bounds.min.is_finite() && bounds.max.is_finite()) {
@@ -71,7 +76,8 @@ impl Physics {
         let (index, _) = world.insert_collider(collider, None).into_raw_parts();
         let mut under_wheels = Bvh::new();
         under_wheels.insert(ground.compute_local_aabb().loosened(1.0), index);
-        Ok(Self { world, ground, under_wheels, top_z_m: bounds.max.z + 1.0, depth_m: bounds.size().z + 2.0 })
+        let (top_z_m, depth_m) = (bounds.max.z + 1.0, bounds.size().z + 2.0);
+        Ok(Self { world, ground, under_wheels, top_z_m, depth_m, has_bridges })
     }
 
     /// Lets a vehicle's wheels cast their rays, at the ground alone, and push.
@@ -87,15 +93,23 @@ impl Physics {
         controller.update_vehicle(DT_S as f32, queries);
     }
 
-    /// The uppermost ground at a place; `None` beyond the edge.
-    pub fn ground_at(&self, x_m: f64, y_m: f64) -> Option<GroundPoint> {
+    /// The ground under a place, which may lie a step below it: decks of bridges further above are passed over. `None`
+    /// beyond the edge.
+    pub fn ground_at(&self, at: DVec3) -> Option<GroundPoint> {
+        let from_z_m = if self.has_bridges { self.top_z_m.min((at.z + STEP_M) as f32) } else { self.top_z_m };
         // A vertical ray may slip through an edge between two triangles: look a millimeter beside it.
         [(0.0, 0.0), (1e-3, 0.7e-3), (-0.8e-3, 1.1e-3)].iter().find_map(|(dx, dy)| {
-            let origin = Vector::new((x_m + dx) as f32, (y_m + dy) as f32, self.top_z_m);
+            let origin = Vector::new((at.x + dx) as f32, (at.y + dy) as f32, from_z_m);
             let ray = Ray::new(origin, Vector::new(0.0, 0.0, -1.0));
             let toi = self.ground.cast_local_ray(&ray, self.depth_m, false)?;
-            Some(GroundPoint { z_m: f64::from(self.top_z_m) - f64::from(toi) })
+            Some(GroundPoint { z_m: f64::from(from_z_m) - f64::from(toi) })
         })
+    }
+
+    /// The place on the uppermost ground, decks of bridges included; at height 0 beyond the edge.
+    pub fn uppermost(&self, at: DVec2) -> DVec3 {
+        let ground = self.ground_at(at.extend(f64::INFINITY));
+        at.extend(ground.map_or(0.0, |g| g.z_m))
     }
 
     /// A chassis without mass of its own: the caller gives the body its mass. The cuboid is in the box frame.

@@ -21,7 +21,7 @@ use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
 use crate::frames;
 use crate::instance::Instance;
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
 use crate::world::agents::Agent;
@@ -125,7 +125,7 @@ impl World {
     /// Height of the uppermost ground at a place; `None` beyond its edge.
     #[must_use]
     pub fn ground_height(&self, x_m: f64, y_m: f64) -> Option<f64> {
-        self.arena.physics.ground_at(x_m, y_m).map(|g| g.z_m)
+        self.arena.physics.ground_at(DVec3::new(x_m, y_m, f64::INFINITY)).map(|g| g.z_m)
     }
 
     /// Adds an agent that stands or follows a script; returns its id.
@@ -192,9 +192,13 @@ impl World {
     /// # Errors
     /// [`Error::Scene`] beyond the ground's edge or where somebody stands, [`Error::NotFinite`].
     pub fn move_ego(&mut self, x_m: f64, y_m: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
+        self.put_ego(self.arena.physics.uppermost(DVec2::new(x_m, y_m)), yaw_rad, overlap)
+    }
+
+    fn put_ego(&mut self, at: DVec3, yaw_rad: f64, overlap: Overlap) -> Result<()> {
         let model = Arc::clone(&self.arena.ego_car().own.body.model);
-        let settled = settle(&self.arena.physics, &model, x_m, y_m, yaw_rad)?;
-        let cover = box_at(model.size_lwh, DVec2::new(x_m, y_m), yaw_rad);
+        let settled = settle(&self.arena.physics, &model, at, yaw_rad)?;
+        let cover = box_at(model.size_lwh, at, yaw_rad);
         check_free(&self.arena, Some(EGO), model.class, &cover, overlap)?;
         let choices = self.key.indexed("ego route", self.steps);
         let graph = &self.arena.streets.graph;
@@ -252,7 +256,7 @@ impl World {
             if self.arena.vehicles().any(is_near) {
                 continue;
             }
-            if self.move_ego(at.x, at.y, frames::yaw_of(&pose), Overlap::Refuse).is_ok() {
+            if self.put_ego(pose.translation, frames::yaw_of(&pose), Overlap::Refuse).is_ok() {
                 self.set_ego_driving(true);
                 return;
             }

@@ -29,6 +29,8 @@ pub(super) struct VehicleAt {
 pub(super) struct PersonAt {
     pub agent: Slot,
     pub at: DVec2,
+    /// Height of the ground below.
+    pub z_m: f64,
     /// Unit vector.
     pub heading: DVec2,
     pub speed_mps: f64,
@@ -108,6 +110,11 @@ impl TrafficState {
         self.vehicle_at(agent).filter(|v| v.is_cycle).map(|v| &v.footprint)
     }
 
+    /// The vehicles that could come to a place on its road, those on other levels left out.
+    pub fn vehicles_level_with(&self, at: DVec2, z_m: f64) -> impl Iterator<Item = &VehicleAt> {
+        self.vehicles.iter().filter(move |v| v.footprint.is_level_with(at, z_m))
+    }
+
     fn vehicle_at(&self, agent: Slot) -> Option<&VehicleAt> {
         let i = self.vehicles.partition_point(|v| v.agent < agent);
         self.vehicles.get(i).filter(|v| v.agent == agent)
@@ -181,7 +188,7 @@ mod tests {
                 let center = pose.translation.truncate() + out * (width_m / 2.0 + 0.3);
                 let rect = OrientedRect { center, axis: out.perp(), half: DVec2::new(2.0, 0.45) };
                 let mut around = TrafficState::new(&graph);
-                around.stand(Footprint::standing(&rect), &graph);
+                around.stand(Footprint::standing(&rect, pose.translation.z), &graph);
                 assert_eq!(around.standing_in_lanes.len(), 1, "15 cm inside a lane of {width_m} m");
             }
         }

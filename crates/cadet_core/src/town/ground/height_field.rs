@@ -6,9 +6,11 @@
 
 use crate::math::{DVec2, DVec3};
 
-/// The coarsest and the finest lattice: cells per side of the area, and meters per cell.
+/// The coarsest lattice: cells per side of the area.
 const COARSEST_CELLS: f64 = 3.0;
-const FINEST_CELL_M: f64 = 4.0;
+/// Meters per cell of the finest lattice where roads rise and fall, and where they lie over each other.
+pub(in crate::town) const FINEST_CELL_M: f64 = 4.0;
+pub(in crate::town) const FINEST_CELL_AT_BRIDGES_M: f64 = 2.0;
 /// Below this span of heights a map is flat.
 const FLAT_SPAN_M: f64 = 1e-3;
 /// A lattice is fitted again until no sample is further off than this, but not more often than that.
@@ -30,8 +32,8 @@ impl HeightField {
         Self { base_m, lattices: Vec::new() }
     }
 
-    /// Fits the heights of `samples`, all of which lie in the rectangle from `min` to `max`.
-    pub(in crate::town) fn fit(samples: &[DVec3], min: DVec2, max: DVec2) -> Self {
+    /// Fits the heights of `samples`, all of which lie in the rectangle from `min` to `max`, by lattices down to a cell.
+    pub(in crate::town) fn fit(samples: &[DVec3], (min, max): (DVec2, DVec2), finest_cell_m: f64) -> Self {
         let (lo, hi) = samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.z), h.max(p.z)));
         if samples.is_empty() {
             return Self::flat(0.0);
@@ -43,7 +45,7 @@ impl HeightField {
         let mut left: Vec<f64> = samples.iter().map(|p| p.z - base_m).collect();
         let extent = (max - min).max_element();
         let mut cell = extent / COARSEST_CELLS;
-        let finest = FINEST_CELL_M.max(extent / MAX_CELLS);
+        let finest = finest_cell_m.max(extent / MAX_CELLS);
         let mut lattices = Vec::new();
         loop {
             let mut lattice = Lattice::empty(min, max, cell);
@@ -193,7 +195,7 @@ mod tests {
                 samples.push(DVec2::new(b, a).extend(hill(DVec2::new(b, a))));
             }
         }
-        let field = HeightField::fit(&samples, DVec2::splat(-150.0), DVec2::splat(550.0));
+        let field = HeightField::fit(&samples, (DVec2::splat(-150.0), DVec2::splat(550.0)), FINEST_CELL_M);
         let worst = samples.iter().map(|p| (field.height(p.truncate()) - p.z).abs()).fold(0.0, f64::max);
         assert!(worst < 0.01, "{worst}");
         for i in 0..400 {

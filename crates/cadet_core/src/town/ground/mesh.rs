@@ -9,7 +9,7 @@ use crate::math::{DVec2, DVec3};
 use crate::town::ground::kind::GroundKind;
 use crate::town::ground::land::fields::Crop;
 use crate::town::ground::land::yards::YardSurface;
-use crate::town::ground::region::{Inside, Regions, Ring, with_steps};
+use crate::town::ground::region::{Inside, Regions, Ring, with_crossings, with_steps};
 use crate::town::network::road_network::LaneSurface;
 
 /// How finely the plane is cut.
@@ -42,6 +42,21 @@ pub(in crate::town) struct PlanMesh {
     pub(in crate::town) kinds: Vec<Cover>,
 }
 
+impl PlanMesh {
+    /// The middle of a triangle.
+    pub(in crate::town) fn middle(&self, face: usize) -> DVec2 {
+        self.faces[face].iter().map(|i| self.points[*i as usize]).sum::<DVec2>() / 3.0
+    }
+
+    /// The triangles that are kept, by their middles.
+    pub(in crate::town) fn retain(mut self, is_kept: impl Fn(DVec2) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.faces.len()).filter(|face| is_kept(self.middle(*face))).collect();
+        self.faces = kept.iter().map(|face| self.faces[*face]).collect();
+        self.kinds = kept.iter().map(|face| self.kinds[*face]).collect();
+        self
+    }
+}
+
 /// What covers a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::town) enum Cover {
@@ -52,6 +67,8 @@ pub(in crate::town) enum Cover {
     /// The bed of a track, and the stones along it: level with the carriageway.
     Bed(LaneSurface),
     BedEdge,
+    /// Below the ends of bridges: it begins level with the road that leads onto them.
+    Abutment,
     /// What grows in open country.
     Field(Crop),
     /// Gravel and dry grass along the asphalt of country roads.
@@ -65,19 +82,20 @@ pub(in crate::town) enum Cover {
 impl Cover {
     /// Whether it lies as low as the carriageway, without a curb between.
     pub(in crate::town) fn is_low(self) -> bool {
-        self.kind() == GroundKind::Road
+        self.kind() == GroundKind::Road || self == Self::Abutment
     }
 
     pub(in crate::town) fn kind(self) -> GroundKind {
         match self {
             Self::Carriageway | Self::Setts | Self::Bed(_) | Self::BedEdge => GroundKind::Road,
             Self::CurbStone | Self::Sidewalk => GroundKind::Sidewalk,
-            Self::Terrain | Self::Field(_) | Self::Shoulder | Self::Yard(_) => GroundKind::Terrain,
+            Self::Terrain | Self::Field(_) | Self::Shoulder | Self::Yard(_) | Self::Abutment => GroundKind::Terrain,
         }
     }
 }
 
-/// Cuts the rectangle from `min` to `max` along the regions' outlines; `lanes` says where fine triangles are needed.
+/// Cuts the rectangle from `min` to `max` along the regions' outlines, and along further ones which may cross those;
+/// `lanes` says where fine triangles are needed.
 ///
 /// # Errors
 /// [`Error::Map`] where the outlines can't be triangulated.
@@ -85,7 +103,7 @@ pub(in crate::town) fn triangulate(
     (regions, is_curbless): (&Regions, bool),
     lanes: &[DVec3],
     (min, max): (DVec2, DVec2),
-    fineness: Fineness,
+    (fineness, cuts): (Fineness, &[Ring]),
 ) -> Result<PlanMesh> {
     let mut cloud = Cloud::default();
     let mut edges = Vec::new();
@@ -93,8 +111,11 @@ pub(in crate::town) fn triangulate(
     let beds = regions.beds.iter().flat_map(|(_, rings)| rings).chain(&regions.bed_edges);
     let fields = regions.fields.iter().flat_map(|(_, rings)| rings).chain(&regions.roadside).chain(&regions.shoulder);
     let fields = fields.chain(regions.yards.iter().flat_map(|(_, rings)| rings));
-    for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk).chain(beds).chain(fields) {
-        let ring = with_steps(ring, fineness.outline_m);
+    let outlines = regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk).chain(beds).chain(fields);
+    let outlines: Vec<&Ring> = outlines.collect();
+    let cut = outlines.iter().map(|ring| with_crossings(ring, &mut cuts.iter()));
+    for ring in cut.chain(cuts.iter().map(|ring| with_crossings(ring, &mut outlines.iter().copied()))) {
+        let ring = with_steps(&ring, fineness.outline_m);
         with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
         let indices: Vec<usize> = ring.iter().map(|p| cloud.add(*p)).collect();
         for (i, a) in indices.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! The ground: one continuous surface of road, sidewalk and terrain.
 
+pub(in crate::town) mod bridge;
 pub(in crate::town) mod face_index;
 pub(in crate::town) mod flat_road;
 pub(in crate::town) mod height_field;
@@ -15,8 +16,9 @@ pub(in crate::town) mod surface;
 use std::sync::Arc;
 
 use crate::error::Result;
+use crate::town::ground::bridge::{Bridges, Deck, pieces_of_rings};
 use crate::town::ground::face_index::FaceIndex;
-use crate::town::ground::height_field::HeightField;
+use crate::town::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, FINEST_CELL_M, HeightField};
 use crate::town::ground::kind::GroundKind;
 
 use crate::town::ground::land::fields::{Crop, Land};
@@ -27,7 +29,7 @@ use crate::town::ground::region::{Regions, Ring};
 use crate::town::ground::road_section::DistanceFrom;
 use crate::town::ground::roughness::Roughness;
 use crate::town::ground::surface::{Heights, Surface};
-use crate::town::network::road_network::{Lane, LaneKind, RoadNetwork};
+use crate::town::network::road_network::{Lane, RoadNetwork};
 use crate::town::paint::wear::Wear;
 use crate::town::paint::{rails, repairs, road_marking};
 use crate::town::signals::Signals;
@@ -60,9 +62,13 @@ pub struct Ground {
     pub tiles: Vec<Instance>,
     /// Width of sidewalks, curb stone included, wherever the map does not say more.
     pub sidewalk_width_m: f64,
+    /// Of the triangles that are not curb faces: first those of the ground, then those of the decks of bridges.
     kinds: Arc<Vec<GroundKind>>,
+    num_on_ground: usize,
     index: Arc<FaceIndex>,
+    walks: Arc<Vec<Vec<DVec3>>>,
     outlines: Arc<Regions>,
+    bridges: Arc<Bridges>,
 }
 
 impl Ground {
@@ -104,29 +110,37 @@ impl Ground {
         signals: &Signals,
         (land, yards): (Option<&Land>, &Yards),
     ) -> Result<Self> {
-        let mut regions = Regions::of(network, land)?;
+        let bumps = |p: DVec2| roughness.map_or(0.0, |r| r.height_m(p));
+        let bridges = Bridges::of(network);
+        let decks = bridges.decks(network, &bumps)?;
+        let lanes = bridges.on_ground(&network.lanes);
+        let mut regions = Regions::of(network, &lanes, land)?;
         regions.yards = yard_region::regions(yards, &regions.sidewalk);
-        let paved =
-            |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Tram);
-        let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
+        let mut samples = road_heights(&lanes);
+        samples.extend(bridges.beside_lanes(&lanes, regions.sidewalk_width_m));
         let (min, max) = extent(network);
-        let height = HeightField::fit(&samples, min, max);
+        let finest_cell_m = if decks.is_empty() { FINEST_CELL_M } else { FINEST_CELL_AT_BRIDGES_M };
+        let height = HeightField::fit(&samples, (min, max), finest_cell_m);
         let is_level = height.is_flat() && roughness.is_none();
         let fineness = if is_level { Fineness::FLAT } else { Fineness::HILLY };
-        let plan = mesh::triangulate((&regions, network.is_curbless()), &samples, (min, max), fineness)?;
-        let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
-        let painted = Painted { network, wear, signals, yards };
-        if network.is_curbless() {
-            let heights = Heights { road: &surface, beside: &|_| 0.0, has_curbs: false };
-            return Ok(Self::assemble(&plan, regions, &heights, (min, max), Some(&painted)));
+        let cuts = bridges.outlines();
+        let mut plan = mesh::triangulate((&regions, network.is_curbless()), &samples, (min, max), (fineness, &cuts))?;
+        for face in 0..plan.faces.len() {
+            let middle = plan.middle(face);
+            if decks.iter().any(|deck| deck.hides(middle)) {
+                plan.kinds[face] = Cover::Abutment;
+            }
         }
-        if !network.is_rural() {
-            return Ok(Self::assemble(&plan, regions, &Heights::town(&surface), (min, max), Some(&painted)));
-        }
-        let from_road = DistanceFrom::new(&regions.carriageway);
+        let ceiling_m = |p: DVec2| decks.iter().map(|deck| deck.ceiling_m(p)).fold(f64::INFINITY, f64::min);
+        let surface = |p: DVec2| (height.height(p) + bumps(p)).min(ceiling_m(p));
+        let from_road = DistanceFrom::new(if network.is_rural() { &regions.carriageway } else { &[] });
         let beside = |p: DVec2| land.map_or(0.0, |l| l.roadside.height_m(p, from_road.distance_m(p)));
-        let heights = Heights { road: &surface, beside: &beside, has_curbs: false };
-        Ok(Self::assemble(&plan, regions, &heights, (min, max), Some(&painted)))
+        let heights = match land {
+            Some(_) => Heights { road: &surface, beside: &beside, has_curbs: false },
+            None => Heights::beside_roads(&surface, network),
+        };
+        let laid = Laid { plan: &plan, surface: Surface::raise(&plan, &heights), decks, bridges };
+        Ok(Self::assemble(laid, regions, (min, max), Some(&Painted { network, wear, signals, yards })))
     }
 
     /// A flat square of asphalt around the origin, for tests and for scenes without a map.
@@ -154,7 +168,9 @@ impl Ground {
             fields: Vec::new(),
             yards: Vec::new(),
         };
-        Self::assemble(&plan, regions, &Heights::town(&|_| 0.0), (DVec2::splat(-half), DVec2::splat(half)), None)
+        let surface = Surface::raise(&plan, &Heights::town(&|_| 0.0));
+        let laid = Laid { plan: &plan, surface, decks: Vec::new(), bridges: Bridges::default() };
+        Self::assemble(laid, regions, (DVec2::splat(-half), DVec2::splat(half)), None)
     }
 
     /// Returns this ground's outlines and tiles over another surface, all of it carriageway.
@@ -164,55 +180,90 @@ impl Ground {
         let [min, max] = [bounds.min, bounds.max].map(|p| p.as_dvec3().truncate());
         self.index = Arc::new(FaceIndex::new(&vertices, &faces, min, max));
         self.kinds = Arc::new(vec![GroundKind::Road; faces.len()]);
+        self.num_on_ground = faces.len();
         (self.vertices, self.faces) = (Arc::new(vertices), Arc::new(faces));
         self
     }
 
-    fn assemble(
-        plan: &PlanMesh,
-        regions: Regions,
-        heights: &Heights<'_>,
-        (min, max): (DVec2, DVec2),
-        painted: Option<&Painted<'_>>,
-    ) -> Self {
-        let surface = Surface::raise(plan, heights);
-        let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
-        let vertices: Vec<Vec3> = surface.corners.iter().map(|p| p.as_vec3()).collect();
-        let index = FaceIndex::new(&vertices, &surface.faces, min, max);
+    fn assemble(laid: Laid<'_>, regions: Regions, (min, max): (DVec2, DVec2), painted: Option<&Painted<'_>>) -> Self {
+        let Laid { plan, surface, decks, bridges } = laid;
+        let all = || std::iter::once((plan, &surface)).chain(decks.iter().map(|d| (&d.plan, &d.surface)));
+        // The first of each surface's vertices.
+        let first = all().scan(0, |sum, (_, s)| Some(std::mem::replace(sum, *sum + s.corners.len() as u32)));
+        let first: Vec<u32> = first.collect();
+        let faces_of = |is_flat: bool| {
+            all().zip(&first).flat_map(move |((plan, surface), first)| {
+                let (flat, upright) = surface.faces.split_at(plan.faces.len());
+                (if is_flat { flat } else { upright }).iter().map(move |f| f.map(|i| i + first))
+            })
+        };
+        let vertices: Vec<Vec3> = all().flat_map(|(_, s)| &s.corners).map(|p| p.as_vec3()).collect();
+        let faces: Vec<[u32; 3]> = faces_of(true).chain(faces_of(false)).collect();
+        let index = FaceIndex::new(&vertices, &faces, min, max);
         let mut ground = Self {
             tiles: Vec::new(),
             vertices: Arc::new(vertices),
-            faces: Arc::clone(&surface.faces),
+            faces: Arc::new(faces),
             sidewalk_width_m: regions.sidewalk_width_m,
-            kinds: Arc::new(kinds),
+            kinds: Arc::new(all().flat_map(|(plan, _)| &plan.kinds).map(|c| c.kind()).collect()),
+            num_on_ground: plan.faces.len(),
             index: Arc::new(index),
+            walks: Arc::default(),
             outlines: Arc::new(regions),
+            bridges: Arc::new(bridges),
         };
+        ground.walks = Arc::new(ground.walks(&decks));
         // Markings are no part of the surface that wheels touch.
         let markings = painted.map(|of| {
-            let mut quads = road_marking::draw(of.network, of.signals, &|x, y| ground.surface_at(x, y));
-            of.yards.paint(&|x, y| ground.surface_at(x, y), &mut quads);
-            quads.append(&mut repairs::draw(of.network, of.wear, &|x, y| ground.surface_at(x, y)));
-            rails::draw(of.network, &|x, y| ground.height_at(x, y), &mut quads);
+            let surface_at = |p: DVec3| ground.surface_near(p).map(|(z, kind)| (z, kind == GroundKind::Road));
+            let mut quads = road_marking::draw(of.network, of.signals, &surface_at);
+            of.yards.paint(&surface_at, &mut quads);
+            quads.append(&mut repairs::draw(of.network, of.wear, &surface_at));
+            rails::draw(of.network, &|p| surface_at(p).map(|(z, _)| z), &mut quads);
             quads
         });
         let wear = painted.map_or(Wear::default(), |of| *of.wear);
         ground.tiles = surface.tiles(plan, &markings.unwrap_or_default(), &wear);
+        for deck in decks {
+            ground.tiles.extend(deck.surface.tiles(&deck.plan, &[], &wear));
+            ground.tiles.push(deck.structure);
+        }
         ground
     }
 
-    /// Height of the surface at a place, and whether it is a road.
-    fn surface_at(&self, x: f64, y: f64) -> Option<(f64, bool)> {
-        self.top_face(x, y).map(|(face, z)| (z, self.kinds[face] == GroundKind::Road))
+    /// The lines along the middles of all sidewalks, on the ground and on decks.
+    fn walks(&self, decks: &[Deck]) -> Vec<Vec<DVec3>> {
+        let on_ground = pieces_of_rings(&self.outlines.walks, |p| !decks.iter().any(|deck| deck.hides(p)));
+        let on_ground = on_ground.iter().map(|line| {
+            line.iter().map(|p| self.height_at(p.x, p.y).map(|z| p.extend(z))).collect::<Option<Vec<DVec3>>>()
+        });
+        let on_decks = decks.iter().flat_map(|deck| {
+            let on_deck = |p: &DVec2| self.surface_near(p.extend(deck.height_m(*p))).map(|(z, _)| p.extend(z));
+            deck.walks.iter().map(move |line| line.iter().map(on_deck).collect::<Option<Vec<DVec3>>>())
+        });
+        on_ground.chain(on_decks).flatten().collect()
     }
 
-    /// Height of the surface at a place, sidewalks included; `None` beyond its edge.
+    /// Height and kind of the surface that lies nearest above or below a place: the ground or the deck of a bridge; `None`
+    /// beyond the edge.
+    #[must_use]
+    pub fn surface_near(&self, p: DVec3) -> Option<(f64, GroundKind)> {
+        let (mut face, mut z) = self.top_face(p.x, p.y)?;
+        for (deck, deck_z) in self.faces_at(p.truncate()).skip_while(|(face, _)| *face < self.num_on_ground) {
+            if (deck_z - p.z).abs() < (z - p.z).abs() {
+                (face, z) = (deck, deck_z);
+            }
+        }
+        Some((z, self.kinds[face]))
+    }
+
+    /// Height of the ground at a place, sidewalks included, decks of bridges left out; `None` beyond its edge.
     #[must_use]
     pub fn height_at(&self, x: f64, y: f64) -> Option<f64> {
         self.top_face(x, y).map(|(_, z)| z)
     }
 
-    /// Unit normal of the triangle at a place; `None` beyond the edge.
+    /// Unit normal of the ground's triangle at a place; `None` beyond the edge.
     #[must_use]
     pub fn normal_at(&self, x: f64, y: f64) -> Option<DVec3> {
         let (face, _) = self.top_face(x, y)?;
@@ -245,8 +296,19 @@ impl Ground {
         &self.outlines.fields
     }
 
-    pub(in crate::town) fn walk_rings(&self) -> &[Ring] {
-        &self.outlines.walks
+    /// Whether there are bridges over it.
+    pub(crate) fn has_bridges(&self) -> bool {
+        self.num_on_ground < self.kinds.len()
+    }
+
+    /// Lines along the middles of sidewalks; the last point of a closed one is its first.
+    pub(in crate::town) fn walk_lines(&self) -> &[Vec<DVec3>] {
+        &self.walks
+    }
+
+    /// Whether a place is under a bridge or right beside.
+    pub(in crate::town) fn is_near_bridge(&self, p: DVec2) -> bool {
+        self.bridges.are_near(p)
     }
 
     /// Every face that may lie over or under the rectangle from `min` to `max`, curb faces included; some come twice.
@@ -258,27 +320,34 @@ impl Ground {
         self.faces[face].map(|i| self.vertices[i as usize].as_dvec3())
     }
 
-    /// The uppermost of the triangles that hold a place, and the height there.
+    /// The uppermost of the ground's triangles that hold a place, and the height there.
     fn top_face(&self, x: f64, y: f64) -> Option<(usize, f64)> {
-        let p = DVec2::new(x, y);
-        let mut best: Option<(usize, f64)> = None;
+        let on_ground = self.faces_at(DVec2::new(x, y)).take_while(|(face, _)| *face < self.num_on_ground);
+        on_ground.reduce(|best, face| if face.1 > best.1 { face } else { best })
+    }
+
+    /// The triangles that hold a place, and their heights there: those of the ground, then those of decks.
+    fn faces_at(&self, p: DVec2) -> impl Iterator<Item = (usize, f64)> {
         // Curb faces, which stand upright, come last.
-        for face in self.index.candidates(p).take_while(|f| (*f as usize) < self.kinds.len()) {
-            let [a, b, c] = self.corners(face as usize);
+        let flat = self.index.candidates(p).map(|f| f as usize).take_while(|f| *f < self.kinds.len());
+        flat.filter_map(move |face| {
+            let [a, b, c] = self.corners(face);
             let (u, v, w) = (b.truncate() - a.truncate(), c.truncate() - a.truncate(), p - a.truncate());
             let area = u.perp_dot(v);
             let (s, t) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
             // A hair's breadth of tolerance, so that no point falls between two triangles.
-            if s < -1e-5 || t < -1e-5 || s + t > 1.0 + 1e-5 {
-                continue;
-            }
-            let z = a.z + (b.z - a.z) * s + (c.z - a.z) * t;
-            if best.is_none_or(|(_, top)| z > top) {
-                best = Some((face as usize, z));
-            }
-        }
-        best
+            let holds = s >= -1e-5 && t >= -1e-5 && s + t <= 1.0 + 1e-5;
+            holds.then(|| (face, a.z + (b.z - a.z) * s + (c.z - a.z) * t))
+        })
     }
+}
+
+/// A ground before it is put together: its surface, and those of bridges.
+struct Laid<'a> {
+    plan: &'a PlanMesh,
+    surface: Surface,
+    decks: Vec<Deck>,
+    bridges: Bridges,
 }
 
 /// Sources of the paint on a ground.
@@ -287,6 +356,11 @@ struct Painted<'a> {
     wear: &'a Wear,
     signals: &'a Signals,
     yards: &'a Yards,
+}
+
+/// Points of the lanes that are driven on, at the height that the ground is to have there.
+fn road_heights(lanes: &[Lane]) -> Vec<DVec3> {
+    lanes.iter().filter(|l| l.is_driven()).flat_map(spaced_points).collect()
 }
 
 /// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].

@@ -85,7 +85,7 @@ pub(in crate::town) fn slot(cover: Cover) -> u8 {
         Cover::Bed(LaneSurface::Usual | LaneSurface::Setts | LaneSurface::Red) => ASPHALT,
         Cover::Setts => SETTS,
         Cover::Yard(surface) => SETTS + 1 + surface as u8,
-        Cover::BedEdge => BED_EDGE,
+        Cover::BedEdge | Cover::Abutment => BED_EDGE,
         Cover::Field(crop) => FIELD + crop as u8,
         Cover::Shoulder => FIELD + Crop::ALL.len() as u8,
     }

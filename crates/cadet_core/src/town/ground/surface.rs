@@ -10,7 +10,7 @@ use crate::town::ground::mesh::{Cover, PlanMesh};
 use crate::town::ground::palette;
 use crate::town::ground::palette::Asphalt;
 use crate::town::network::limits::CURB_HEIGHT_M;
-use crate::town::network::road_network::PaintedQuad;
+use crate::town::network::road_network::{PaintedQuad, RoadNetwork};
 use crate::town::paint::wear::Wear;
 
 /// Side of a tile of visible ground.
@@ -30,6 +30,14 @@ impl<'a> Heights<'a> {
     /// Of a town: all but the carriageways is as high as its curbs.
     pub(in crate::town) fn town(road: &'a dyn Fn(DVec2) -> f64) -> Self {
         Self { road, beside: &|_| CURB_HEIGHT_M, has_curbs: true }
+    }
+
+    /// Of a network's roads alone: with curbs where it has any.
+    pub(in crate::town) fn beside_roads(road: &'a dyn Fn(DVec2) -> f64, network: &RoadNetwork) -> Self {
+        if network.is_curbless() || network.is_rural() {
+            return Self { road, beside: &|_| 0.0, has_curbs: false };
+        }
+        Self::town(road)
     }
 }
 

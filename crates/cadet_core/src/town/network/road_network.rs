@@ -1,6 +1,7 @@
 //! Lanes as polylines, and how they follow each other.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
@@ -113,6 +114,11 @@ impl Lane {
         self.center.len() > 3 && (ends[1] - ends[0]).truncate().length() < CLOSED_M
     }
 
+    /// Whether vehicles drive or stand on it.
+    pub(in crate::town) fn is_driven(&self) -> bool {
+        matches!(self.kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Tram)
+    }
+
     /// The sign of offsets to the left that lead away from oncoming traffic, to the curb: -1 where traffic keeps right.
     #[must_use]
     pub fn curb_side(&self) -> f64 {
@@ -158,15 +164,33 @@ impl Lane {
     }
 
     /// The middle of the lane at distance `s_m` (clamped to the lane), and the unit vector to its left, in the plane.
-    pub(crate) fn middle_and_left(&self, s_m: f64) -> (DVec2, DVec2) {
+    pub(crate) fn middle_and_left(&self, s_m: f64) -> (DVec3, DVec2) {
         let pose = self.pose_at(s_m);
-        (pose.translation.truncate(), (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
+        (pose.translation, (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
     }
 
     fn point_and_way_at(&self, s_m: f64) -> (DVec3, DVec3) {
         let (i, share) = piece_at(&self.s_m, s_m.clamp(0.0, self.length_m()));
         let (a, b) = (self.center[i - 1], self.center[i]);
         (a + (b - a) * share, b - a)
+    }
+
+    /// The piece between two of its points, both included.
+    pub(in crate::town) fn piece(&self, points: RangeInclusive<usize>) -> Self {
+        let from_m = self.s_m[*points.start()];
+        Self {
+            center: self.center[points.clone()].to_vec(),
+            width_m: self.width_m[points.clone()].to_vec(),
+            s_m: self.s_m[points].iter().map(|s| s - from_m).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The longest pieces of which every point is kept; points that stand alone are no piece.
+    pub(in crate::town) fn pieces(&self, is_kept: impl Fn(&DVec3) -> bool) -> Vec<Self> {
+        let kept: Vec<usize> = (0..self.center.len()).filter(|i| is_kept(&self.center[*i])).collect();
+        let runs = kept.chunk_by(|a, b| b - a == 1).filter(|run| run.len() > 1);
+        runs.map(|run| self.piece(run[0]..=run[run.len() - 1])).collect()
     }
 
     /// Width at distance `s_m` (clamped to the lane).

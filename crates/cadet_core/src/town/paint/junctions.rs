@@ -1,6 +1,6 @@
 //! Paint where streets meet: stop lines, fords, zebra crossings, and the arrows of lanes.
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::town::network::road_network::{Lane, LaneId, PaintColor, PaintedQuad, RoadNetwork};
 use crate::town::paint::{Paint, STOP_LINE_DEPTH_M};
 use crate::town::signals::{Arm, FORD_M, STOP_LINE_M, Signals};
@@ -48,10 +48,10 @@ pub(in crate::town) fn draw(network: &RoadNetwork, signals: &Signals, paint: &mu
 }
 
 fn stop_line(arm: &Arm, lane: &Lane, line: u32, paint: &mut Paint) {
-    let end = lane.center[lane.center.len() - 1].truncate();
+    let end = lane.center[lane.center.len() - 1];
     let half_m = lane.width_at(lane.length_m()) / 2.0;
-    let left_m = (end - arm.at).dot(arm.along.perp());
-    let at = arm.place(STOP_LINE_M.0, left_m);
+    let left_m = (end.truncate() - arm.at).dot(arm.along.perp());
+    let at = arm.place(STOP_LINE_M.0, left_m).extend(end.z);
     paint.across(at, arm.along.perp(), (0.1 - half_m, half_m - 0.1), STOP_LINE_DEPTH_M, line);
 }
 
@@ -61,7 +61,13 @@ fn ford(arm: &Arm, line: u32, paint: &mut Paint) {
     for before_m in [FORD_M.0, FORD_M.1 - width_m] {
         let mut left_m = arm.right_m + OFF_CURB_M;
         while left_m + dash_m < arm.left_m - OFF_CURB_M {
-            paint.across(arm.place(before_m, 0.0), arm.along.perp(), (left_m, left_m + dash_m), width_m, line);
+            paint.across(
+                arm.place(before_m, 0.0).extend(arm.z_m),
+                arm.along.perp(),
+                (left_m, left_m + dash_m),
+                width_m,
+                line,
+            );
             left_m += dash_m + gap_m;
         }
     }
@@ -72,7 +78,7 @@ fn zebra(arm: &Arm, line: u32, paint: &mut Paint) {
     let mut left_m = arm.right_m + 0.3;
     while left_m + ZEBRA_M.0 < arm.left_m - 0.2 {
         paint.across(
-            arm.place(FORD_M.0, 0.0),
+            arm.place(FORD_M.0, 0.0).extend(arm.z_m),
             arm.along.perp(),
             (left_m, left_m + ZEBRA_M.0),
             FORD_M.1 - FORD_M.0,
@@ -112,7 +118,7 @@ fn arrows(network: &RoadNetwork, id: LaneId, line: u32, paint: &mut Paint) {
 
 /// The place `before_m` before the end of a lane, on it or on those that lead to it alone, and `left_m` to the left of
 /// its middle.
-fn place(network: &RoadNetwork, id: LaneId, before_m: f64, left_m: f64) -> Option<DVec2> {
+fn place(network: &RoadNetwork, id: LaneId, before_m: f64, left_m: f64) -> Option<DVec3> {
     let (mut lane, mut before_m) = (network.lane(id), before_m);
     while before_m > lane.length_m() {
         let [only] = lane.predecessors.as_slice() else { return None };
@@ -123,15 +129,14 @@ fn place(network: &RoadNetwork, id: LaneId, before_m: f64, left_m: f64) -> Optio
         }
     }
     let (middle, left) = lane.middle_and_left(lane.length_m() - before_m);
-    Some(middle + left * left_m)
+    Some(middle + (left * left_m).extend(0.0))
 }
 
 /// One arrow; `place` is so far ahead of the beginning of its shaft and to its left.
-fn arrow(place: &dyn Fn(f64, f64) -> Option<DVec2>, ways: [bool; 3], line: u32, paint: &mut Paint) {
+fn arrow(place: &dyn Fn(f64, f64) -> Option<DVec3>, ways: [bool; 3], line: u32, paint: &mut Paint) {
     let mut part = |corners: [(f64, f64); 4]| {
         if let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|(x, y)| place(x, y)) {
-            let corners = [a, b, c, d].map(|p| p.extend(0.0));
-            paint.along(&PaintedQuad { corners, color: PaintColor::White, line });
+            paint.along(&PaintedQuad { corners: [a, b, c, d], color: PaintColor::White, line });
         }
     };
     let (shaft_m, half_m) = SHAFT_M;

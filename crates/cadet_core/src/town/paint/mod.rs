@@ -7,7 +7,7 @@ pub(in crate::town) mod repairs;
 pub(in crate::town) mod road_marking;
 pub(in crate::town) mod wear;
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::town::network::road_network::{PaintColor, PaintedQuad};
 
 pub(in crate::town) const PAINT_LIFT_M: f64 = 0.0055;
@@ -21,8 +21,8 @@ pub(in crate::town) const STOP_LINE_DEPTH_M: f64 = 0.5;
 
 /// Paint that has been laid, and the ground below it.
 pub(in crate::town) struct Paint<'a> {
-    /// Height of the ground at (x, y), and whether a road is there.
-    pub ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>,
+    /// Height of the surface nearest to a place, and whether a road is there.
+    pub surface_near: &'a dyn Fn(DVec3) -> Option<(f64, bool)>,
     /// Whether what lies beside roads, as on medians, is left out.
     pub is_on_roads: bool,
     /// Height over the ground.
@@ -32,20 +32,21 @@ pub(in crate::town) struct Paint<'a> {
 
 impl<'a> Paint<'a> {
     /// Nothing yet, at the height of paint.
-    pub fn new(ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>, is_on_roads: bool) -> Self {
-        Self { ground_height, is_on_roads, lift_m: PAINT_LIFT_M, quads: Vec::new() }
+    pub fn new(surface_near: &'a dyn Fn(DVec3) -> Option<(f64, bool)>, is_on_roads: bool) -> Self {
+        Self { surface_near, is_on_roads, lift_m: PAINT_LIFT_M, quads: Vec::new() }
     }
 
-    /// A line's piece, cut into shorter ones; only its place in the plane counts.
+    /// A line's piece, cut into shorter ones, which are laid on the surface nearest to it.
     pub fn along(&mut self, mark: &PaintedQuad) {
-        let [a, b, c, d] = mark.corners.map(|p| p.truncate());
+        let [a, b, c, d] = mark.corners;
         // The longer sides are along the line.
-        let ([a, b], [d, c]) = if (b - a).length() > (c - b).length() { ([a, b], [d, c]) } else { ([b, c], [a, d]) };
-        let length_m = (b - a).length().max((c - d).length());
-        if length_m < LEAST_M {
+        let is_along = length_m(a, b) > length_m(b, c);
+        let ([a, b], [d, c]) = if is_along { ([a, b], [d, c]) } else { ([b, c], [a, d]) };
+        let longest_m = length_m(a, b).max(length_m(d, c));
+        if longest_m < LEAST_M {
             return;
         }
-        let pieces = (length_m / PIECE_M).ceil();
+        let pieces = (longest_m / PIECE_M).ceil();
         let at = |k: usize| (a.lerp(b, k as f64 / pieces), d.lerp(c, k as f64 / pieces));
         for k in 0..pieces as usize {
             let ((a, d), (b, c)) = (at(k), at(k + 1));
@@ -55,9 +56,9 @@ impl<'a> Paint<'a> {
 
     /// An area, cut into pieces both ways; its corners are counter-clockwise from above.
     pub fn area(&mut self, mark: &PaintedQuad) {
-        let [a, b, c, d] = mark.corners.map(|p| p.truncate());
-        let count = |a: DVec2, b: DVec2, c: DVec2, d: DVec2| {
-            let pieces = ((b - a).length().max((c - d).length()) / PIECE_M).ceil().max(1.0);
+        let [a, b, c, d] = mark.corners;
+        let count = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| {
+            let pieces = (length_m(a, b).max(length_m(d, c)) / PIECE_M).ceil().max(1.0);
             (pieces as usize, pieces)
         };
         let ((columns, across), (rows, along)) = (count(a, b, c, d), count(b, c, d, a));
@@ -73,16 +74,16 @@ impl<'a> Paint<'a> {
     }
 
     /// A bar across a lane from `from` to `to` left of its middle, `depth_m` long.
-    pub fn across(&mut self, at: DVec2, left: DVec2, (from, to): (f64, f64), depth_m: f64, line: u32) {
-        let (a, b, back) = (at + left * from, at + left * to, left.perp() * depth_m);
-        let corners = [a, b, b + back, a + back].map(|p| p.extend(0.0));
+    pub fn across(&mut self, at: DVec3, left: DVec2, (from, to): (f64, f64), depth_m: f64, line: u32) {
+        let (a, b, back) = (at.truncate() + left * from, at.truncate() + left * to, left.perp() * depth_m);
+        let corners = [a, b, b + back, a + back].map(|p| p.extend(at.z));
         self.along(&PaintedQuad { corners, color: PaintColor::White, line });
     }
 
-    fn quad(&mut self, corners: [DVec2; 4], mark: &PaintedQuad) {
+    fn quad(&mut self, corners: [DVec3; 4], mark: &PaintedQuad) {
         let lifted = corners.map(|p| {
-            let (z, is_road) = (self.ground_height)(p.x, p.y)?;
-            (is_road || !self.is_on_roads).then_some(p.extend(z + self.lift_m))
+            let (z, is_road) = (self.surface_near)(p)?;
+            (is_road || !self.is_on_roads).then_some(p.with_z(z + self.lift_m))
         });
         if let [Some(a), Some(b), Some(c), Some(d)] = lifted {
             // A corner on a sidewalk would tilt the paint up the curb.
@@ -92,4 +93,9 @@ impl<'a> Paint<'a> {
             }
         }
     }
+}
+
+/// The distance between two points in plan.
+fn length_m(a: DVec3, b: DVec3) -> f64 {
+    (b - a).truncate().length()
 }

@@ -1,6 +1,6 @@
 //! The rails of tracks: grooved rails in streets and grass, others on sleepers, as thin quadrilaterals.
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::town::network::road_network::{Lane, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 
 /// Between the inner edges of the heads of both rails.
@@ -19,9 +19,10 @@ const SLEEPER_EVERY_M: f64 = 0.65;
 const SLEEPER_M: (f64, f64) = (2.4, 0.24);
 const SLEEPER_LIFT_M: f64 = 0.008;
 
-type Height<'a> = &'a dyn Fn(f64, f64) -> Option<f64>;
+/// Height of the surface nearest to a place.
+type Height<'a> = &'a dyn Fn(DVec3) -> Option<f64>;
 
-/// Adds the rails of every track, on a ground that is so high at (x, y). A piece on a curb is left out.
+/// Adds the rails of every track, on the surface nearest to it. A piece on a curb is left out.
 pub(in crate::town) fn draw(network: &RoadNetwork, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
     for lane in network.tracks() {
         let is_raised = lane.surface == LaneSurface::Ballast;
@@ -44,7 +45,7 @@ pub(in crate::town) fn draw(network: &RoadNetwork, height: Height<'_>, quads: &m
 }
 
 /// A place of a track, and the unit vector to its left.
-type Spot = (DVec2, DVec2);
+type Spot = (DVec3, DVec2);
 
 /// A strip between two lines beside the track's middle, each so far to the left and so high over the ground below it.
 fn strip(
@@ -55,8 +56,8 @@ fn strip(
     quads: &mut Vec<PaintedQuad>,
 ) {
     let at = |(middle, side): Spot, (offset_m, lift_m): (f64, f64)| {
-        let p = middle + side * offset_m;
-        height(p.x, p.y).map(|z| p.extend(z + lift_m))
+        let p = middle + (side * offset_m).extend(0.0);
+        height(p).map(|z| p.with_z(z + lift_m))
     };
     if let [Some(a), Some(b), Some(c), Some(d)] = [at(from, right), at(to, right), at(to, left), at(from, left)] {
         let (lowest, highest) = [a, b, c, d].iter().fold((a.z, a.z), |(l, h), p| (l.min(p.z), h.max(p.z)));
@@ -107,7 +108,7 @@ mod tests {
         let mut network = RoadNetwork::straight(60.0, 3.2);
         network.lanes.iter_mut().for_each(|l| (l.kind, l.surface) = (LaneKind::Tram, surface));
         let mut quads = Vec::new();
-        draw(&network, &|x, _| Some(0.02 * x), &mut quads);
+        draw(&network, &|p| Some(0.02 * p.x), &mut quads);
         quads
     }
 

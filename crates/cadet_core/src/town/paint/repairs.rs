@@ -3,7 +3,7 @@
 //!
 //! How much there is of it is drawn street by street.
 
-use crate::math::{DVec2, TAU};
+use crate::math::{DVec2, DVec3, TAU};
 use crate::plane::unit;
 use crate::rng::Stream;
 use crate::town::network::road_network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
@@ -41,13 +41,13 @@ const REPAIR_LIFT_M: f64 = 0.002;
 const CRACK_LIFT_M: f64 = 0.003;
 const COVER_LIFT_M: f64 = 0.004;
 
-/// Lays the repairs of all streets of asphalt on a ground that is so high at (x, y) and a road there or not.
+/// Lays the repairs of all streets of asphalt on the surface nearest to each place, which is so high and a road or not.
 pub(in crate::town) fn draw(
     network: &RoadNetwork,
     wear: &Wear,
-    ground_height: &dyn Fn(f64, f64) -> Option<(f64, bool)>,
+    surface_near: &dyn Fn(DVec3) -> Option<(f64, bool)>,
 ) -> Vec<PaintedQuad> {
-    let mut paint = Paint::new(ground_height, true);
+    let mut paint = Paint::new(surface_near, true);
     let is_asphalt = |l: &&Lane| l.kind == LaneKind::Driving && l.surface == LaneSurface::Usual;
     for lane in network.lanes.iter().filter(is_asphalt) {
         let Some(mut stream) = wear.stream("repairs", lane.id.0 as u64) else { break };
@@ -79,14 +79,14 @@ impl Works<'_, '_> {
         (self.lane.width_at(s_m) / 2.0 - MARGIN_M).max(0.0)
     }
 
-    fn at(&self, place: DVec2) -> DVec2 {
+    fn at(&self, place: DVec2) -> DVec3 {
         let (at, left) = self.lane.middle_and_left(place.x);
-        at + left * place.y
+        at + (left * place.y).extend(0.0)
     }
 
     /// A quadrilateral whose corners are places, counter-clockwise from above.
     fn lay(&mut self, corners: [DVec2; 4], color: PaintColor) {
-        let corners = corners.map(|place| self.at(place).extend(0.0));
+        let corners = corners.map(|place| self.at(place));
         self.paint.area(&PaintedQuad { corners, color, line: 0 });
     }
 
@@ -216,7 +216,6 @@ impl Works<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DVec3;
     use crate::rng::StreamKey;
     use crate::town::LaneId;
 
@@ -240,7 +239,7 @@ mod tests {
     }
 
     fn drawn(network: &RoadNetwork, wear: &Wear) -> Vec<PaintedQuad> {
-        draw(network, wear, &|_, _| Some((0.0, true)))
+        draw(network, wear, &|_| Some((0.0, true)))
     }
 
     fn area_m2(quad: &PaintedQuad) -> f64 {

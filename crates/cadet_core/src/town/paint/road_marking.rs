@@ -1,6 +1,7 @@
 //! Paint on the carriageway: the lines of the map, stop lines and give-way lines where nothing else rules, as thin
 //! quadrilaterals.
 
+use crate::math::DVec3;
 use crate::town::network::road_network::RightOfWay;
 use crate::town::network::road_network::{PaintedQuad, RoadNetwork};
 use crate::town::paint::{Paint, STOP_LINE_DEPTH_M};
@@ -14,13 +15,13 @@ const BEFORE_JUNCTION_M: f64 = 0.8;
 /// Lines across have numbers beyond those of the map's lines.
 pub(in crate::town) const ACROSS: u32 = 1 << 29;
 
-/// The quadrilaterals, counter-clockwise from above, laid on a ground that is so high at (x, y) and a road there or not.
+/// The quadrilaterals, counter-clockwise from above, laid on the surface nearest to each place, which is so high and a road or not.
 pub(in crate::town) fn draw(
     network: &RoadNetwork,
     signals: &Signals,
-    ground_height: &dyn Fn(f64, f64) -> Option<(f64, bool)>,
+    surface_near: &dyn Fn(DVec3) -> Option<(f64, bool)>,
 ) -> Vec<PaintedQuad> {
-    let mut paint = Paint::new(ground_height, false);
+    let mut paint = Paint::new(surface_near, false);
     network.lane_marks.iter().for_each(|mark| paint.along(mark));
     for lane in network.driving().filter(|l| l.junction.is_none()) {
         // The lines of lights and zebra crossings are drawn with them.
@@ -51,7 +52,7 @@ pub(in crate::town) fn draw(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{self, DVec3};
+    use crate::math;
     use crate::town::{Lane, LaneId, LaneKind, LaneSurface};
 
     /// Lanes that end at the origin, one beside the other if they are of one road, and a lane that leads on.
@@ -89,7 +90,7 @@ mod tests {
     }
 
     fn bars(arriving: &[(u32, f64)]) -> usize {
-        draw(&junction_of(arriving), &Signals::default(), &|_, _| Some((0.0, true))).len()
+        draw(&junction_of(arriving), &Signals::default(), &|_| Some((0.0, true))).len()
     }
 
     #[test]

@@ -130,8 +130,11 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Distance from a place to the sidewalks' outline, negative on streets, at most [`MAX_MARGIN_M`].
+    /// Distance from a place to the sidewalks' outline, negative on streets and under bridges, at most [`MAX_MARGIN_M`].
     pub fn clearance_m(&self, p: DVec2) -> f64 {
+        if self.ground.is_near_bridge(p) {
+            return -MAX_MARGIN_M;
+        }
         let at = (p - self.origin) / self.step_m;
         if at.x < 0.0 || at.y < 0.0 || at.x >= (self.columns - 1) as f64 || at.y >= (self.rows - 1) as f64 {
             return MAX_MARGIN_M;
@@ -148,14 +151,14 @@ impl<'a> Site<'a> {
         self.ground.fields()
     }
 
-    /// Whether cars drive or park at a place.
+    /// Whether cars drive or park at a place, or a bridge leads over it.
     pub fn is_road(&self, p: DVec2) -> bool {
-        self.ground.kind_at(p.x, p.y) == Some(GroundKind::Road)
+        self.ground.kind_at(p.x, p.y) == Some(GroundKind::Road) || self.ground.is_near_bridge(p)
     }
 
-    /// Whether a place is carriageway or sidewalk.
+    /// Whether a place is carriageway or sidewalk, or a bridge leads over it.
     pub fn is_street(&self, p: DVec2) -> bool {
-        self.ground.kind_at(p.x, p.y).is_some_and(|kind| kind != GroundKind::Terrain)
+        self.ground.kind_at(p.x, p.y).is_some_and(|kind| kind != GroundKind::Terrain) || self.ground.is_near_bridge(p)
     }
 
     /// The ground at a place.

@@ -142,7 +142,7 @@ mod tests {
         let (mut white, mut red) = (0, 0);
         for seed in 0..12 {
             let network = network(seed);
-            let mut paint = Paint::new(&|_, _| Some((0.0, true)), true);
+            let mut paint = Paint::new(&|_| Some((0.0, true)), true);
             cycle_lanes::draw(&network, &mut paint);
             for quad in &paint.quads {
                 let middle = quad.corners.iter().sum::<DVec3>() / 4.0;

@@ -44,6 +44,8 @@ pub struct Arm {
     pub stage: usize,
     /// Where the first of the lanes ends.
     pub at: DVec2,
+    /// The height of its end.
+    pub z_m: f64,
     /// Unit vector into the junction.
     pub along: DVec2,
     /// From `at` to the curbs: to the left, and, negative, to the right.
@@ -148,6 +150,7 @@ pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm>
             cycle_lanes: Vec::new(),
             stage: 0,
             at,
+            z_m: lane.center[lane.center.len() - 1].z,
             along,
             left_m: 0.0,
             right_m: 0.0,

@@ -79,7 +79,7 @@ mod tests {
             };
             let network = generate_suburb(&key, &config).unwrap().network;
             let signals = Signals::of(&network, &key);
-            let quads = road_marking::draw(&network, &signals, &|_, _| Some((0.0, true)));
+            let quads = road_marking::draw(&network, &signals, &|_| Some((0.0, true)));
             let painted: BTreeSet<u32> = quads.iter().filter_map(|q| q.line.checked_sub(ACROSS)).collect();
             let mut by_junction: BTreeMap<u32, Vec<RightOfWay>> = BTreeMap::new();
             for lane in network.driving().filter(|l| l.junction.is_none()) {

@@ -183,6 +183,7 @@ mod tests {
             heading: DVec2::X,
             half_length_m: 2.2,
             half_width_m: 0.9,
+            z_m: 0.0,
             velocity: DVec2::ZERO,
         };
         let mut around = TrafficState::new(&graph);

@@ -114,7 +114,7 @@ impl Pedestrian {
     }
 
     /// Looks around while walking: stays with a group, side-steps, stops, turns back, or stops at the curb to cross.
-    fn look_on_walkway(&mut self, own: OnWalkway, position_z: f64, around: &TrafficState, streets: &Streets) {
+    fn look_on_walkway(&mut self, own: OnWalkway, around: &TrafficState, streets: &Streets) {
         let OnWalkway { walkway, s_m, direction, .. } = own;
         if self.held_s > HELD_S {
             self.held_s = 0.0;
@@ -143,7 +143,7 @@ impl Pedestrian {
         self.avoid(&own, self.preferred_m, around, &streets.sidewalks);
         self.pace = self.pace.min(pace_behind(&own, around, &streets.sidewalks));
         if self.crosser && self.pace > 0.5 && self.choices.chance(LOOKS_ACROSS) {
-            let position = own.at.extend(position_z);
+            let position = own.at.extend(own.z_m);
             if let Some(wait) = way_across(position, walkway, s_m, around, streets) {
                 self.motion = wait;
                 self.pace = 0.0;
@@ -183,18 +183,19 @@ impl Behavior for Pedestrian {
 
     fn look(&mut self, slot: Slot, around: &TrafficState, streets: &Streets, step: u64) -> Outlook {
         let (at, heading) = (self.own.body.at(), self.own.body.heading());
-        self.nearby.look(slot, at, &around.people, &around.standing);
+        self.nearby.look(slot, self.own.body.position, &around.people, &around.standing);
         match self.motion {
             Motion::Stands => {}
             Motion::Walks { walkway, s_m, direction } => {
                 let walking_speed_mps = self.own.look.model.walking_speed_mps;
-                let on_walkway = OnWalkway { slot, at, walkway, s_m, direction, walking_speed_mps };
-                self.look_on_walkway(on_walkway, self.own.body.position.z, around, streets);
+                let z_m = self.own.body.position.z;
+                let on_walkway = OnWalkway { slot, at, z_m, walkway, s_m, direction, walking_speed_mps };
+                self.look_on_walkway(on_walkway, around, streets);
             }
             Motion::Waits { from, to, walkway, s_m } => {
                 let across = (to - from).normalize_or(DVec2::X);
                 self.own.body.yaw_rad = math::atan2(across.y, across.x);
-                if may_start(from, to, around, streets, step) {
+                if may_start((from, to), self.own.body.position.z, around, streets, step) {
                     self.pace = 1.0;
                     self.motion = Motion::Crosses { to, walkway, s_m };
                 }
@@ -203,8 +204,7 @@ impl Behavior for Pedestrian {
                 let front = at + heading * 0.8;
                 // Moving vehicles are let pass; standing ones let people pass, and mutual waiting would never end.
                 let is_blocked = around
-                    .vehicles
-                    .iter()
+                    .vehicles_level_with(front, self.own.body.position.z)
                     .map(|v| &v.footprint)
                     .filter(|f| f.velocity.length() > CRAWLS_MPS)
                     .any(|f| (f.closest_point(front) - front).length() < 0.4);
@@ -225,14 +225,14 @@ impl Behavior for Pedestrian {
             _ => None,
         };
         let (graph, stray_m) = (&streets.graph, line.map_or(0.0, |line| ROUND_OTHERS_M.max((from - line).length())));
-        let leaves_sidewalk =
-            |p: DVec2, line: DVec2| !graph.is_sidewalk(p) && graph.is_sidewalk(from) && graph.is_sidewalk(line);
+        let is_sidewalk = |p: DVec2| graph.is_sidewalk(p.extend(before.z));
+        let leaves_sidewalk = |p: DVec2, line: DVec2| !is_sidewalk(p) && is_sidewalk(from) && is_sidewalk(line);
         let keeps_to_line =
             |p: DVec2| line.is_none_or(|line| (p - line).length() <= stray_m && !leaves_sidewalk(p, line));
         let step = if wanted == from {
             Some(from)
         } else {
-            self.nearby.step(from, wanted, &around.people, &around.vehicles, keeps_to_line)
+            self.nearby.step(before, wanted, &around.people, &around.vehicles, keeps_to_line)
         };
         match step {
             Some(_) => {
@@ -248,7 +248,7 @@ impl Behavior for Pedestrian {
         if let Motion::Crosses { to: goal, walkway, s_m } = self.motion {
             let left_m = (goal - to).length();
             // Where others stand at the goal, any place beside the road will do.
-            let is_beside_goal = self.held_s > 0.5 && left_m < OVER_M && streets.graph.is_sidewalk(to);
+            let is_beside_goal = self.held_s > 0.5 && left_m < OVER_M && streets.graph.is_sidewalk(to.extend(before.z));
             if left_m < 0.05 || is_beside_goal {
                 let direction = if self.choices.chance(0.5) { 1.0 } else { -1.0 };
                 self.start(walkway, s_m, direction, 0.0);
@@ -258,7 +258,7 @@ impl Behavior for Pedestrian {
         let Actor { body, look } = &mut self.own;
         if moved.length_squared() > 0.0 {
             // The edge of the world: stay on the last ground.
-            let Some(ground) = physics.ground_at(to.x, to.y) else { return };
+            let Some(ground) = physics.ground_at(to.extend(before.z)) else { return };
             body.position = to.extend(ground.z_m);
             let turn = math::wrap_angle(math::atan2(moved.y, moved.x) - body.yaw_rad);
             let most = TURN_RADPS * DT_S;

@@ -85,16 +85,17 @@ impl Behavior for Scripted {
         })
     }
 
-    fn look(&mut self, _slot: Slot, _around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
+    fn look(&mut self, slot: Slot, around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
         if let Led::Person(_) = self.led {
             return Outlook::default();
         }
         let Script { path, s_m, .. } = &self.script;
+        let z_m = around.vehicle(slot).map_or(0.0, |f| f.z_m);
         let count = ((path.length_m() - s_m).min(SEEN_AHEAD_M) / SAMPLE_M) as usize;
         let way = (0..count).filter_map(|k| {
             let distance_m = k as f64 * SAMPLE_M;
             let tangent = path.heading(s_m + distance_m, SAMPLE_M / 2.0)?;
-            Some(Ahead { distance_m, at: path.at_distance(s_m + distance_m), tangent })
+            Some(Ahead { distance_m, at: path.at_distance(s_m + distance_m), z_m, tangent })
         });
         Outlook { way_ahead: way.collect(), ..Outlook::default() }
     }
@@ -116,7 +117,7 @@ impl Behavior for Scripted {
             }
             Led::Person(Actor { body, look }) => {
                 let before = body.position;
-                let z_m = physics.ground_at(now.at.x, now.at.y).map_or(before.z, |g| g.z_m);
+                let z_m = physics.ground_at(now.at.extend(before.z)).map_or(before.z, |g| g.z_m);
                 body.position = now.at.extend(z_m);
                 let climb_mps = if moved_m > 0.0 { (z_m - before.z) / DT_S } else { 0.0 };
                 body.velocity_world = now.velocity.extend(climb_mps);

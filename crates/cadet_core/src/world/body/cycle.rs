@@ -24,18 +24,17 @@ pub(crate) struct Cycle {
     angular_velocity_world: DVec3,
 }
 
-/// Pose of the box frame of a bicycle with both wheels on the ground; a crossfall does not tip it.
+/// Pose of the box frame of a bicycle with both wheels on the ground under `at`; a crossfall does not tip it.
 ///
 /// # Errors
 /// [`Error::NotFinite`], or [`Error::Scene`] where a wheel would stand beyond the ground's edge.
-pub(crate) fn stand_up(physics: &Physics, half_wheelbase_m: f64, x_m: f64, y_m: f64, yaw_rad: f64) -> Result<DPose3> {
-    finite("x", x_m)?;
-    finite("y", y_m)?;
+pub(crate) fn stand_up(physics: &Physics, half_wheelbase_m: f64, at: DVec3, yaw_rad: f64) -> Result<DPose3> {
+    let (x_m, y_m) = (finite("x", at.x)?, finite("y", at.y)?);
     finite("yaw", yaw_rad)?;
     let heading = unit(yaw_rad);
     let foot = |along_m: f64| {
         let p = DVec2::new(x_m, y_m) + heading * along_m;
-        let ground = physics.ground_at(p.x, p.y).ok_or_else(|| Error::Scene {
+        let ground = physics.ground_at(p.extend(at.z)).ok_or_else(|| Error::Scene {
             reason: format!("a bicycle at ({x_m}, {y_m}) would stand beyond the ground's edge"),
         })?;
         Ok(p.extend(ground.z_m))
@@ -75,9 +74,10 @@ impl Cycle {
     /// Leads the body to its place after the physics step to come.
     pub fn guide(&mut self, physics: &mut Physics, step: &Step) {
         self.yaw_rad = math::wrap_angle(self.yaw_rad + step.turn_rad);
-        self.world_from_box = stand_up(physics, self.half_wheelbase_m, step.at.x, step.at.y, self.yaw_rad)
+        let at = step.at.extend(self.world_from_box.translation.z);
+        self.world_from_box = stand_up(physics, self.half_wheelbase_m, at, self.yaw_rad)
             // A wheel has left the ground's edge: the body keeps its height.
-            .unwrap_or_else(|_| frames::upright(step.at.extend(self.world_from_box.translation.z), self.yaw_rad));
+            .unwrap_or_else(|_| frames::upright(at, self.yaw_rad));
         self.velocity_world = along_ground(step.velocity, &self.world_from_box);
         self.angular_velocity_world = DVec3::Z * (step.turn_rad / DT_S);
         let body = &mut physics.world.bodies[self.body];

@@ -65,13 +65,11 @@ impl Guided {
     /// Leads the body to its place after the physics step to come.
     pub fn guide(&mut self, physics: &mut Physics, step: &Step) {
         self.yaw_rad = math::wrap_angle(self.yaw_rad + step.turn_rad);
-        match settle(physics, &self.model, step.at.x, step.at.y, self.yaw_rad) {
+        let at = step.at.extend(self.settled.world_from_box.translation.z);
+        match settle(physics, &self.model, at, self.yaw_rad) {
             Ok(settled) => self.settled = settled,
             // A wheel has left the ground's edge: the body keeps its height.
-            Err(_) => {
-                let z_m = self.settled.world_from_box.translation.z;
-                self.settled.world_from_box = frames::upright(step.at.extend(z_m), self.yaw_rad);
-            }
+            Err(_) => self.settled.world_from_box = frames::upright(at, self.yaw_rad),
         }
         self.velocity_world = along_ground(step.velocity, &self.settled.world_from_box);
         self.angular_velocity_world = DVec3::Z * (step.turn_rad / DT_S);

@@ -18,17 +18,16 @@ pub(crate) struct Settled {
 /// The most that a wheel moves against the body to reach the ground.
 const TRAVEL_M: f64 = 0.12;
 
-/// Sets a vehicle down with the middle of its box at (x, y).
+/// Sets a vehicle down with the middle of its box at (x, y), on the ground under `at`.
 ///
 /// # Errors
 /// [`Error::NotFinite`], or [`Error::Scene`] where a wheel would stand beyond the ground's edge.
-pub(crate) fn settle(physics: &Physics, model: &VehicleModel, x_m: f64, y_m: f64, yaw_rad: f64) -> Result<Settled> {
-    finite("x", x_m)?;
-    finite("y", y_m)?;
+pub(crate) fn settle(physics: &Physics, model: &VehicleModel, at: DVec3, yaw_rad: f64) -> Result<Settled> {
+    let (x_m, y_m) = (finite("x", at.x)?, finite("y", at.y)?);
     finite("yaw", yaw_rad)?;
     let outside =
         || Error::Scene { reason: format!("a vehicle at ({x_m}, {y_m}) would stand beyond the ground's edge") };
-    let middle = physics.ground_at(x_m, y_m).ok_or_else(outside)?;
+    let middle = physics.ground_at(at).ok_or_else(outside)?;
     let mut pose = frames::upright(DVec3::new(x_m, y_m, middle.z_m), yaw_rad);
     let heading = pose.rotation * DVec3::X;
     let contacts = model.wheel_centers.map(|c| DVec3::new(f64::from(c.x), f64::from(c.y), 0.0));
@@ -37,7 +36,7 @@ pub(crate) fn settle(physics: &Physics, model: &VehicleModel, x_m: f64, y_m: f64
         let mut feet = [DVec3::ZERO; 4];
         for (foot, contact) in feet.iter_mut().zip(&contacts) {
             let p = pose.transform_point(*contact);
-            *foot = DVec3::new(p.x, p.y, physics.ground_at(p.x, p.y).ok_or_else(outside)?.z_m);
+            *foot = p.with_z(physics.ground_at(p).ok_or_else(outside)?.z_m);
         }
         let [fl, fr, rl, rr] = feet;
         // The plane of best fit through four corners of a parallelogram: through their mean, along the mean edges.
@@ -57,7 +56,7 @@ pub(crate) fn settle(physics: &Physics, model: &VehicleModel, x_m: f64, y_m: f64
     let mut wheel_lift_m = [0.0; 4];
     for (lift, contact) in wheel_lift_m.iter_mut().zip(&contacts) {
         let p = pose.transform_point(*contact);
-        let ground = physics.ground_at(p.x, p.y).ok_or_else(outside)?;
+        let ground = physics.ground_at(p).ok_or_else(outside)?;
         *lift = (ground.z_m - p.z).clamp(-TRAVEL_M, TRAVEL_M);
     }
     debug_assert!(math::hypot(pose.translation.x - x_m, pose.translation.y - y_m) < 1e-9);

@@ -75,7 +75,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, grap
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
     let swept = [0.8, 1.6, 2.6].into_iter().find_map(|reach_m| {
         let there = own.route.ahead(reach_m, graph);
-        let swept = Footprint { center: there.at, heading: there.tangent, ..*footprint }.grown(swept_m);
+        let swept = Footprint { center: there.at, heading: there.tangent, z_m: there.z_m, ..*footprint }.grown(swept_m);
         let meets = |o: &Footprint| {
             let to = o.center - footprint.center;
             to.length() < 14.0 && to.dot(footprint.heading) > 0.0 && swept.overlaps(o)
@@ -117,7 +117,7 @@ mod tests {
             let at = route.ahead(0.0, &graph);
             let (half_length_m, half_width_m) = (2.2, 0.9);
             let velocity = at.tangent * speed_mps;
-            let own = Footprint { center: at.at, heading: at.tangent, half_length_m, half_width_m, velocity };
+            let own = Footprint { center: at.at, heading: at.tangent, half_length_m, half_width_m, z_m: 0.0, velocity };
             let (axles, train_m, reduced_clearance) = (None, None, false);
             let route = &route;
             let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };

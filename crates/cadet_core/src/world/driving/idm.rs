@@ -94,7 +94,8 @@ pub(crate) fn gap_along(
         let across = sample.tangent.perp_dot(to).abs();
         let gap_m = sample.distance_m + along - half_length_m;
         // What the front has passed is beside us and no longer ours to avoid.
-        (along.abs() <= spacing_m && across < corridor_m && gap_m > -1.0)
+        let is_ahead = along.abs() <= spacing_m && across < corridor_m && gap_m > -1.0;
+        (is_ahead && obstacle.is_level_with(sample.at, sample.z_m))
             .then(|| (gap_m, obstacle.velocity.dot(sample.tangent).max(0.0)))
     })
 }

@@ -90,7 +90,10 @@ impl LaneChange {
     pub fn claim(&self, own: &Footprint, route: &Route, graph: &LaneGraph) -> Claim {
         let place = route.ahead(0.0, graph);
         let center = place.at + place.tangent.perp() * self.left_m(route.offset_m);
-        Claim { footprint: Footprint { center, heading: place.tangent, ..*own }, is_inward: self.is_inward }
+        Claim {
+            footprint: Footprint { center, heading: place.tangent, z_m: place.z_m, ..*own },
+            is_inward: self.is_inward,
+        }
     }
 }
 
@@ -352,6 +355,7 @@ mod tests {
                 heading: begun.tangent,
                 half_length_m: 2.2,
                 half_width_m: 0.9,
+                z_m: begun.z_m,
                 velocity: begun.tangent * speed_mps,
             };
             let change = Some(LaneChange { is_inward: true, from_m, to_m: 0.0, share, returns: false });

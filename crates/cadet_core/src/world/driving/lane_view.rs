@@ -1,7 +1,8 @@
 //! A lane as a driver sees it: who is ahead in it, who follows, and who is beside.
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::town::{Lane, LaneId};
+use crate::world::footprint::Footprint;
 use crate::world::slot::Slot;
 use crate::world::streets::LaneGraph;
 use crate::world::traffic_state::TrafficState;
@@ -50,7 +51,7 @@ impl LaneView {
             if own.is_some() && slot == own {
                 continue;
             }
-            let Some((distance_m, left_m, tangent)) = path.place_of(o.center) else { continue };
+            let Some((distance_m, left_m, tangent)) = path.place_of(o) else { continue };
             if left_m.abs() > half_width_m + o.half_width_m - OVER_M {
                 continue;
             }
@@ -68,7 +69,7 @@ impl LaneView {
 
 /// Points of a lane and of those before and after it, with how far ahead each is.
 struct Path {
-    points: Vec<DVec2>,
+    points: Vec<DVec3>,
     behind_m: f64,
 }
 
@@ -95,22 +96,23 @@ impl Path {
                 at_m -= on.length_m();
                 on = next;
             }
-            points.push(on.point_at(at_m).truncate());
+            points.push(on.point_at(at_m));
             at_m += SAMPLE_M;
         }
         Self { points, behind_m }
     }
 
     /// How far ahead a place is and how far to the left, and the direction there; `None` for what is nowhere near.
-    fn place_of(&self, p: DVec2) -> Option<(f64, f64, DVec2)> {
-        let square_m2 = |a: &DVec2| (*a - p).length_squared();
+    fn place_of(&self, o: &Footprint) -> Option<(f64, f64, DVec2)> {
+        let p = o.center;
+        let square_m2 = |a: &DVec3| (a.truncate() - p).length_squared();
         let (nearest, at) = self.points.iter().enumerate().min_by(|a, b| square_m2(a.1).total_cmp(&square_m2(b.1)))?;
-        if square_m2(at) > 400.0 {
+        if square_m2(at) > 400.0 || !o.is_level_with(at.truncate(), at.z) {
             return None;
         }
         let (before, after) = (nearest.saturating_sub(1), (nearest + 1).min(self.points.len() - 1));
-        let tangent = (self.points[after] - self.points[before]).normalize_or_zero();
-        let to = p - *at;
+        let tangent = (self.points[after] - self.points[before]).truncate().normalize_or_zero();
+        let to = p - at.truncate();
         let along_m = tangent.dot(to);
         let is_near = along_m.abs() < 1.5 * SAMPLE_M;
         is_near.then(|| (nearest as f64 * SAMPLE_M - self.behind_m + along_m, tangent.perp_dot(to), tangent))

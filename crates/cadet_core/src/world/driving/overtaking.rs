@@ -75,7 +75,7 @@ impl Overtaking {
         let way = Way::of(own.route, graph);
         // Beside the cyclist nobody turns in, wherever the cyclist goes.
         self.inward_m = self.inward_m.max(offset_beside(&way, &rider, own.footprint)?.min(MOST_ASIDE_M));
-        let (ahead_m, _) = way.place_of(rider.center)?;
+        let (ahead_m, _) = way.place_of(&rider)?;
         let lengths_m = rider.half_length_m + own.footprint.half_length_m;
         let [own_mps, rider_mps] = [own.footprint, &rider].map(|o| o.velocity.dot(own.footprint.heading));
         let gaining_mps = (own_mps - rider_mps).max(0.0);
@@ -100,7 +100,7 @@ impl Overtaking {
         graph: &LaneGraph,
     ) -> bool {
         let (footprint, half_width_m) = (own.footprint, own.footprint.half_width_m);
-        let Some((ahead_m, _)) = way.place_of(rider.center) else { return false };
+        let Some((ahead_m, _)) = way.place_of(rider) else { return false };
         let gain_m = ahead_m + rider.half_length_m + footprint.half_length_m + AFTER_M;
         let speeds_mps = [footprint.velocity, rider.velocity].map(|v| v.dot(footprint.heading));
         let Some((time_s, way_m)) = time_and_way(gain_m, speeds_mps, OVERTAKE_SPEED_FACTOR * desired_mps) else {
@@ -115,13 +115,15 @@ impl Overtaking {
         let passed: Vec<&Ahead> = way.middle.iter().filter(|a| (0.0..way_m).contains(&a.distance_m)).collect();
         let lines = || {
             let inward = |a: &Ahead| a.tangent.perp() * self.inward;
-            passed.iter().map(move |a| (a.at + inward(a) * self.inward_m, inward(a)))
+            passed.iter().map(move |a| (a.at + inward(a) * self.inward_m, inward(a), a.z_m))
         };
         let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > SAME_WAY);
-        let is_road = || lines().all(|(at, inward)| is_on_lane(at + inward * half_width_m, graph));
-        let keeps_off = |o: &Footprint, side_m: f64| !lines().any(|(at, _)| o.is_within(at, half_width_m + side_m));
+        let is_road = || lines().all(|(at, inward, _)| is_on_lane(at + inward * half_width_m, graph));
+        let keeps_off = |o: &Footprint, side_m: f64| {
+            !lines().any(|(at, _, z_m)| o.is_within(at, half_width_m + side_m) && o.is_level_with(at, z_m))
+        };
         let meets = |o: &Footprint| {
-            let Some((distance_m, inward_m)) = way.place_of(o.center) else { return false };
+            let Some((distance_m, inward_m)) = way.place_of(o) else { return false };
             let beside_m = o.half_width_m + SIDE_MOVING_M;
             if !(-half_width_m - beside_m..self.inward_m + half_width_m + beside_m).contains(&inward_m) {
                 return false;
@@ -151,7 +153,7 @@ impl Overtaking {
 
 /// The offset from the lane's middle to the road's that keeps off a cyclist; `None` for one who is nowhere near.
 fn offset_beside(way: &Way, rider: &Footprint, own: &Footprint) -> Option<f64> {
-    let (_, inward_m) = way.place_of(rider.center)?;
+    let (_, inward_m) = way.place_of(rider)?;
     Some(inward_m + rider.half_width_m + BESIDE_M + own.half_width_m)
 }
 
@@ -196,12 +198,14 @@ impl Way {
     }
 
     /// How far ahead a place is, and how far toward the road's middle off the lane's; `None` for what is nowhere near.
-    fn place_of(&self, p: DVec2) -> Option<(f64, f64)> {
+    fn place_of(&self, o: &Footprint) -> Option<(f64, f64)> {
+        let p = o.center;
         let square_m2 = |a: &&Ahead| (a.at - p).length_squared();
         let nearest = self.middle.iter().min_by(|a, b| square_m2(a).total_cmp(&square_m2(b)))?;
         let to = p - nearest.at;
         let (along_m, inward_m) = (nearest.tangent.dot(to), self.inward * nearest.tangent.perp_dot(to));
-        (along_m.abs() < 2.0 * SAMPLE_M).then_some((nearest.distance_m + along_m, inward_m))
+        let is_near = along_m.abs() < 2.0 * SAMPLE_M && o.is_level_with(nearest.at, nearest.z_m);
+        is_near.then_some((nearest.distance_m + along_m, inward_m))
     }
 }
 

@@ -97,7 +97,7 @@ fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, graph: &L
         return None;
     }
     let line = Route::along(lanes, on.at.s_m).ahead(goes_m, graph);
-    Some(Footprint { center: line.at, heading: line.tangent, ..other.footprint })
+    Some(Footprint { center: line.at, heading: line.tangent, z_m: line.z_m, ..other.footprint })
 }
 
 #[cfg(test)]
@@ -151,6 +151,7 @@ mod tests {
             heading,
             half_length_m: size_lwh.x / 2.0,
             half_width_m: size_lwh.y / 2.0,
+            z_m: 0.0,
             velocity: heading * speed_mps,
         };
         let here = route.ahead(0.0, &graph);

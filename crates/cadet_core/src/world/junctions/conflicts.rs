@@ -2,6 +2,7 @@
 
 use crate::math::DVec3;
 use crate::town::{Lane, LaneId, LaneKind};
+use crate::world::params::LEVEL_M;
 use crate::world::params::junctions::{
     BENDS_RAD, BESIDE_CYCLES_M, BETWEEN_CYCLES_M, CLEARANCE_IN_BENDS_M, CLEARANCE_M,
 };
@@ -56,10 +57,10 @@ fn conflict_until_m(a: &Lane, b: &Lane) -> Option<f64> {
         _ => CLEARANCE_M,
     };
     let near = |p: &DVec3| {
-        let p = p.truncate();
         b.center.windows(2).any(|w| {
-            let (q, d) = (p - w[0].truncate(), (w[1] - w[0]).truncate());
-            (q - d * (q.dot(d) / d.length_squared()).clamp(0.0, 1.0)).length() < limit_m
+            let (q, d) = ((*p - w[0]).truncate(), (w[1] - w[0]).truncate());
+            let is_level = (p.z - w[0].z).abs() < LEVEL_M;
+            is_level && (q - d * (q.dot(d) / d.length_squared()).clamp(0.0, 1.0)).length() < limit_m
         })
     };
     // Points lie at most 2 m apart, less than the limit: no crossing slips between two of them.

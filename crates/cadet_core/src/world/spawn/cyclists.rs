@@ -98,6 +98,7 @@ impl Spawner<'_> {
             heading: here.tangent,
             half_length_m: model.size_lwh.x / 2.0,
             half_width_m: model.size_lwh.y / 2.0,
+            z_m: here.z_m,
             velocity: DVec2::ZERO,
         };
         let long = Footprint { half_length_m: rectangle.half_length_m + headway_m, ..rectangle.grown(0.2) };
@@ -119,7 +120,7 @@ impl Spawner<'_> {
         let stop_mps = (2.0 * (free_m - before_m).max(0.0)).sqrt();
         let speed_mps = route.speed_for_bends(5.0, 1.5, graph).min(stop_mps).min(4.5);
         let yaw_rad = math::atan2(here.tangent.y, here.tangent.x);
-        let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.x, here.at.y, yaw_rad).ok()?;
+        let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.extend(here.z_m), yaw_rad).ok()?;
         let velocity = here.tangent * speed_mps;
         let own = ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, stream.unit());
         Some(Cyclist::new(own, habits, route, speed_mps).into())

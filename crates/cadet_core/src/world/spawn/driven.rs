@@ -44,7 +44,7 @@ pub(super) fn chassis_on(
 ) -> Option<Chassis> {
     let here = route.ahead(0.0, graph);
     let yaw = math::atan2(here.tangent.y, here.tangent.x);
-    let settled = settle(physics, model, here.at.x, here.at.y, yaw).ok()?;
+    let settled = settle(physics, model, here.at.extend(here.z_m), yaw).ok()?;
     Some(Chassis::new(physics, Arc::clone(model), &settled.world_from_box, speed_mps))
 }
 
@@ -170,6 +170,7 @@ impl Spawner<'_> {
                 heading: here.tangent,
                 half_length_m: half_m,
                 half_width_m: model.size_lwh.y / 2.0,
+                z_m: here.z_m,
                 velocity: DVec2::ZERO,
             };
             // Sideways little room, along the lane a headway.

@@ -9,7 +9,7 @@ use crate::assets::vehicle::{Livery, VehicleModel};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec2, DVec3, Vec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::agents::Car;
@@ -114,10 +114,11 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
         }
     }
     let middle = Bounds::of(town.ground.vertices.iter().copied()).center().as_dvec3();
-    let settled =
-        settle(physics, &model, 0.0, 0.0, 0.0).or_else(|_| settle(physics, &model, middle.x, middle.y, 0.0)).map_err(
-            |_| Error::Scene { reason: "the ego finds no place: no drivable lane, no ground in the middle".into() },
-        )?;
+    let settled = settle(physics, &model, physics.uppermost(DVec2::ZERO), 0.0)
+        .or_else(|_| settle(physics, &model, physics.uppermost(middle.truncate()), 0.0))
+        .map_err(|_| Error::Scene {
+            reason: "the ego finds no place: no drivable lane, no ground in the middle".into(),
+        })?;
     let chassis = Chassis::new(physics, model, &settled.world_from_box, 0.0);
     Ok(Car::new(chassis, None, idm))
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::spawner::Spawner;
 use crate::assets::person::PersonModel;
-use crate::math::{self, DVec2};
+use crate::math::{self, DVec2, DVec3};
 use crate::plane::unit;
 use crate::rng::Stream;
 use crate::world::agents::Pedestrian;
@@ -45,7 +45,7 @@ impl Spawner<'_> {
             *leader != slot
                 && is_alike
                 && !self.arena.agents[*leader].is_placed
-                && away.is_none_or(|(place, least_m)| (self.place_of(*leader) - place).length() > least_m)
+                && away.is_none_or(|(place, least_m)| (self.place_of(*leader).truncate() - place).length() > least_m)
         });
         let share = leader.map_or(0.0, |leader| match self.group_size(leader) {
             1 => COMPANY_SHARE,
@@ -93,7 +93,7 @@ impl Spawner<'_> {
         let at = self.on_sidewalk(walkway, s_m, lateral_m);
         let ahead = self.arena.streets.sidewalks.spot(walkway, s_m).tangent;
         let is_near_somebody =
-            self.arena.people().any(|(other, place)| other != slot && nearness(place - at, ahead) < 1.0);
+            self.arena.people().any(|(other, place)| other != slot && nearness(place - at.truncate(), ahead) < 1.0);
         if is_near_somebody || !self.has_room_for_person(at, slot, 0.0) {
             return None;
         }
@@ -120,7 +120,7 @@ impl Spawner<'_> {
         let middle = self.place_of(leader);
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
         let away = unit(bearing);
-        let at = middle + away * distance_m;
+        let at = middle + (away * distance_m).extend(0.0);
         if !self.arena.streets.graph.is_sidewalk(at) || !self.has_room_for_person(at, slot, CIRCLE_M) {
             return None;
         }
@@ -141,7 +141,7 @@ impl Spawner<'_> {
         self.arena.agents[slot].get::<Pedestrian>().expect("pedestrians join pedestrians")
     }
 
-    fn place_of(&self, slot: Slot) -> DVec2 {
-        self.pedestrian(slot).own.body.at()
+    fn place_of(&self, slot: Slot) -> DVec3 {
+        self.pedestrian(slot).own.body.position
     }
 }

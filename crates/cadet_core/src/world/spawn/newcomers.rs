@@ -20,11 +20,10 @@ use crate::world::look::{CyclistLook, PersonLook, Ride, VehicleLook};
 pub(super) fn parked_vehicle(
     arena: &mut Arena,
     model: Arc<VehicleModel>,
-    x_m: f64,
-    y_m: f64,
+    at: DVec3,
     yaw_rad: f64,
 ) -> Result<Actor<Fixed, VehicleLook>> {
-    let settled = settle(&arena.physics, &model, x_m, y_m, yaw_rad)?;
+    let settled = settle(&arena.physics, &model, at, yaw_rad)?;
     let id = arena.next_id();
     let body = Fixed::new(&mut arena.physics, &model, &settled, id);
     Ok(Actor { body, look: VehicleLook::new(model, false) })
@@ -37,9 +36,9 @@ pub(super) fn parked_vehicle(
 pub(super) fn guided_vehicle(
     arena: &mut Arena,
     model: Arc<VehicleModel>,
-    (at, yaw_rad, velocity): (DVec2, f64, DVec2),
+    (at, yaw_rad, velocity): (DVec3, f64, DVec2),
 ) -> Result<Actor<Guided, VehicleLook>> {
-    let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
+    let settled = settle(&arena.physics, &model, at, yaw_rad)?;
     let body = Guided::new(&mut arena.physics, Arc::clone(&model), settled, yaw_rad, velocity);
     Ok(Actor { body, look: VehicleLook::new(model, true) })
 }
@@ -63,15 +62,13 @@ pub(super) fn ridden_bicycle(
 pub(super) fn standing_person(
     arena: &Arena,
     model: Arc<PersonModel>,
-    x_m: f64,
-    y_m: f64,
+    at: DVec3,
     yaw_rad: f64,
     seed: u64,
 ) -> Result<Pedestrian> {
-    finite("x", x_m)?;
-    finite("y", y_m)?;
+    let (x_m, y_m) = (finite("x", at.x)?, finite("y", at.y)?);
     finite("yaw", yaw_rad)?;
-    let ground = arena.physics.ground_at(x_m, y_m).ok_or_else(|| Error::Scene {
+    let ground = arena.physics.ground_at(at).ok_or_else(|| Error::Scene {
         reason: format!("a person at ({x_m}, {y_m}) would stand beyond the ground's edge"),
     })?;
     let mut choices = Stream::from_seed("walker", seed);

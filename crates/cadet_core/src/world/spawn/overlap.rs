@@ -2,11 +2,12 @@
 
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::world::agents::ActorView;
 use crate::world::arena::Arena;
 use crate::world::course::Overlap;
 use crate::world::footprint::Footprint;
+use crate::world::params::LEVEL_M;
 use crate::world::params::walking::BODY_M;
 use crate::world::slot::{EGO, Slot};
 
@@ -20,13 +21,13 @@ pub(crate) enum Cover {
     /// A vehicle's box.
     Box(Footprint),
     /// A person's trunk.
-    Trunk(DVec2),
+    Trunk(DVec3),
 }
 
 impl Cover {
     fn of(actor: ActorView<'_>, arena: &Arena) -> Self {
         match actor.body.person() {
-            Some(person) => Self::Trunk(person.at()),
+            Some(person) => Self::Trunk(person.position),
             None => Self::Box(actor.footprint(&arena.physics)),
         }
     }
@@ -34,9 +35,12 @@ impl Cover {
     fn overlaps(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Box(a), Self::Box(b)) => a.overlaps(b),
-            (Self::Trunk(a), Self::Trunk(b)) => (*a - *b).length() < 2.0 * BODY_M,
+            (Self::Trunk(a), Self::Trunk(b)) => {
+                (*a - *b).truncate().length() < 2.0 * BODY_M && (a.z - b.z).abs() < LEVEL_M
+            }
             (Self::Box(a), Self::Trunk(p)) | (Self::Trunk(p), Self::Box(a)) => {
-                (a.closest_point(*p) - *p).length() < BODY_M
+                let at = p.truncate();
+                (a.closest_point(at) - at).length() < BODY_M && a.is_level_with(at, p.z)
             }
         }
     }
@@ -44,7 +48,7 @@ impl Cover {
     fn at(&self) -> DVec2 {
         match self {
             Self::Box(footprint) => footprint.center,
-            Self::Trunk(at) => *at,
+            Self::Trunk(at) => at.truncate(),
         }
     }
 }
@@ -91,6 +95,7 @@ mod tests {
             heading,
             half_length_m: 2.2,
             half_width_m: 0.9,
+            z_m: 0.0,
             velocity: heading * mps,
         };
         let newcomer = at(0.0, 0.0, DVec2::X, 0.0);

@@ -112,7 +112,7 @@ impl Spawner<'_> {
             let delivers = model.class == ObjectClass::Van
                 && spot.kind == SpotKind::Parallel
                 && Stream::from_seed("hazard lights", seed).chance(DELIVERING_SHARE);
-            let mut parked = match parked_vehicle(self.arena, model, place.x, place.y, yaw) {
+            let mut parked = match parked_vehicle(self.arena, model, place, yaw) {
                 // A wheel would stand beyond the ground's edge.
                 Err(Error::Scene { .. }) => continue,
                 parked => parked?,

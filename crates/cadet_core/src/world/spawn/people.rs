@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::newcomers::standing_person;
 use super::spawner::{EGO_WAY_M, Entry, Spawner};
 use crate::assets::person::PersonModel;
-use crate::math::{self, DVec2};
+use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::world::agents::{AgentKind, Pedestrian};
 use crate::world::footprint::Footprint;
@@ -80,16 +80,17 @@ impl Spawner<'_> {
         None
     }
 
-    pub(super) fn on_sidewalk(&self, walkway: usize, s_m: f64, lateral_m: f64) -> DVec2 {
+    pub(super) fn on_sidewalk(&self, walkway: usize, s_m: f64, lateral_m: f64) -> DVec3 {
         let spot = self.arena.streets.sidewalks.spot(walkway, s_m);
-        spot.at + spot.tangent.perp() * lateral_m
+        (spot.at + spot.tangent.perp() * lateral_m).extend(spot.z_m)
     }
 
     /// Whether nobody but who is in `slot` is within `apart_m` of a place, and no vehicle or thing is near it.
-    pub(super) fn has_room_for_person(&self, at: DVec2, slot: Slot, apart_m: f64) -> bool {
+    pub(super) fn has_room_for_person(&self, place: DVec3, slot: Slot, apart_m: f64) -> bool {
+        let at = place.truncate();
         let is_near_somebody =
             self.arena.people().any(|(other, place)| other != slot && (place - at).length() < apart_m);
-        let is_near = |o: &Footprint| (o.closest_point(at) - at).length() < CAR_M;
+        let is_near = |o: &Footprint| (o.closest_point(at) - at).length() < CAR_M && o.is_level_with(at, place.z);
         !is_near_somebody
             && !self.arena.around.standing.iter().any(is_near)
             && !self.arena.vehicles().any(|(_, o)| is_near(&o))
@@ -116,9 +117,9 @@ impl Spawner<'_> {
         &self,
         stream: &mut Stream,
         model: Arc<PersonModel>,
-        at: DVec2,
+        at: DVec3,
         yaw_rad: f64,
     ) -> Option<Pedestrian> {
-        standing_person(self.arena, model, at.x, at.y, yaw_rad, stream.next_u64()).ok()
+        standing_person(self.arena, model, at, yaw_rad, stream.next_u64()).ok()
     }
 }

@@ -38,18 +38,22 @@ pub(crate) fn add_vehicle(
     overlap: Overlap,
 ) -> Result<i32> {
     let class = model.class;
-    let is_ground = |arena: &Arena, at: DVec2, yaw_rad| settle(&arena.physics, &model, at.x, at.y, yaw_rad).map(|_| ());
+    let is_ground = |arena: &Arena, at: DVec2, yaw_rad| {
+        settle(&arena.physics, &model, arena.physics.uppermost(at), yaw_rad).map(|_| ())
+    };
     let newcomer = match scripted(arena, course, FASTEST_VEHICLE_MPS, model.wheelbase_m() / 2.0, is_ground)? {
         Some(script) => {
-            let (at, yaw_rad, _) = script.start();
+            let (at, yaw_rad, velocity) = script.start();
+            let at = arena.physics.uppermost(at);
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
-            let led = Led::Vehicle(guided_vehicle(arena, model, script.start())?);
+            let led = Led::Vehicle(guided_vehicle(arena, model, (at, yaw_rad, velocity))?);
             AgentKind::from(Scripted { script, led })
         }
         None => {
             let (at, yaw_rad) = standing(course)?;
+            let at = arena.physics.uppermost(at);
             check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
-            Fixture::Vehicle(parked_vehicle(arena, model, at.x, at.y, yaw_rad)?).into()
+            Fixture::Vehicle(parked_vehicle(arena, model, at, yaw_rad)?).into()
         }
     };
     Ok(arena.put_placed(newcomer))
@@ -60,7 +64,7 @@ pub(crate) fn add_vehicle(
 /// # Errors
 /// As [`add_vehicle`].
 pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
-    let is_ground = |arena: &Arena, at: DVec2, _| match arena.physics.ground_at(at.x, at.y) {
+    let is_ground = |arena: &Arena, at: DVec2, _| match arena.physics.ground_at(at.extend(f64::INFINITY)) {
         Some(_) => Ok(()),
         None => Err(Error::Scene {
             reason: format!("a person at ({}, {}) would walk beyond the ground's edge", at.x, at.y),
@@ -71,9 +75,10 @@ pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, ov
         Some(script) => (script.start().0, script.start().1),
         None => standing(course)?,
     };
+    let at = arena.physics.uppermost(at);
     check_free(arena, None, ObjectClass::Pedestrian, &Cover::Trunk(at), overlap)?;
     let model = if script.is_some() { walking_model(model_seed) } else { PersonModel::generate(model_seed) };
-    let person = standing_person(arena, Arc::new(model), at.x, at.y, yaw_rad, model_seed)?;
+    let person = standing_person(arena, Arc::new(model), at, yaw_rad, model_seed)?;
     let newcomer = match script {
         Some(script) => {
             let Actor { body, look } = person.own;
@@ -92,8 +97,9 @@ pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, ov
 pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
     let model = Arc::new(CyclistModel::generate(model_seed));
     let half_m = model.wheelbase_m / 2.0;
-    let is_ground =
-        |arena: &Arena, at: DVec2, yaw_rad| stand_up(&arena.physics, half_m, at.x, at.y, yaw_rad).map(|_| ());
+    let is_ground = |arena: &Arena, at: DVec2, yaw_rad| {
+        stand_up(&arena.physics, half_m, arena.physics.uppermost(at), yaw_rad).map(|_| ())
+    };
     let script = scripted(arena, course, FASTEST_CYCLIST_MPS, half_m, is_ground)?;
     let (at, yaw_rad, velocity) = match &script {
         Some(script) => script.start(),
@@ -102,8 +108,9 @@ pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, o
             (at, yaw_rad, DVec2::ZERO)
         }
     };
+    let at = arena.physics.uppermost(at);
     check_free(arena, None, ObjectClass::Cyclist, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
-    let pose = stand_up(&arena.physics, half_m, at.x, at.y, yaw_rad)?;
+    let pose = stand_up(&arena.physics, half_m, at, yaw_rad)?;
     let turn = Stream::from_seed("wheels", model_seed).unit();
     let own = ridden_bicycle(arena, model, (pose, yaw_rad), velocity, turn);
     let newcomer = match script {
@@ -114,8 +121,8 @@ pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, o
 }
 
 /// What a box covers at a place.
-pub(crate) fn box_at(size_lwh: DVec3, at: DVec2, yaw_rad: f64) -> Cover {
-    Cover::Box(Footprint::of_box(&frames::upright(at.extend(0.0), yaw_rad), size_lwh, DVec2::ZERO))
+pub(crate) fn box_at(size_lwh: DVec3, at: DVec3, yaw_rad: f64) -> Cover {
+    Cover::Box(Footprint::of_box(&frames::upright(at, yaw_rad), size_lwh, DVec2::ZERO))
 }
 
 /// The person of a seed, drawn again until one walks.

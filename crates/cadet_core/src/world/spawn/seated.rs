@@ -73,10 +73,10 @@ pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, ov
     };
     let at = DVec2::new(finite("x", x_m)?, finite("y", y_m)?);
     let yaw_rad = finite("yaw", yaw_rad)?;
-    let ground = arena.physics.ground_at(at.x, at.y).ok_or_else(|| Error::Scene {
+    let ground = arena.physics.ground_at(at.extend(f64::INFINITY)).ok_or_else(|| Error::Scene {
         reason: format!("a person at ({}, {}) would sit beyond the ground's edge", at.x, at.y),
     })?;
-    check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at), overlap)?;
+    check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at.extend(ground.z_m)), overlap)?;
     let model = PersonModel::sitting(model_seed, CHAIR_SEAT_M);
     let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
     Ok(arena.put_placed(sitter(model, body)))

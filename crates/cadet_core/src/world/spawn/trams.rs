@@ -140,7 +140,9 @@ impl Spawner<'_> {
             .map(|(model, car)| {
                 let (center, heading) = train.place(car);
                 let [half_length_m, half_width_m] = [model.size_lwh.x, model.size_lwh.y].map(|m| m / 2.0);
-                Footprint { center, heading, half_length_m, half_width_m, velocity: DVec2::ZERO }
+                let on = train.track.position(train.front_m - car.middle_m);
+                let z_m = graph.lane(on.lane).point_at(on.s_m).z;
+                Footprint { center, heading, half_length_m, half_width_m, z_m, velocity: DVec2::ZERO }
             })
             .collect();
         let is_taken = footprints.iter().any(|own| {
@@ -156,7 +158,7 @@ impl Spawner<'_> {
         // All of them find ground before the first is in rapier's world.
         let settled = models.iter().zip(&footprints).map(|(model, place)| {
             let (at, yaw_rad) = (place.center, math::atan2(place.heading.y, place.heading.x));
-            Some((settle(&self.arena.physics, model, at.x, at.y, yaw_rad).ok()?, yaw_rad))
+            Some((settle(&self.arena.physics, model, at.extend(place.z_m), yaw_rad).ok()?, yaw_rad))
         });
         let settled: Option<Vec<(Settled, f64)>> = settled.collect();
         let places = settled?.into_iter().zip(&footprints);

@@ -8,7 +8,7 @@ use crate::math::{self, DVec2, DVec3};
 use crate::plane::bounds;
 use crate::town::{GroundKind, Lane, LaneId, LaneKind, RightOfWay, RoadNetwork, Signals, Town};
 use crate::world::footprint::Footprint;
-use crate::world::params::SAME_WAY;
+use crate::world::params::{LEVEL_M, SAME_WAY};
 
 /// Lateral acceleration that drivers accept in bends.
 const LATERAL_MPS2: f64 = 2.0;
@@ -49,8 +49,8 @@ pub(crate) struct LaneGraph {
 
 impl LaneGraph {
     /// Whether a place lies on a sidewalk.
-    pub fn is_sidewalk(&self, place: DVec2) -> bool {
-        self.town.ground.kind_at(place.x, place.y) == Some(GroundKind::Sidewalk)
+    pub fn is_sidewalk(&self, place: DVec3) -> bool {
+        self.town.ground.surface_near(place).is_some_and(|(_, kind)| kind == GroundKind::Sidewalk)
     }
 
     pub fn new(town: Arc<Town>) -> Self {
@@ -206,7 +206,7 @@ impl LaneGraph {
                 continue;
             }
             let (s_m, distance_m) = lane.project(at);
-            if distance_m >= limit {
+            if distance_m >= limit || (lane.point_at(s_m).z - at.z).abs() > LEVEL_M {
                 continue;
             }
             if let Some(heading) = heading_rad {
@@ -219,7 +219,7 @@ impl LaneGraph {
         }
         best.map(|(lane, s_m, _)| {
             let (middle, left) = self.lane(lane).middle_and_left(s_m);
-            LanePosition { lane, s_m, left_m: (p - middle).dot(left) }
+            LanePosition { lane, s_m, left_m: (p - middle.truncate()).dot(left) }
         })
     }
 }

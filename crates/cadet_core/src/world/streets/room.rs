@@ -160,7 +160,14 @@ mod tests {
         let out = unit(at_rad);
         let (half_length_m, half_width_m) = (0.3, 0.3);
         let away_m = BEND_M + apart_m + half_length_m * apart_m.signum();
-        let post = Footprint { center: out * away_m, heading: out, half_length_m, half_width_m, velocity: DVec2::ZERO };
+        let post = Footprint {
+            center: out * away_m,
+            heading: out,
+            half_length_m,
+            half_width_m,
+            z_m: 0.0,
+            velocity: DVec2::ZERO,
+        };
         graph.note_standing(&[post]);
         graph.fits(id, needs)
     }

@@ -30,6 +30,8 @@ pub(crate) struct Ahead {
     /// Distance from the car's middle.
     pub distance_m: f64,
     pub at: DVec2,
+    /// Height of the road there.
+    pub z_m: f64,
     pub tangent: DVec2,
 }
 
@@ -266,7 +268,8 @@ impl Route {
         let (a, b) = (lane.center[i - 1].truncate(), lane.center[i].truncate());
         let tangent = (b - a).normalize();
         let at = a + (b - a) * share + tangent.perp() * self.offset_on(lane, s, graph);
-        Ahead { distance_m, at, tangent }
+        let z_m = math::lerp(lane.center[i - 1].z, lane.center[i].z, share.clamp(0.0, 1.0));
+        Ahead { distance_m, at, z_m, tangent }
     }
 
     /// Distance from the car's middle to where its road ends; `None` while nobody knows of an end.

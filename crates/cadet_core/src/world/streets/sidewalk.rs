@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::plane::{Polyline, bounds};
 use crate::town::{Town, Walkway};
+use crate::world::params::LEVEL_M;
 
 /// Ends nearer to each other than this are one corner.
 const CORNER_M: f64 = 2.5;
@@ -24,6 +25,8 @@ pub(crate) struct Sidewalks {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spot {
     pub at: DVec2,
+    /// Height of the ground there, or of the point of the line before.
+    pub z_m: f64,
     /// Unit vector along the line.
     pub tangent: DVec2,
 }
@@ -33,7 +36,7 @@ impl Sidewalks {
         let lines = &town.walkways;
         let middles: Vec<Polyline> =
             lines.iter().map(|w| Polyline::new(w.center.iter().map(|p| p.truncate()).collect())).collect();
-        let ends = |w: &Walkway| [w.center.first(), w.center.last()].map(|p| p.map(|p| p.truncate()));
+        let ends = |w: &Walkway| [w.center.first(), w.center.last()].map(|p| p.copied());
         let onward = lines
             .iter()
             .enumerate()
@@ -43,7 +46,9 @@ impl Sidewalks {
                     let mut next = Vec::new();
                     for (j, other) in lines.iter().enumerate().filter(|(j, _)| *j != i) {
                         for (end, direction) in ends(other).into_iter().zip([1.0, -1.0]) {
-                            if end.is_some_and(|e| (e - here).length() < CORNER_M) {
+                            let is_here =
+                                |e: DVec3| (e - here).truncate().length() < CORNER_M && (e - here).z.abs() < LEVEL_M;
+                            if end.is_some_and(is_here) {
                                 next.push((j, direction));
                             }
                         }
@@ -56,7 +61,7 @@ impl Sidewalks {
         let is_closed = lines
             .iter()
             .map(|w| match ends(w) {
-                [Some(a), Some(b)] => w.center.len() > 3 && (a - b).length() < 0.05,
+                [Some(a), Some(b)] => w.center.len() > 3 && (a - b).truncate().length() < 0.05,
                 _ => false,
             })
             .collect();
@@ -95,12 +100,18 @@ impl Sidewalks {
     pub fn spot(&self, walkway: usize, s_m: f64) -> Spot {
         let line = &self.middles[walkway];
         let s_m = self.wrapped(walkway, s_m).unwrap_or(s_m).clamp(0.0, line.length_m());
-        Spot { at: line.at(s_m), tangent: line.tangent(s_m) }
+        Spot { at: line.at(s_m), z_m: self.z_m(walkway, s_m), tangent: line.tangent(s_m) }
+    }
+
+    fn z_m(&self, walkway: usize, s_m: f64) -> f64 {
+        let after = self.middles[walkway].s_m().partition_point(|s| *s <= s_m);
+        self.town.walkways[walkway].center[after.max(1) - 1].z
     }
 
     /// The nearest other walkway straight across from a place: (walkway, distance along it, point), 5 to 18 m away and
     /// within about 15 degrees of the direction `across`.
-    pub fn opposite(&self, walkway: usize, from: DVec2, across: DVec2) -> Option<(usize, f64, DVec2)> {
+    pub fn opposite(&self, walkway: usize, position: DVec3, across: DVec2) -> Option<(usize, f64, DVec2)> {
+        let from = position.truncate();
         let mut best: Option<(usize, f64, DVec2, f64)> = None;
         for i in self.usable().filter(|i| *i != walkway) {
             let (lo, hi) = self.bounds[i];
@@ -112,7 +123,8 @@ impl Sidewalks {
                 let t = ((from - a).dot(d) / d.length_squared().max(1e-9)).clamp(0.0, 1.0);
                 let to = a + d * t - from;
                 let distance = to.length();
-                let straight = to.dot(across) > 0.966 * distance;
+                let is_level = (self.z_m(i, *s_m) - position.z).abs() < LEVEL_M;
+                let straight = is_level && to.dot(across) > 0.966 * distance;
                 if straight && (5.0..18.0).contains(&distance) && best.is_none_or(|b| distance < b.3) {
                     best = Some((i, s_m + t * d.length(), a + d * t, distance));
                 }

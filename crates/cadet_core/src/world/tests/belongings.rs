@@ -67,9 +67,9 @@ fn footprints(world: &World) -> Vec<(i32, Footprint)> {
         let pose = agent.actor().body.world_from_box(&world.arena.physics);
         let (center, half) = (bounds.center().as_dvec3(), bounds.size().as_dvec3() / 2.0);
         let heading = (pose.rotation * DVec3::X).truncate().normalize();
-        let center = pose.transform_point(center).truncate();
+        let (center, z_m) = (pose.transform_point(center).truncate(), pose.translation.z);
         let (half_length_m, half_width_m) = (half.x, half.y);
-        found.push((agent.id, Footprint { center, heading, half_length_m, half_width_m, velocity: DVec2::ZERO }));
+        found.push((agent.id, Footprint { center, heading, half_length_m, half_width_m, z_m, velocity: DVec2::ZERO }));
     }
     found
 }

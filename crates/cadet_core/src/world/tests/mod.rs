@@ -157,7 +157,7 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                 // Narrow lanes end nearer to their middles, and at corners curb stones reach into lanes.
                 let graph = &world.arena.streets.graph;
                 let is_within = |at: &LanePosition| at.left_m.abs() < graph.lane(at.lane).width_at(at.s_m) / 2.0;
-                let is_on_curb = graph.is_sidewalk(p.truncate());
+                let is_on_curb = graph.is_sidewalk(p);
                 let lane = graph.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
                 let near = || {
                     let all = world.arena.present().map(|(_, a)| a).filter(|a| a.actor().body.person().is_none());

@@ -2,6 +2,7 @@
 
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
+use crate::world::params::LEVEL_M;
 use crate::world::params::walking::{BODY_M, CLOSES_S, FOLLOWS_M, SHOULDER_M, STRIDE_M, WALKS_MPS};
 use crate::world::slot::Slot;
 use crate::world::streets::Sidewalks;
@@ -11,6 +12,7 @@ use crate::world::traffic_state::{PersonAt, TrafficState};
 pub(crate) struct OnWalkway {
     pub slot: Slot,
     pub at: DVec2,
+    pub z_m: f64,
     pub walkway: usize,
     pub s_m: f64,
     /// +1 or -1.
@@ -28,10 +30,11 @@ pub(crate) fn free_line(
     sidewalks: &Sidewalks,
 ) -> Option<f64> {
     let here = own.at;
-    let is_near = |o: &&Footprint| (o.center - here).length() < o.half_length_m + o.half_width_m + 3.5;
+    let is_near = |o: &&Footprint| {
+        (o.center - here).length() < o.half_length_m + o.half_width_m + 3.5 && o.is_level_with(here, own.z_m)
+    };
     let near: Vec<&Footprint> = around.standing.iter().filter(is_near).collect();
-    let others: Vec<&PersonAt> =
-        around.people.iter().filter(|p| p.agent != own.slot && (p.at - here).length() < 3.2).collect();
+    let others: Vec<&PersonAt> = others(own, around).filter(|p| (p.at - here).length() < 3.2).collect();
     let is_free = |lateral: f64| {
         [0.7, 1.5, 2.3].iter().all(|ahead| {
             let spot = sidewalks.spot(own.walkway, own.s_m + own.direction * ahead);
@@ -54,10 +57,16 @@ pub(crate) fn free_line(
         .find(|l| is_free(*l))
 }
 
+/// The other people on the own level.
+fn others<'a>(own: &OnWalkway, around: &'a TrafficState) -> impl Iterator<Item = &'a PersonAt> {
+    let (slot, z_m) = (own.slot, own.z_m);
+    around.people.iter().filter(move |p| p.agent != slot && (p.z_m - z_m).abs() < LEVEL_M)
+}
+
 /// The share of the own speed that keeps a stride from those who walk the same way ahead.
 pub(crate) fn pace_behind(own: &OnWalkway, around: &TrafficState, sidewalks: &Sidewalks) -> f64 {
     let ahead = sidewalks.spot(own.walkway, own.s_m).tangent * own.direction;
-    let paces = around.people.iter().filter(|p| p.agent != own.slot).filter_map(|other| {
+    let paces = others(own, around).filter_map(|other| {
         let offset = other.at - own.at;
         let (along_m, aside_m) = (offset.dot(ahead), offset.perp_dot(ahead).abs());
         let speed_mps = other.speed_mps * other.heading.dot(ahead);

@@ -21,7 +21,7 @@ pub(crate) fn way_across(
     let spot = streets.sidewalks.spot(walkway, s_m);
     let from = position.truncate();
     [spot.tangent.perp(), -spot.tangent.perp()].into_iter().find_map(|across| {
-        let (other, other_s_m, to) = streets.sidewalks.opposite(walkway, from, across)?;
+        let (other, other_s_m, to) = streets.sidewalks.opposite(walkway, position, across)?;
         if streets.graph.signals().crossing_rule(from, to) == CrossingRule::Nowhere {
             return None;
         }
@@ -36,14 +36,20 @@ pub(crate) fn way_across(
     })
 }
 
-/// Whether one may step off the curb: on a ford when it is green and nobody comes who could not stop, on a zebra crossing
+/// Whether one may step off the curb at a height: on a ford when it is green and nobody comes who could not stop, on a zebra crossing
 /// when nobody comes who could not stop, elsewhere when no vehicle will be on the way.
-pub(crate) fn may_start(from: DVec2, to: DVec2, around: &TrafficState, streets: &Streets, step: u64) -> bool {
+pub(crate) fn may_start(
+    (from, to): (DVec2, DVec2),
+    z_m: f64,
+    around: &TrafficState,
+    streets: &Streets,
+    step: u64,
+) -> bool {
     let signals = streets.graph.signals();
     match signals.crossing_rule(from, to) {
-        CrossingRule::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over(from, to, around),
-        CrossingRule::Zebra => is_let_over(from, to, around),
-        CrossingRule::Anywhere | CrossingRule::Nowhere => is_free_to_cross(from, to, around),
+        CrossingRule::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over((from, to), z_m, around),
+        CrossingRule::Zebra => is_let_over((from, to), z_m, around),
+        CrossingRule::Anywhere | CrossingRule::Nowhere => is_free_to_cross((from, to), z_m, around),
     }
 }
 
@@ -54,9 +60,9 @@ fn distance_to_way(from: DVec2, to: DVec2, p: DVec2) -> f64 {
 }
 
 /// Whether no vehicle is on a ford or so near that it could not stop any more.
-fn is_let_over(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
+fn is_let_over((from, to): (DVec2, DVec2), z_m: f64, around: &TrafficState) -> bool {
     let distance_to_way = |p: DVec2| distance_to_way(from, to, p);
-    around.vehicles.iter().all(|vehicle| {
+    around.vehicles_level_with(from, z_m).all(|vehicle| {
         let footprint = &vehicle.footprint;
         if (footprint.center - from).length() > (to - from).length() + FAR_M {
             return true;
@@ -74,10 +80,10 @@ fn is_let_over(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
 }
 
 /// Whether no vehicle will be on the way across before one is over.
-fn is_free_to_cross(from: DVec2, to: DVec2, around: &TrafficState) -> bool {
+fn is_free_to_cross((from, to): (DVec2, DVec2), z_m: f64, around: &TrafficState) -> bool {
     let need_s = (to - from).length() / CROSSING_MPS + MARGIN_S;
     let distance_to_way = |p: DVec2| distance_to_way(from, to, p);
-    around.vehicles.iter().all(|vehicle| {
+    around.vehicles_level_with(from, z_m).all(|vehicle| {
         let footprint = &vehicle.footprint;
         let speed = footprint.velocity.length();
         let standing = speed < CRAWLS_MPS;

@@ -1,8 +1,9 @@
 //! Where somebody on foot may set the next step: nobody's body enters a vehicle or another person.
 
-use crate::math::{self, DVec2};
+use crate::math::{self, DVec2, DVec3};
 use crate::plane::unit;
 use crate::world::footprint::Footprint;
+use crate::world::params::LEVEL_M;
 use crate::world::params::walking::{BODY_M, STRIDE_M};
 use crate::world::slot::Slot;
 use crate::world::traffic_state::{PersonAt, VehicleAt};
@@ -29,25 +30,28 @@ impl Default for Nearby {
 
 impl Nearby {
     /// Looks round from `here`.
-    pub fn look(&mut self, own: Slot, here: DVec2, people: &[PersonAt], parked: &[Footprint]) {
+    pub fn look(&mut self, own: Slot, position: DVec3, people: &[PersonAt], parked: &[Footprint]) {
+        let (here, z_m) = (position.truncate(), position.z);
         self.parked.clear();
-        self.parked.extend(parked.iter().filter(|o| o.is_within(here, REACH_M)));
-        let is_near = |p: &&PersonAt| p.agent != own && (p.at - here).length() < REACH_M;
+        self.parked.extend(parked.iter().filter(|o| o.is_within(here, REACH_M) && o.is_level_with(here, z_m)));
+        let is_near =
+            |p: &&PersonAt| p.agent != own && (p.at - here).length() < REACH_M && (p.z_m - z_m).abs() < LEVEL_M;
         self.people.clear();
         self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
     }
 
-    /// The step from `from` to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
+    /// The step from a position to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
     /// the way on all sides. Who is too near to something already may step away from it, not toward it.
     pub fn step(
         &mut self,
-        from: DVec2,
+        position: DVec3,
         to: DVec2,
         people: &[PersonAt],
         vehicles: &[VehicleAt],
         allowed: impl Fn(DVec2) -> bool,
     ) -> Option<DVec2> {
-        let is_near = |o: &&Footprint| o.is_within(from, REACH_M);
+        let from = position.truncate();
+        let is_near = |o: &&Footprint| o.is_within(from, REACH_M) && o.is_level_with(from, position.z);
         let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
         let place_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| people[i].at);
         let near_people: Vec<DVec2> = self.people.iter().filter_map(place_of).collect();
@@ -93,11 +97,13 @@ mod tests {
         heading: DVec2::X,
         half_length_m: 2.0,
         half_width_m: 0.8,
+        z_m: 0.0,
         velocity: DVec2::ZERO,
     };
 
     fn people(places: &[DVec2]) -> Vec<PersonAt> {
-        let person = |(agent, at): (Slot, &DVec2)| PersonAt { agent, at: *at, heading: DVec2::X, speed_mps: 0.0 };
+        let person =
+            |(agent, at): (Slot, &DVec2)| PersonAt { agent, at: *at, z_m: 0.0, heading: DVec2::X, speed_mps: 0.0 };
         places.iter().enumerate().map(person).collect()
     }
 
@@ -111,8 +117,9 @@ mod tests {
         (0..400)
             .map(|_| {
                 let from = places[0];
-                nearby.look(0, from, &people(&places), parked);
-                places[0] = nearby.step(from, from + step, &people(&places), vehicles, |_| true).unwrap_or(from);
+                nearby.look(0, from.extend(0.0), &people(&places), parked);
+                places[0] =
+                    nearby.step(from.extend(0.0), from + step, &people(&places), vehicles, |_| true).unwrap_or(from);
                 places[0]
             })
             .collect()
@@ -135,10 +142,16 @@ mod tests {
         let mut nearby = Nearby::default();
         for _ in 0..600 {
             let from = places[0];
-            nearby.look(0, from, &people(&places), &[]);
+            nearby.look(0, from.extend(0.0), &people(&places), &[]);
             let to = from + (goal - from).normalize_or_zero() * 0.025;
             places[0] = nearby
-                .step(from, to, &people(&places), &[VehicleAt { agent: 99, footprint: CAR, is_cycle: false }], |_| true)
+                .step(
+                    from.extend(0.0),
+                    to,
+                    &people(&places),
+                    &[VehicleAt { agent: 99, footprint: CAR, is_cycle: false }],
+                    |_| true,
+                )
                 .unwrap_or(from);
             assert!((CAR.closest_point(places[0]) - places[0]).length() >= BODY_M);
         }

@@ -10,7 +10,7 @@ use crate::world::streets::LaneGraph;
 pub(crate) fn is_on_road(body: &Upright, at: DVec2, graph: &LaneGraph) -> bool {
     let is_near =
         || graph.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() || graph.is_on_cycle_lane(at, 0.0);
-    is_near() && !graph.is_sidewalk(at)
+    is_near() && !graph.is_sidewalk(at.extend(body.position.z))
 }
 
 /// A person, and the way of `lead_m` that the person will have gone soon.
@@ -20,6 +20,7 @@ pub(crate) fn keep_off(body: &Upright, lead_m: f64) -> Footprint {
         heading: body.heading(),
         half_length_m: lead_m / 2.0 + ROOM_M,
         half_width_m: ROOM_M,
+        z_m: body.position.z,
         velocity: DVec2::ZERO,
     }
 }

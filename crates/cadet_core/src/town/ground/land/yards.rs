@@ -1,6 +1,6 @@
 //! Paved ground beside streets: what covers it, where it lies in plan, and what is painted on it.
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::town::network::road_network::PaintedQuad;
 use crate::town::paint::Paint;
 
@@ -31,8 +31,8 @@ pub(in crate::town) struct Yards {
 
 impl Yards {
     /// Lays the lines on a ground.
-    pub fn paint(&self, height: &dyn Fn(f64, f64) -> Option<(f64, bool)>, quads: &mut Vec<PaintedQuad>) {
-        let mut paint = Paint::new(height, false);
+    pub fn paint(&self, surface_near: &dyn Fn(DVec3) -> Option<(f64, bool)>, quads: &mut Vec<PaintedQuad>) {
+        let mut paint = Paint::new(surface_near, false);
         self.lines.iter().for_each(|line| paint.along(line));
         quads.append(&mut paint.quads);
     }

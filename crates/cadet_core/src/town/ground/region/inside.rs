@@ -4,6 +4,7 @@ use super::shapes::Ring;
 use crate::math::DVec2;
 
 /// Tells what lies inside a set of rings, by the even-odd rule, with the edges sorted into rows.
+#[derive(Debug, Clone)]
 pub(in crate::town) struct Inside {
     min_y: f64,
     row_m: f64,

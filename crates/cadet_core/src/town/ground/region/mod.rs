@@ -4,14 +4,15 @@ pub(in crate::town) mod inside;
 pub(in crate::town) mod shapes;
 
 pub(in crate::town) use inside::Inside;
-pub(in crate::town) use shapes::{Contour, Frame, Ring, Shapes, grow, union, with_steps};
+pub(in crate::town) use shapes::{Contour, Frame, Ring, Shapes, grow, union, with_crossings, with_steps};
 use shapes::{WIDEN_M, area_m2, clean, difference};
 
 use crate::error::{Error, Result};
+use crate::math::DVec2;
 use crate::plane::bounds;
 use crate::town::ground::land::fields::{Crop, Land};
 use crate::town::ground::land::yards::YardSurface;
-use crate::town::network::road_network::{LaneKind, LaneSurface, RoadNetwork};
+use crate::town::network::road_network::{Lane, LaneKind, LaneSurface, RoadNetwork};
 
 /// Largest extent of a map: what 1 mm in 32 bits can hold, with room for the offsets' arithmetic.
 const MAX_EXTENT_M: f64 = 40_000.0;
@@ -64,21 +65,20 @@ fn is_paved(kind: LaneKind) -> bool {
 }
 
 impl Regions {
-    /// The regions of a network, and of the land about it where that is open country.
+    /// The regions of some lanes of a network, and of the land about it where that is open country.
     ///
     /// # Errors
     /// [`Error::Map`] where the network is larger than 40 km, or has no carriageway.
-    pub(in crate::town) fn of(network: &RoadNetwork, land: Option<&Land>) -> Result<Self> {
+    pub(in crate::town) fn of(network: &RoadNetwork, lanes: &[Lane], land: Option<&Land>) -> Result<Self> {
         let fail = |reason: String| Error::Map { map: "ground".to_owned(), reason };
-        let points = || network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
-        let (min, max) = bounds(points());
-        let extent = (max - min).max_element();
-        if extent.is_nan() || extent > MAX_EXTENT_M {
-            return Err(fail(format!("the network is {extent} m across, expected less than {MAX_EXTENT_M} m")));
+        let (min, max) = extent(network);
+        let extent_m = (max - min).max_element();
+        if extent_m.is_nan() || extent_m > MAX_EXTENT_M {
+            return Err(fail(format!("the network is {extent_m} m across, expected less than {MAX_EXTENT_M} m")));
         }
-        let frame = Frame { origin: ((min + max) / 2.0).round() };
+        let frame = frame_of(network);
         let strips = |keep: &dyn Fn(LaneKind) -> bool| -> Vec<Contour> {
-            network.lanes.iter().filter(|l| keep(l.kind)).filter_map(|l| frame.strip(l)).collect()
+            lanes.iter().filter(|l| keep(l.kind)).filter_map(|l| frame.strip(l)).collect()
         };
         let carriageway = clean(union(&strips(&is_paved)), CRACK_M.0, SMALL_HOLE_M2.0);
         if carriageway.is_empty() {
@@ -95,7 +95,8 @@ impl Regions {
         let green = rings(&union(&strips(&|k| k == LaneKind::Median)));
         let inside_green = Inside::new(&green);
         let beds_of = |surface: LaneSurface, inset_m: f64| {
-            let tracks = network.tracks().filter(|l| l.surface == surface && l.junction.is_none());
+            let is_bed = |l: &&Lane| l.kind == LaneKind::Tram && l.surface == surface && l.junction.is_none();
+            let tracks = lanes.iter().filter(is_bed);
             let strips: Vec<Contour> = tracks.filter_map(|l| frame.strip(l)).collect();
             if strips.is_empty() { Vec::new() } else { rings(&grow(&clean(union(&strips), CRACK_M.0, 0.0), -inset_m)) }
         };
@@ -123,6 +124,14 @@ impl Regions {
         })
     }
 
+    /// What some lanes of a network cover with the sidewalks beside them, and a margin.
+    pub(in crate::town) fn covered(network: &RoadNetwork, lanes: &[Lane], margin_m: f64) -> Vec<Ring> {
+        let frame = frame_of(network);
+        let strips: Vec<Contour> = lanes.iter().filter_map(|l| frame.strip(l)).collect();
+        let sidewalk_m = if network.is_rural() { 0.0 } else { network.usual_sidewalk_m() };
+        frame.rings(&grow(&union(&strips), sidewalk_m + margin_m))
+    }
+
     /// Without curbs and sidewalks: everything ends where the asphalt does.
     fn in_open_country(frame: &Frame, carriageway: &Shapes, land: Option<&Land>) -> Self {
         let edge = frame.rings(carriageway);
@@ -142,6 +151,16 @@ impl Regions {
             yards: Vec::new(),
         }
     }
+}
+
+fn extent(network: &RoadNetwork) -> (DVec2, DVec2) {
+    bounds(network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate()))
+}
+
+/// The integers in which the lanes of a network are laid.
+fn frame_of(network: &RoadNetwork) -> Frame {
+    let (min, max) = extent(network);
+    Frame { origin: ((min + max) / 2.0).round() }
 }
 
 /// What roads and balks leave of each parcel.
@@ -164,7 +183,7 @@ fn fields(frame: &Frame, carriageway: &Shapes, land: &Land) -> Vec<(Crop, Vec<Ri
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{DVec2, DVec3, PI};
+    use crate::math::{DVec3, PI};
 
     fn area(rings: &[Ring]) -> f64 {
         let twice = |r: &Ring| (0..r.len()).map(|i| r[i].perp_dot(r[(i + 1) % r.len()])).sum::<f64>();
@@ -180,7 +199,7 @@ mod tests {
             across.center.iter_mut().for_each(|p| *p = DVec3::new(-p.y, p.x, 0.0));
             network.lanes.push(across);
         }
-        let regions = Regions::of(&network, None).unwrap();
+        let regions = Regions::of(&network, &network.lanes, None).unwrap();
         let width = 2.0 * lane;
         let rounded_inside = |r: f64| (4.0 - PI) * r * r; // four inner corners of radius r
         let cross = 2.0 * length * width - width * width + rounded_inside(CRACK_M.0);

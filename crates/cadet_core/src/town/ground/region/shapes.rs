@@ -14,6 +14,7 @@ use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
 use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
 use crate::math::DVec2;
+use crate::plane::bounds;
 use crate::town::network::road_network::Lane;
 
 /// A closed line: outer boundaries run counter-clockwise, holes clockwise; the first point is not repeated.
@@ -156,6 +157,30 @@ pub(in crate::town) fn with_steps(ring: &[DVec2], step_m: f64) -> Ring {
         let b = ring[(i + 1) % ring.len()];
         let pieces = ((b - *a).length() / step_m).ceil().max(1.0) as usize;
         out.extend((0..pieces).map(|k| *a + (b - *a) * (k as f64 / pieces as f64)));
+    }
+    out
+}
+
+/// The ring with corners where others cross it.
+pub(in crate::town) fn with_crossings<'a>(ring: &[DVec2], others: &mut dyn Iterator<Item = &'a Ring>) -> Ring {
+    let reach = bounds(ring.iter().copied());
+    let is_near = |(min, max): (DVec2, DVec2)| min.cmple(reach.1).all() && max.cmpge(reach.0).all();
+    let near: Vec<&Ring> = others.filter(|other| is_near(bounds(other.iter().copied()))).collect();
+    let mut out = Vec::with_capacity(ring.len());
+    for (i, a) in ring.iter().enumerate() {
+        let along = ring[(i + 1) % ring.len()] - *a;
+        let mut at: Vec<f64> = Vec::new();
+        for (other, k) in near.iter().flat_map(|other| (0..other.len()).map(move |k| (other, k))) {
+            let (from, across) = (other[k] - *a, other[(k + 1) % other.len()] - other[k]);
+            let area = along.perp_dot(across);
+            let (t, u) = (from.perp_dot(across) / area, from.perp_dot(along) / area);
+            if t > 0.0 && t < 1.0 && (0.0..=1.0).contains(&u) {
+                at.push(t);
+            }
+        }
+        at.sort_by(f64::total_cmp);
+        out.push(*a);
+        out.extend(at.into_iter().map(|t| *a + along * t));
     }
     out
 }
