@@ -223,6 +223,7 @@ class Capture:
         self.world_from_ego[0][3] = scene.driven_m
         self.ego_from_velo = np.eye(4).tolist()
         self.map_offset_m = [0.0, 0.0]
+        self.map_geo_reference = None
         self.map, self.weather, self.sun_rad, self.boxes = (
             scene.map_name or "suburb",
             scene.weather,

@@ -98,18 +98,31 @@ def test_a_tenth_of_a_millimeter_that_cant_be_built_is_passed_over(core: Any, tm
     assert scene.num_triangles == read(tmp_path, STREET)[0].num_triangles
 
 
-@pytest.mark.parametrize(("low_m", "high_m", "is_said"), [(0, 10, True), (-6, 0, True), (0, 0.5, False)])
-def test_roads_that_cross_at_two_heights_are_named(
-    core: Any, tmp_path: Path, low_m: float, high_m: float, is_said: bool
+@pytest.mark.parametrize(("low_m", "high_m"), [(0, 10), (-6, 0), (0, 2), (0, 0.5)])
+def test_roads_that_cross_at_two_heights_have_two_surfaces_or_are_named(
+    core: Any, tmp_path: Path, low_m: float, high_m: float
 ) -> None:
     def at(height_m: float, text: str) -> str:
         return text.replace('a="0" b="0.01"', f'a="{height_m}" b="0"')
 
     below = at(low_m, road(1, x=-100.0, length_m=200.0))
     above = at(high_m, road(2, length_m=200.0).replace('y="0.0" hdg="0"', f'y="-100" hdg="{math.pi / 2}"'))
-    _, said = read(tmp_path, map_of(below + above))
-    heights = f"m.xodr: roads 1 and 2 cross at heights {low_m} and {high_m} m: not supported, "
-    assert [line.startswith(heights) for line in said] == [True] * is_said
+    scene, said = read(tmp_path, map_of(below + above))
+    heights = f"m.xodr: roads 2 and 1 cross at heights {high_m} and {low_m} m: a bridge needs 3.5 m "
+    assert [line.startswith(heights) for line in said] == [True] * (high_m == 2)
+    if high_m - low_m > 3.5:
+        from_m = np.array([high_m + 30.0, high_m - 2.0])
+        hits = scene.cast_rays([[1.0, 1.0, z] for z in from_m], [[0.0, 0.0, -1.0]] * 2)
+        np.testing.assert_allclose(from_m - hits.range_m, [high_m, low_m], atol=0.12)
+
+
+def test_a_maps_place_on_the_earth_is_kept(core: Any) -> None:
+    projection = "+proj=utm +zone=32 +ellps=WGS84"
+    header = f'<header revMajor="1" revMinor="4"><geoReference><![CDATA[{projection}]]></geoReference>'
+    placed = re.sub(r"<header[^>]*/>", header + '<offset x="5" y="6" z="7" hdg="0.5"/></header>', STREET)
+    meta = meta_of(episode_of(placed).next_sample(0))
+    assert meta["map_geo_reference"] == {"projection": projection, "offset_m": [5, 6, 7], "heading_rad": 0.5}
+    assert "map_geo_reference" not in meta_of(episode_of(STREET).next_sample(0))
 
 
 def test_a_far_map_gives_the_frames_of_the_same_map_at_the_origin(core: Any) -> None:

@@ -374,6 +374,7 @@ class Capture:
     ego_angular_velocity_world: Final[list[float]]
     map: Final[str]
     map_offset_m: Final[list[float]]
+    map_geo_reference: Final[tuple[str, list[float], float] | None]
     weather: Final[str]
     sun_rad: Final[tuple[float, float]]
     boxes: Final[str]

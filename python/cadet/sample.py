@@ -126,8 +126,9 @@ class Sample:
 
     Attributes:
         rig: the sensors, on the car as it was loaded.
-        origin: what the episode knows of it: seed, episode, sample and so on; and `map_offset_m` of a map that lies far
-            from 0, for every format's records.
+        origin: what the episode knows of it: seed, episode, sample and so on; and, for every format's records,
+            `map_offset_m` of a map that lies far from 0, and `map_geo_reference` of one that says where on the earth it
+            lies: its PROJ string, and what its header's `<offset>` adds.
     """
 
     def __init__(self, native: _cadet.Capture, rig: Rig, origin: Mapping[str, Any]) -> None:
@@ -137,6 +138,13 @@ class Sample:
         self.origin = dict(origin)
         if any(self.map_offset_m):
             self.origin["map_offset_m"] = self.map_offset_m
+        if native.map_geo_reference is not None:
+            projection, offset_m, heading_rad = native.map_geo_reference
+            self.origin["map_geo_reference"] = {
+                "projection": projection,
+                "offset_m": offset_m,
+                "heading_rad": heading_rad,
+            }
 
     def __repr__(self) -> str:
         return summary(

@@ -6,6 +6,7 @@ use cadet_core::label::{Rect, Sighting as CoreSighting};
 use cadet_core::lidar::Scan;
 use cadet_core::math::DPose3;
 use cadet_core::scene as core;
+use cadet_core::town::GeoReference;
 use numpy::{PyArray1, PyArray3};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -37,6 +38,7 @@ pub(crate) struct Capture {
     frame: core::Frame,
     map: String,
     map_offset_m: [f64; 2],
+    map_geo_reference: Option<GeoReference>,
     weather: String,
     sun_rad: (f64, f64),
     ego_from_velo: DPose3,
@@ -130,6 +132,7 @@ impl Capture {
             frame,
             map: scene.town().name.clone(),
             map_offset_m: scene.town().network.offset_m.to_array(),
+            map_geo_reference: scene.town().network.geo_reference.clone(),
             weather: weather.name.to_string(),
             sun_rad: (weather.sun_elevation_rad, weather.sun_azimuth_rad),
             ego_from_velo: scene.rig().lidars()[0].mount.ego_from_sensor(),
@@ -182,6 +185,13 @@ impl Capture {
     #[getter]
     fn map_offset_m(&self) -> [f64; 2] {
         self.map_offset_m
+    }
+
+    /// Projection, offset, and heading.
+    #[getter]
+    fn map_geo_reference(&self) -> Option<(String, [f64; 3], f64)> {
+        let of = self.map_geo_reference.as_ref()?;
+        Some((of.projection.clone(), of.offset_m, of.heading_rad))
     }
 
     #[getter]

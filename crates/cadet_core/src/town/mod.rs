@@ -19,7 +19,9 @@ pub use ground::kind::GroundKind;
 pub use ground::roughness::Roughness;
 pub use network::places::{ParkingSpot, SpotKind, Walkway};
 pub(crate) use network::road_network::RightOfWay;
-pub use network::road_network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork};
+pub use network::road_network::{
+    GeoReference, Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork,
+};
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use placement::prop_config::PropConfig;
 pub use plan::suburb::{Suburb, generate as generate_suburb};

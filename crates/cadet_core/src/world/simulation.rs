@@ -344,7 +344,7 @@ impl World {
         }
     }
 
-    fn set_ego_driving(&mut self, drives: bool) {
+    pub(super) fn set_ego_driving(&mut self, drives: bool) {
         let (ego, _) = self.arena.ego_car_mut();
         ego.drives = drives && ego.route.is_some();
     }

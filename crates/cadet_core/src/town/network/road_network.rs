@@ -280,6 +280,19 @@ pub struct RoadNetwork {
     pub roundabouts: Vec<u32>,
     /// What places of the network lack of the map's own coordinates, in whole kilometers; 0 for maps near their origin.
     pub offset_m: DVec2,
+    /// Where the map lies on the earth, if it says so.
+    pub geo_reference: Option<GeoReference>,
+}
+
+/// Where a map lies on the earth (ASAM OpenDRIVE 1.8, section 8.4).
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeoReference {
+    /// The projection of its coordinates, as a PROJ string.
+    pub projection: String,
+    /// What the map's header adds to them, meters: x, y, z, after a turn about z by the heading.
+    pub offset_m: [f64; 3],
+    /// See `offset_m`.
+    pub heading_rad: f64,
 }
 
 impl RoadNetwork {

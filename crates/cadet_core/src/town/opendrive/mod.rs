@@ -14,7 +14,9 @@ use std::collections::BTreeMap;
 
 use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3, hypot, lerp};
-use crate::town::network::road_network::{Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
+use crate::town::network::road_network::{
+    GeoReference, Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork,
+};
 use crate::town::opendrive::numbers::PassedOver;
 use crate::town::opendrive::tags::Tags;
 use crate::town::opendrive::warnings::{Said, in_one_line};
@@ -121,11 +123,19 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
     said.extend(levels::warnings(&lanes, road_name));
     said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
-    let network = RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m };
+    let network =
+        RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m, geo_reference: geo_reference(&map) };
     said.extend(warnings::of_travel_direction(xodr_text).filter(|_| !network.is_left_hand()));
     said.extend(network.is_left_hand().then(warnings::of_left_hand_traffic));
     said.extend((offset_m != DVec2::ZERO).then(|| warnings::of_offset(offset_m)));
     Ok((network, warnings::lines(map_name, said)))
+}
+
+fn geo_reference(map: &xodr::RoadNetwork) -> Option<GeoReference> {
+    let xodr::GeoReference { proj, offset } = map.geo_reference();
+    let offset = offset.unwrap_or_default();
+    let projection = proj.as_ref().map(|text| text.trim().to_owned()).filter(|text| !text.is_empty())?;
+    Some(GeoReference { projection, offset_m: [offset.x, offset.y, offset.z], heading_rad: offset.hdg })
 }
 
 /// The painted lines of a map, without those of roadworks and those whose place is no number.

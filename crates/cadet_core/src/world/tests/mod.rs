@@ -1,6 +1,7 @@
 //! The world as a whole: slopes, bends, queues, junctions, people, repeatability.
 
 mod belongings;
+mod bridges;
 mod census;
 mod country_roads;
 mod cycle_lanes;
