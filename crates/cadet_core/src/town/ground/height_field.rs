@@ -5,6 +5,7 @@
 //! the coarse lattices speak, so hills fade out gently.
 
 use crate::math::{DVec2, DVec3};
+use crate::town::network::road_network::Lane;
 
 /// The coarsest lattice: cells per side of the area.
 const COARSEST_CELLS: f64 = 3.0;
@@ -16,6 +17,8 @@ const FLAT_SPAN_M: f64 = 1e-3;
 /// A lattice is fitted again until no sample is further off than this, but not more often than that.
 const GOOD_FIT_M: f64 = 0.004;
 const MAX_PASSES: usize = 4;
+/// Heights are taken from lanes at points at least this far apart.
+const SAMPLE_STEP_M: f64 = 1.7;
 /// No lattice has more than this many cells to a side.
 const MAX_CELLS: f64 = 2000.0;
 
@@ -177,6 +180,22 @@ impl Fit {
             worst.max(z.abs())
         })
     }
+}
+
+/// Points of the lanes that are driven on, at the height that the ground is to have there.
+pub(in crate::town) fn road_heights(lanes: &[Lane]) -> Vec<DVec3> {
+    lanes.iter().filter(|l| l.is_driven()).flat_map(spaced_points).collect()
+}
+
+/// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].
+fn spaced_points(lane: &Lane) -> Vec<DVec3> {
+    let mut next_s = 0.0;
+    let spaced = lane.center.iter().zip(&lane.s_m).filter(|(_, s)| {
+        let keep = **s >= next_s;
+        next_s = if keep { **s + SAMPLE_STEP_M } else { next_s };
+        keep
+    });
+    spaced.map(|(p, _)| *p).chain(lane.center.last().copied()).collect()
 }
 
 #[cfg(test)]

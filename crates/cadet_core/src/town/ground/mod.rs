@@ -18,7 +18,7 @@ use std::sync::Arc;
 use crate::error::Result;
 use crate::town::ground::bridge::{Bridges, Deck, pieces_of_rings};
 use crate::town::ground::face_index::FaceIndex;
-use crate::town::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, FINEST_CELL_M, HeightField};
+use crate::town::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, FINEST_CELL_M, HeightField, road_heights};
 use crate::town::ground::kind::GroundKind;
 
 use crate::town::ground::land::fields::{Crop, Land};
@@ -29,7 +29,7 @@ use crate::town::ground::region::{Regions, Ring};
 use crate::town::ground::road_section::DistanceFrom;
 use crate::town::ground::roughness::Roughness;
 use crate::town::ground::surface::{Heights, Surface};
-use crate::town::network::road_network::{Lane, RoadNetwork};
+use crate::town::network::road_network::RoadNetwork;
 use crate::town::paint::wear::Wear;
 use crate::town::paint::{rails, repairs, road_marking};
 use crate::town::signals::Signals;
@@ -40,8 +40,6 @@ use crate::plane::bounds;
 
 /// The ground goes on this far beyond the outermost lane.
 const MARGIN_M: f64 = 160.0;
-/// Heights are taken from lanes at least this far apart.
-const SAMPLE_STEP_M: f64 = 1.7;
 
 /// The corners of the ground under and around a network.
 pub(in crate::town) fn extent(network: &RoadNetwork) -> (DVec2, DVec2) {
@@ -356,20 +354,4 @@ struct Painted<'a> {
     wear: &'a Wear,
     signals: &'a Signals,
     yards: &'a Yards,
-}
-
-/// Points of the lanes that are driven on, at the height that the ground is to have there.
-fn road_heights(lanes: &[Lane]) -> Vec<DVec3> {
-    lanes.iter().filter(|l| l.is_driven()).flat_map(spaced_points).collect()
-}
-
-/// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].
-fn spaced_points(lane: &Lane) -> Vec<DVec3> {
-    let mut next_s = 0.0;
-    let spaced = lane.center.iter().zip(&lane.s_m).filter(|(_, s)| {
-        let keep = **s >= next_s;
-        next_s = if keep { **s + SAMPLE_STEP_M } else { next_s };
-        keep
-    });
-    spaced.map(|(p, _)| *p).chain(lane.center.last().copied()).collect()
 }

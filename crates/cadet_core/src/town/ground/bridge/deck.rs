@@ -7,10 +7,9 @@ use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::plane::bounds;
-use crate::town::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, HeightField};
+use crate::town::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, HeightField, road_heights};
 use crate::town::ground::mesh::{self, Fineness, PlanMesh};
 use crate::town::ground::region::{Inside, Regions, with_steps};
-use crate::town::ground::road_heights;
 use crate::town::ground::surface::{Heights, Surface};
 use crate::town::network::road_network::{Lane, RoadNetwork};
 
