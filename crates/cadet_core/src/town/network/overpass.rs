@@ -12,6 +12,8 @@ const JOIN_M: f64 = 45.0;
 const LEVEL_M: f64 = 2.5;
 /// A bridge that has two heights within this distance is a spiral's.
 const SPIRAL_M: f64 = 4.0;
+/// Lanes of one road lie over each other if their middles come nearer than by this share of what others overlap by.
+const ONE_ROAD_SHARE: f64 = 0.5;
 /// Points are looked for in squares of this size.
 const CELL_M: f64 = 8.0;
 
@@ -123,7 +125,9 @@ pub(in crate::town) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossin
             let near = (i - reach..=i + reach).flat_map(|i| by_cell.range((i, j - reach)..=(i, j + reach)));
             for (lower, point) in near.flat_map(|(_, points)| points).copied() {
                 let (q, below) = (lanes[lower].center[point], &lanes[lower]);
-                let overlaps = || (*p - q).truncate().length() < (width_m + below.width_m[point]) / 2.0;
+                // Lanes of a banked road lie side by side and at other heights.
+                let share = if below.road == lane.road { ONE_ROAD_SHARE } else { 1.0 };
+                let overlaps = || (*p - q).truncate().length() < share * (width_m + below.width_m[point]) / 2.0;
                 if p.z - q.z >= at_least_m && overlaps() {
                     crossings.push(Crossing { upper: *p, lower: q, lanes: [upper, lower], point });
                 }
@@ -178,6 +182,14 @@ mod tests {
         }
         let nearest = overpasses[0].nearest(DVec3::new(20.0, 40.0, 0.0));
         assert!((nearest.1 - 35.0).abs() < 2.0, "{nearest:?}");
+    }
+
+    #[test]
+    fn the_lanes_of_a_banked_road_are_no_levels() {
+        let mut lanes = RoadNetwork::straight(300.0, 5.0).lanes;
+        // By 45 degrees.
+        lanes.iter_mut().flat_map(|l| &mut l.center).for_each(|p| (p.y, p.z) = (p.y * 0.707, p.y * 0.707));
+        assert!(crossings(&lanes, 1.5).is_empty());
     }
 
     #[test]
