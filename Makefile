@@ -80,15 +80,14 @@ test-core: lint test-rust test-python ## The same without avod, and so without t
 lint: build-dev ## Check formats, clippy, docs, ruff and types
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --no-deps --document-private-items \
-		-p cadet_core -p cadet_py
+	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --workspace --no-deps --document-private-items
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/')
 	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 
 test-rust: check-rust
-	cargo test --release --locked --workspace
+	cargo test --release --locked
 
 test-python: build-dev emulator
 	$(BIN)/pytest $(if $(WITHOUT_AVOD),--ignore tests/avod)
@@ -112,7 +111,7 @@ golden: build ## Renew the digests that tests/generated/test_golden_bytes.py hol
 	$(BIN)/python tests/golden_frames.py --write
 
 bench: check-rust ## Measure the core with criterion
-	cargo bench --locked --workspace
+	cargo bench --locked -p cadet_bench
 
 bench-peers: WITHOUT_AVOD := yes
 bench-peers: build-dev ## Time the ideal scan against Embree and parry on the same triangles
