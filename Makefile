@@ -11,8 +11,10 @@ DEMO := demo
 # What the development tools are installed with: avod brings torch, some gigabytes. WITHOUT_AVOD leaves both out.
 EXTRAS = dev$(if $(WITHOUT_AVOD),,$(comma)avod)
 comma := ,
-# maturin's pip tells of every dependency that it leaves out; errors are shown all the same.
-DEVELOP = PIP_QUIET=1 PIP_DISABLE_PIP_VERSION_CHECK=1 VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
+DEVELOP = VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
+# One line for a command: what it does, then how long it took. What it says goes to a file, and is shown if it fails.
+quietly = printf '%s ... ' '$(1)'; $(2) > $(VENV)/build.log 2>&1 && echo "done in $$SECONDS s" \
+	|| { code=$$?; echo "failed after $$SECONDS s"; cat $(VENV)/build.log >&2; exit $$code; }
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 # One interpreter for maturin, clippy and the tests, so that the bindings are compiled once.
@@ -58,12 +60,11 @@ $(BIN)/ruff: | $(BIN)/python
 setup: check-rust $(BIN)/maturin ## Make .venv with the build tool
 
 build: setup ## Build the release extension and install it with its dependencies into .venv
-	@echo "Building the Rust core (the first time takes some minutes)"
-	@$(DEVELOP)
+	@$(call quietly,Building the Rust core (the first time takes two or three minutes),$(DEVELOP))
 
 build-dev: setup
-	@echo "Building the Rust core and installing the development tools (the first time takes some minutes)"
-	@$(DEVELOP) --extras $(EXTRAS)
+	@$(call quietly,Building the Rust core and installing the development tools (the first time takes some minutes),\
+		$(DEVELOP) --extras $(EXTRAS))
 
 demo: build ## Write 40 samples and a picture of them to demo/
 	@rm -rf $(DEMO)/training $(DEMO)/ImageSets $(DEMO)/manifest.json $(DEMO)/run.json $(DEMO)/overview.png
