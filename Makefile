@@ -11,8 +11,10 @@ DEMO := demo
 # What the development tools are installed with: avod brings torch, some gigabytes. WITHOUT_AVOD leaves both out.
 EXTRAS = dev$(if $(WITHOUT_AVOD),,$(comma)avod)
 comma := ,
-# maturin's pip tells of every dependency that it leaves out; errors are shown all the same.
-DEVELOP = PIP_QUIET=1 PIP_DISABLE_PIP_VERSION_CHECK=1 VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
+DEVELOP = VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
+# One line for a command: what it does, then how long it took. What it says goes to a file, and is shown if it fails.
+quietly = printf '%s ... ' '$(1)'; $(2) > $(VENV)/build.log 2>&1 && echo "done in $$SECONDS s" \
+	|| { code=$$?; echo "failed after $$SECONDS s"; cat $(VENV)/build.log >&2; exit $$code; }
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 # One interpreter for maturin, clippy and the tests, so that the bindings are compiled once.
@@ -58,12 +60,11 @@ $(BIN)/ruff: | $(BIN)/python
 setup: check-rust $(BIN)/maturin ## Make .venv with the build tool
 
 build: setup ## Build the release extension and install it with its dependencies into .venv
-	@echo "Building the Rust core (the first time takes some minutes)"
-	@$(DEVELOP)
+	@$(call quietly,Building the Rust core (the first time takes two or three minutes),$(DEVELOP))
 
 build-dev: setup
-	@echo "Building the Rust core and installing the development tools (the first time takes some minutes)"
-	@$(DEVELOP) --extras $(EXTRAS)
+	@$(call quietly,Building the Rust core and installing the development tools (the first time takes some minutes),\
+		$(DEVELOP) --extras $(EXTRAS))
 
 demo: build ## Write 40 samples and a picture of them to demo/
 	@rm -rf $(DEMO)/training $(DEMO)/ImageSets $(DEMO)/manifest.json $(DEMO)/run.json $(DEMO)/overview.png
@@ -80,15 +81,14 @@ test-core: lint test-rust test-python ## The same without avod, and so without t
 lint: build-dev ## Check formats, clippy, docs, ruff and types
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --no-deps --document-private-items \
-		-p cadet_core -p cadet_py
+	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --workspace --no-deps --document-private-items
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/')
 	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 
 test-rust: check-rust
-	cargo test --release --locked --workspace
+	cargo test --release --locked
 
 test-python: build-dev emulator
 	$(BIN)/pytest $(if $(WITHOUT_AVOD),--ignore tests/avod)
@@ -112,7 +112,7 @@ golden: build ## Renew the digests that tests/generated/test_golden_bytes.py hol
 	$(BIN)/python tests/golden_frames.py --write
 
 bench: check-rust ## Measure the core with criterion
-	cargo bench --locked --workspace
+	cargo bench --locked -p cadet_bench
 
 bench-peers: WITHOUT_AVOD := yes
 bench-peers: build-dev ## Time the ideal scan against Embree and parry on the same triangles

@@ -1,6 +1,6 @@
 //! What an image of a suburb costs at least: on a shared machine means follow the neighbors, the least of many runs hardly.
 //!
-//! `cargo bench -p cadet_core --bench image_least -- 40` takes each image 40 times; the number may be left out. A weather's name
+//! `cargo bench -p cadet_bench --bench image_least -- 40` takes each image 40 times; the number may be left out. A weather's name
 //! after it is that of all images.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 

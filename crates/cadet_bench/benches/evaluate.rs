@@ -9,7 +9,7 @@ use cadet_core::Result;
 use cadet_core::evaluate::{FramePair, Parsed, evaluate, parse_detections, parse_truths, read_files};
 use criterion::{Criterion, criterion_group, criterion_main};
 
-#[path = "../tests/evaluation/frames.rs"]
+#[path = "../../cadet_core/tests/evaluation/frames.rs"]
 mod frames;
 
 const NUM_FRAMES: usize = 3769;
