@@ -286,6 +286,7 @@ CORE_ROOMS: dict[str, set[str]] = {
     "bev": {"error", "math"},
     "ground_plane": {"error", "math", "rng"},
     "parallel": set(),
+    "wide_registers": set(),
     "evaluate": {"error", "math", "parallel"},
     "lamp": {"frames", "math"},
     "material": {"error", "lamp", "math"},

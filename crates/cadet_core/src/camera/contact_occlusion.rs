@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::block_sums::BlockSums;
 use crate::math::{DVec3, Vec3};
@@ -205,7 +205,7 @@ impl Occluder {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried: &[bool], factor: &mut [f32]) {
     for ((factor, is_queried), ((x, y), z)) in factor.iter_mut().zip(is_queried).zip(x.iter().zip(y).zip(z)) {
         let left = occluder.leaves(Vec3::new(*x, *y, *z) - center);
@@ -214,7 +214,7 @@ fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried:
 }
 
 /// The least and the greatest x, the least and the greatest y of the queried points; infinite the wrong way round without any.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; TOGETHER]]) -> [f32; 4] {
     let (none, most) = ([f32::INFINITY; TOGETHER], [f32::NEG_INFINITY; TOGETHER]);
     let (mut left, mut right, mut low, mut high) = (none, most, none, most);

@@ -1,6 +1,6 @@
 //! Which faces a block of the visibility buffer shows, and in which samples.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use crate::sense::{BLOCK, Block, bits_by_column};
 
@@ -71,7 +71,7 @@ pub fn place_of(sample: u32) -> usize {
 }
 
 /// Reads a block; returns the pixels' second samples that see another face than the first ones, too.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn read_block(block: &Block) -> (Numbers, CoverageMask) {
     let (inverse_depth, face) = (block.inverse_depth.as_flattened(), block.face.as_flattened());
     let mut numbers = [SKY; BLOCK * BLOCK];
@@ -91,7 +91,7 @@ pub fn read_block(block: &Block) -> (Numbers, CoverageMask) {
 }
 
 /// Where the samples of one block are nearer than those of another.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn where_nearer(block: &Block, than: &Block) -> CoverageMask {
     let (a, b) = (block.inverse_depth.as_flattened(), than.inverse_depth.as_flattened());
     let mut found = [0; TWO_ROWS];
@@ -105,7 +105,7 @@ pub fn where_nearer(block: &Block, than: &Block) -> CoverageMask {
 }
 
 /// Adds the faces that some samples show, in the order of their first samples; returns the samples that see nothing.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn split_by_face(numbers: &Numbers, of: CoverageMask, covered: &mut Vec<CoveredFace>) -> CoverageMask {
     let (mut left, mut sky) = (of, 0);
     while left != 0 {

@@ -3,7 +3,7 @@
 //! Details as fine as the pixels, such as the stones of asphalt, leaves, and edges, thus get false colors, as in
 //! KITTI's images.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 /// Values of a pixel, R, G, B, side by side.
 const RGB: usize = 3;
@@ -89,7 +89,7 @@ impl Demosaic {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn interpolate(shares: &Shares, rows: [&[f32]; 3], out: &mut [f32]) {
     let n = out.len();
     let [[a, b, c], [d, e, f], [g, h, i]] = rows.map(|row| [&row[..n], &row[RGB..][..n], &row[2 * RGB..][..n]]);

@@ -1,6 +1,6 @@
 //! The sensor: point spread, color filters, Poisson-Gauss noise as measured behind them, rounding to 8 bits.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::exposure::Exposure;
 use super::mosaic::Demosaic;
@@ -80,7 +80,7 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
     total
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32]) {
     let n = out.len();
     let (a, b, c, d, e) = (&a[..n], &b[..n], &c[..n], &d[..n], &e[..n]);
@@ -91,7 +91,7 @@ fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32
 }
 
 /// Returns sums of every [`SUMS`]th value, none above the ceiling: a fixed order whatever the instruction set.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; SUMS] {
     let n = out.len();
     let [a, b, c, d, e]: [&[f32]; TAPS] = std::array::from_fn(|k| &padded[k * RGB..][..n]);
@@ -168,7 +168,7 @@ fn measure_row(s: &Sensor, input: &[f32], demosaic: &mut Demosaic) {
     demosaic.close_row();
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
     let n = out.len();
     let (gain, offset, input) = (&s.gain[..n], &s.offset[..n], &input[..n]);
@@ -177,7 +177,7 @@ fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], values: &[f32], out: &mut [u8]) {
     let (n, wide) = (out.len(), down.len());
     let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
@@ -200,7 +200,7 @@ fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], v
 }
 
 /// Standard normal deviates from a counter: two hashes' eight bytes, whose sum is nearly normal (excess kurtosis -0.15).
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
     // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
     const MEAN: f32 = 1020.0;

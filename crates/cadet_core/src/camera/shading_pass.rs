@@ -13,7 +13,7 @@ mod lighting;
 mod reflections;
 mod resolve;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use self::base_color::{Side, place_texture, snow, snow_over, texture};
 pub use self::batch::ShadingCamera;
@@ -241,7 +241,7 @@ fn add(light: &BatchVector, m: usize, to: &mut BatchVector) {
 }
 
 /// Which of the first `n` pairs the sun may reach; true if there is any.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn query_sun(geometry: &SurfaceGeometry, variant: ShaderVariant, n: usize, out: &mut [bool; BATCH_STRIDE]) -> bool {
     let is_leaf = variant.pattern == Pattern::Leaves;
     let mut any = [0_u8; BATCH_SIZE];
@@ -255,7 +255,7 @@ fn query_sun(geometry: &SurfaceGeometry, variant: ShaderVariant, n: usize, out: 
 }
 
 /// Which of the first `n` pairs vehicles may hide from the sky.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn query_contacts(flags: &[u32; BATCH_STRIDE], n: usize, out: &mut [bool; BATCH_STRIDE]) {
     for i in 0..BATCH_SIZE {
         out[i] = (i < n) & (flags[i] & Flags::CONTACT > 0);

@@ -4,7 +4,7 @@ mod face_setup;
 mod map;
 mod rasterization;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use self::map::{EMPTY, HIGHEST, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
 use self::rasterization::rasterize_casters;
@@ -202,7 +202,7 @@ const SIDE: usize = 4;
 const AREA: f32 = 4.0 * REACH * REACH;
 const ALL_LIT: f32 = 8.95;
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &ShadowQuery<N>, out: &mut MapCoordinates<N>) {
     let count = query.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
@@ -242,7 +242,7 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
 /// texel (the shares `x` and `y` of that one's column and row lie outside) and ends in the third after it.
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
     let PcfTexels { at, texels, heights, top, bottom, columns } = found;
     let mut which = [0_u16; N];
@@ -286,7 +286,7 @@ fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfT
 }
 
 /// Marks the tiles of two maps that points fall on; the coarser one's are not marked within the rim of the finer one.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
     for points in points_world.chunks(LANES) {
         let mut world = [[0.0; LANES]; 3];

@@ -1,6 +1,6 @@
 //! The sky in the image, row by row.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::light::Light;
 use super::noise::MIDDLE_PX;
@@ -103,7 +103,7 @@ fn exact(light: &Light, direction: Vec3) -> Vec3 {
 }
 
 /// [`exact`] in a row of directions, plane by plane.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn exact_row(light: &Light, first: Vec3, step: Vec3, [red, green, blue]: [&mut [f32]; 3]) {
     for (i, ((r, g), b)) in red.iter_mut().zip(green).zip(blue).enumerate() {
         let color = exact(light, first + step * (i as i32 as f32));

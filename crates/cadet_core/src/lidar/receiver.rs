@@ -1,6 +1,6 @@
 //! The receiver, 64 arrivals of a ring together: what it detects of them and reports, and the points that are written.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::draws::Draws;
 use super::response::{intensity, saturated};
@@ -129,7 +129,7 @@ impl EchoBatch {
 }
 
 /// Compiled once more for processors with wide registers, as the kernel is.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
     let RingReceiver { receiver, laser, min_range_m, max_range_m, .. } = ring;
     let mut reading: PerEcho = [0.0; BATCH_SIZE];

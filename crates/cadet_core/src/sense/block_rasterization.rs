@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
 use super::outline::Outline;
@@ -290,7 +290,7 @@ impl FaceOnImage {
 /// Sets the rows' bits where the triangle is nearer, and where single precision does not tell. Rows are drawn by twos.
 ///
 /// A function of its own, without the packing of bits: so the compiler takes whole registers.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn draw_within<const EDGES: usize>(
     face: &FaceOnImage,
     block: &mut Block,

@@ -1,6 +1,6 @@
 //! The base color of a batch's surfaces: texture and snow.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::{Flags, ShaderVariant};
 use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
@@ -55,7 +55,7 @@ fn point_in_pixel(inputs: &SurfaceInputs, camera: &ShadingCamera, side: f32, i: 
 }
 
 /// The coordinates of the texture in the left or the right pixels.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn place_texture(
     inputs: &SurfaceInputs,
     m: usize,
@@ -92,7 +92,7 @@ pub fn place_texture(
 }
 
 /// The material's albedo, by the variant's texture.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn texture(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
@@ -147,7 +147,7 @@ fn snow_cover(
 }
 
 /// Lays snow on the left or the right pixels.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn snow(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
@@ -165,7 +165,7 @@ pub fn snow(
 }
 
 /// Puts snow over what leaves transparent surfaces.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn snow_over(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,

@@ -1,6 +1,6 @@
 //! Gathers what is known of a batch's pairs: of their groups, their faces, and the ambient light there.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::ambient_cache::{AmbientTerms, PER_BLOCK};
 use super::super::face::{Face, ShaderVariant};
@@ -36,7 +36,7 @@ fn run3(values: &mut BatchVector, start: usize, value: Vec3) {
 }
 
 /// What pairs share with their group.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn gather_groups(queue: &ShadingQueue, n: usize, out: &mut GroupValues) {
     for (number, (_, group)) in queue.groups.iter().enumerate() {
         for i in queue.pairs_of(number, n).step_by(RUN) {
@@ -55,7 +55,7 @@ pub fn gather_groups(queue: &ShadingQueue, n: usize, out: &mut GroupValues) {
 }
 
 /// Where each pair lies within its block.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &mut SurfaceInputs) {
     let m = n.next_multiple_of(REGISTER).min(BATCH_SIZE);
     for i in 0..m {
@@ -90,7 +90,7 @@ pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &m
 }
 
 /// What the pairs' faces are like.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, faces: &[Face], out: &mut SurfaceInputs) {
     let (has_coat, is_leaf) = (variant.is_glossy || variant.is_transparent, variant.pattern == Pattern::Leaves);
     let has_axes = variant.pattern != Pattern::Plain && !is_leaf;
@@ -134,7 +134,7 @@ pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, face
 }
 
 /// The sky visibility of the pairs and, of flat faces, the ambient irradiance.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn gather_ambient(
     variant: ShaderVariant,
     queue: &ShadingQueue,

@@ -1,6 +1,6 @@
 //! Where a batch's surfaces lie, and how they stand to eye and sun.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::ShaderVariant;
 use super::super::shading_queue::BATCH_SIZE;
@@ -13,7 +13,7 @@ const LEAST_COS_VIEW: f32 = 0.02;
 /// The least square of a normal's length by which is divided.
 const LEAST_SQUARE: f32 = 1e-20;
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn place_surfaces(
     inputs: &SurfaceInputs,
     m: usize,

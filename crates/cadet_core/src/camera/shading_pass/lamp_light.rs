@@ -1,6 +1,6 @@
 //! The light of the lamps of a night on a batch's surfaces.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::{Flags, ShaderVariant};
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
@@ -11,7 +11,7 @@ use crate::material::Pattern;
 use crate::math::Vec3;
 
 /// Adds what `n` pairs get of all lamps to the irradiance, and what they mirror of them to `mirrored`, which starts at 0.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn add_lamp_light(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,

@@ -3,7 +3,7 @@
 //! Every pair goes through the same IEEE operations in the same order whatever the instruction set, so that the bytes are
 //! the same with wide registers and without.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::{Flags, ShaderVariant};
 use super::super::light::Light;
@@ -51,7 +51,7 @@ const GLASS_ROUGHNESS: f32 = 0.15;
 const GLASS_TINT: Vec3 = Vec3::new(0.93, 1.0, 0.95);
 
 /// Ambient irradiance by shading normals, of faces that are not flat.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incident: &mut IncidentLight) {
     for i in 0..m.min(BATCH_SIZE) {
         let sky_visibility = std::array::from_fn(|k| incident.sky_visibility[k][i]);
@@ -61,7 +61,7 @@ pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incid
 }
 
 /// Diffuse irradiance: of sun and sky, on leaves of what comes through them; on wet ground what is left of it.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn diffuse(
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
@@ -130,7 +130,7 @@ pub fn wet_share(rise: f32, wetness: f32) -> f32 {
 }
 
 /// What a coat or a film of water reflects, and what it leaves of the diffuse light.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn specular(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
@@ -168,7 +168,7 @@ pub fn specular(
 }
 
 /// Of transparent surfaces, whose base color is what is seen through them.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn transparent(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,

@@ -1,6 +1,6 @@
 //! From the light of pairs to the radiance of pixels.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::light::{Light, transmittance};
 use super::super::shading_queue::BATCH_SIZE;
@@ -13,7 +13,7 @@ const PIXEL_OFFSET: f32 = 0.25;
 /// What the air leaves of the light on its way to the camera, and what it adds. What is behind transparent surfaces has come
 /// through the air of the whole way already; but the light that the air adds in front of them is not dimmed by them: they take
 /// their share of it with what is behind.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn through_air(
     geometry: &SurfaceGeometry,
     outgoing: &OutgoingLight,
@@ -34,7 +34,7 @@ pub fn through_air(
 
 /// Light is known in the middles of pairs, and changes evenly from one to the next of a row, and so beyond the first and the
 /// last: where blocks meet, it changes by as much as elsewhere.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn resolve(
     inputs: &SurfaceInputs,
     base_color: &[BatchVector; 2],
