@@ -10,6 +10,8 @@ use crate::math::Vec3;
 
 /// The most faces in a cluster.
 pub const CLUSTER_FACES: usize = 64;
+/// No cluster has more vertices: a `u8` counts them.
+pub const CLUSTER_VERTICES: usize = 256;
 
 /// Up to [`CLUSTER_FACES`] neighboring faces of a mesh, with their own short list of vertices.
 #[derive(Debug, Clone, PartialEq)]

@@ -14,7 +14,7 @@ mod pieces;
 mod places;
 
 pub use bounds::Bounds;
-pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};
+pub use cluster::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, Piece, clusters_of};
 pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use lod::{LazyMesh, LodSet};

@@ -1,6 +1,6 @@
 //! The visibility kernel: which triangle each beam of a grid meets first.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
 use super::coarse_depth::CoarseDepth;
@@ -9,7 +9,7 @@ use super::grid::{BeamGrid, Window};
 use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
-use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
+use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES};
 use crate::math::DVec3;
 
 /// Which materials a beam notices.
@@ -40,7 +40,8 @@ pub fn cast<G: BeamGrid>(
     }
     let to_grid = ToGrid::new(grid);
     let slots: Vec<u64> = scene.instances.iter().map(|i| slots_of_layer(i, layer)).collect();
-    let clusters = visible_clusters(scene, grid, &to_grid, &slots, keep);
+    let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
+    let clusters = visible_clusters(scene, grid, &to_grid, kept.map(|((index, _), slots)| (index, *slots)));
     let mut caster = Caster {
         scene,
         grid,
@@ -56,10 +57,10 @@ pub fn cast<G: BeamGrid>(
 
 /// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
 /// operation and none of them fused, so that the outcome is the same to the bit.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[VisibleCluster]) {
     for item in front_to_back(clusters) {
-        if !caster.is_hidden(&item.windows(), item.near_depth) {
+        if !caster.is_hidden(&item.windows(), item.near_m) {
             caster.cast_cluster(&item);
         }
     }
@@ -77,25 +78,22 @@ struct Caster<'a, G: BeamGrid> {
     hits: &'a mut Hits,
 }
 
-/// More than the vertices of a cluster: any `u8` is an index.
-const MAX_POINTS: usize = 256;
-
 /// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
 struct Scratch<F> {
-    x: [f64; MAX_POINTS],
-    y: [f64; MAX_POINTS],
-    z: [f64; MAX_POINTS],
-    footprints: [F; MAX_POINTS],
+    x: [f64; CLUSTER_VERTICES],
+    y: [f64; CLUSTER_VERTICES],
+    z: [f64; CLUSTER_VERTICES],
+    footprints: [F; CLUSTER_VERTICES],
     candidates: [u8; CLUSTER_FACES + 1],
 }
 
 impl<F: Copy + Default> Default for Scratch<F> {
     fn default() -> Self {
         Self {
-            x: [0.0; MAX_POINTS],
-            y: [0.0; MAX_POINTS],
-            z: [0.0; MAX_POINTS],
-            footprints: [F::default(); MAX_POINTS],
+            x: [0.0; CLUSTER_VERTICES],
+            y: [0.0; CLUSTER_VERTICES],
+            z: [0.0; CLUSTER_VERTICES],
+            footprints: [F::default(); CLUSTER_VERTICES],
             candidates: [0; CLUSTER_FACES + 1],
         }
     }
@@ -157,7 +155,7 @@ impl<G: BeamGrid> Caster<'_, G> {
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
-            if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_depth)) {
+            if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_m)) {
                 continue;
             }
             for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {

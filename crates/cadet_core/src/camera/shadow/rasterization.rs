@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
 use super::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
-use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
+use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES, Piece};
 use crate::material::Material;
 use crate::math::{DMat3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
 
 /// Draws all that may shade what the camera sees.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
-    let mut points = [[[0.0; LANES]; MAX_POINTS / LANES]; 3];
+    let mut points = [[[0.0; LANES]; CLUSTER_VERTICES / LANES]; 3];
     for instance in &scene.instances {
         let center = (*light_from_world * instance.center_world).as_vec3();
         if !maps.iter().any(|m| m.may_shade_receivers(center, instance.radius_m as f32)) {
@@ -61,9 +61,8 @@ const ROUNDING_M: f32 = 0.01;
 /// Ground whose normal's square has more than this upwards is level.
 const LEVEL: f32 = 0.9;
 
-/// A cluster's corners are bytes.
-const MAX_POINTS: usize = 256;
-type Points = [[[f32; LANES]; MAX_POINTS / LANES]; 3];
+/// The vertices of a cluster, axis by axis, by eights.
+type Points = [[[f32; LANES]; CLUSTER_VERTICES / LANES]; 3];
 
 #[inline(always)]
 fn point(points: &Points, i: u8) -> Vec3 {
@@ -109,7 +108,7 @@ impl Map {
     fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
         let (x0, y0, z0) = (origin.x - self.min[0], origin.y - self.min[1], origin.z - self.middle_z);
-        for (k, local) in cluster.lanes.iter().enumerate().take(MAX_POINTS / LANES) {
+        for (k, local) in cluster.lanes.iter().enumerate().take(CLUSTER_VERTICES / LANES) {
             let mut posed = [[0.0; LANES]; 3];
             let [x, y, z] = local;
             for i in 0..LANES {
