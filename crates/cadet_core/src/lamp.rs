@@ -9,13 +9,13 @@ pub const CANDELA: f32 = 100.0;
 
 /// How light leaves a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Beam {
+pub enum LightDistribution {
     /// A street lamp that shines down: full above the second cosine to the nadir, nothing below the first.
     Luminaire {
         /// Cosine of the angle to the nadir at which the light ends.
-        ends: f32,
+        cos_ends: f32,
         /// Cosine from which on it is full.
-        full: f32,
+        cos_full: f32,
     },
     /// A low beam for traffic that keeps to the right.
     LowBeam,
@@ -27,7 +27,7 @@ pub enum Beam {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
     /// Its distribution.
-    pub beam: Beam,
+    pub distribution: LightDistribution,
     /// Where it is.
     pub at: Vec3,
     /// Unit vector: the axis of a beam, down for luminaires.
@@ -74,13 +74,15 @@ impl Lamp {
     #[inline(always)]
     #[must_use]
     pub fn share(&self, to: Vec3, distance_m: f32) -> f32 {
-        match self.beam {
-            Beam::Luminaire { ends, full } => luminaire(to.dot(self.ahead) / distance_m, ends, full),
-            Beam::LowBeam => {
+        match self.distribution {
+            LightDistribution::Luminaire { cos_ends: ends, cos_full: full } => {
+                luminaire(to.dot(self.ahead) / distance_m, ends, full)
+            }
+            LightDistribution::LowBeam => {
                 let up = self.ahead.cross(self.left);
                 low_beam(to.dot(self.ahead), to.dot(self.left), to.dot(up))
             }
-            Beam::Lens => lens(to.dot(self.ahead) / distance_m),
+            LightDistribution::Lens => lens(to.dot(self.ahead) / distance_m),
         }
     }
 }
@@ -88,8 +90,8 @@ impl Lamp {
 /// A luminaire's share by the cosine to its nadir.
 #[inline(always)]
 #[must_use]
-pub fn luminaire(cos_nadir: f32, ends: f32, full: f32) -> f32 {
-    ((cos_nadir - ends) / (full - ends)).clamp(0.0, 1.0) * (1.0 + BATWING - BATWING * cos_nadir)
+pub fn luminaire(cos_nadir: f32, cos_ends: f32, cos_full: f32) -> f32 {
+    ((cos_nadir - cos_ends) / (cos_full - cos_ends)).clamp(0.0, 1.0) * (1.0 + BATWING - BATWING * cos_nadir)
 }
 
 /// A low beam's share, by meters ahead, to the left, and up.
@@ -159,7 +161,7 @@ mod tests {
     #[test]
     fn a_placed_lamp_shines_where_its_frame_turns() {
         let lamp = Lamp {
-            beam: Beam::LowBeam,
+            distribution: LightDistribution::LowBeam,
             at: Vec3::new(2.0, 0.0, 0.6),
             ahead: Vec3::X,
             left: Vec3::Y,

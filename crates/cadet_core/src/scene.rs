@@ -2,7 +2,7 @@
 
 mod capture;
 
-pub use capture::{Frame, Image, Request};
+pub use capture::{CaptureRequest, Frame, Image};
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use common::{Agreement, compare, cuboid, place, posed, random_rotation, random_s
 
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{BeamGrid, Hits, LaserRing, Layer, NO_HIT, PinholeGrid, SpinningGrid, cast};
+use cadet_core::sense::{BeamGrid, Hits, LaserRing, NO_HIT, PinholeGrid, SpinningGrid, SurfaceFilter, cast};
 use proptest::prelude::*;
 
 /// Rings from `top` to `bottom` degrees with heights that fall as the HDL-64E's do.
@@ -104,10 +104,10 @@ proptest! {
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center + inside };
         let grid = spinning(pose, 60, 88.0, -88.0, [0.0, 0.0], 360);
         let mut hits = Hits::new(grid.rows(), grid.columns());
-        cast(&scene, &grid, Layer::All, |_| true, &mut hits);
+        cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
         prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
         let grid = pinhole(pose);
-        cast(&scene, &grid, Layer::All, |_| true, &mut hits);
+        cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
         prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
         // Corners lie on the sphere, so every hit lies between it and the sphere through the faces' middles.
         let pitch = math::PI / f64::from(rings);
@@ -131,7 +131,7 @@ fn ranges_to_a_plane_are_the_closed_form() {
     let scene = posed(&[ground]);
     let grid = spinning(DPose3::IDENTITY, 64, 2.0, -25.0, [0.2, 0.12], 720);
     let mut hits = Hits::new(grid.rows(), grid.columns());
-    cast(&scene, &grid, Layer::All, |_| true, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
     for row in 0..64 {
         let t = row as f64 / 63.0;
         let elevation = math::lerp(2.0, -25.0, t).to_radians();
@@ -157,7 +157,7 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
     let pose = DPose3 { rotation: DQuat::from_mat3(&axes), translation: DVec3::ZERO };
     let grid = PinholeGrid::new(pose, [100.0, 100.0, 50.0, 50.0], [0.0, 0.0, 1.0, 1.0], 100, 100).expect("valid");
     let mut hits = Hits::new(100, 100);
-    cast(&scene, &grid, Layer::All, |i| i.actor_id == 7, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::All, |i| i.actor_id == 7, &mut hits);
     for row in 0..100 {
         for column in 0..100 {
             let (x, y) = ((column as f64 - 50.0) / 10.0, (row as f64 - 50.0) / 10.0);
@@ -172,8 +172,8 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
         }
     }
     hits.clear();
-    cast(&scene, &grid, Layer::All, |i| i.actor_id != 7, &mut hits);
-    cast(&scene, &grid, Layer::Transparent, |_| true, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::All, |i| i.actor_id != 7, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::Transparent, |_| true, &mut hits);
     assert!(hits.depth.iter().all(|d| d.is_infinite()));
 }
 
@@ -182,7 +182,7 @@ fn equal_depths_go_to_the_earlier_instance() {
     let at = |id| place(cuboid(Vec3::splat(1.0)), common::at(10.0, 0.0, 0.0), id);
     let grid = spinning(DPose3::IDENTITY, 16, 5.0, -5.0, [0.0, 0.0], 720);
     let mut hits = Hits::new(16, 720);
-    cast(&posed(&[at(3), at(2), at(1)]), &grid, Layer::All, |_| true, &mut hits);
+    cast(&posed(&[at(3), at(2), at(1)]), &grid, SurfaceFilter::All, |_| true, &mut hits);
     assert!(hits.instance.contains(&0));
     assert!(hits.instance.iter().all(|i| *i == 0 || *i == NO_HIT));
 }

@@ -13,7 +13,7 @@ use cadet_core::material::Palette;
 use cadet_core::math::{DPose3, DVec3, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{
-    BLOCK, BeamGrid, DrawnFace, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, rasterize,
+    BLOCK, BeamGrid, DrawnFace, Hits, NO_HIT, PinholeGrid, PosedScene, SurfaceFilter, VisibilityBuffer, cast, rasterize,
 };
 use proptest::prelude::*;
 
@@ -57,9 +57,9 @@ fn tolerance(
 fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
     rasterize(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);
-    cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
+    cast(scene, grid, SurfaceFilter::Opaque, |_| true, &mut hits);
     let opaque = hits.clone();
-    cast(scene, grid, Layer::Transparent, |_| true, &mut hits);
+    cast(scene, grid, SurfaceFilter::Transparent, |_| true, &mut hits);
     for row in 0..rows {
         for column in 0..columns {
             let at = row * columns + column;

@@ -19,7 +19,7 @@ type Corners = (f64, f64, f64, f64);
 /// Request for a capture.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct Request {
-    pub(crate) inner: core::Request,
+    pub(crate) inner: core::CaptureRequest,
 }
 
 #[pymethods]
@@ -27,7 +27,7 @@ impl Request {
     #[new]
     #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
     fn new(sample: u64, maps: bool, pixels: bool, cameras: Vec<usize>, lidars: Vec<usize>) -> Self {
-        Self { inner: core::Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars } }
+        Self { inner: core::CaptureRequest { sample, with_maps: maps, with_pixels: pixels, cameras, lidars } }
     }
 }
 

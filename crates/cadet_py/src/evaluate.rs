@@ -235,7 +235,7 @@ fn curve_dict<'py>(py: Python<'py>, curve: &core::Curve) -> PyResult<Bound<'py, 
 }
 
 /// The samples, and their means over 11 and 40 recall positions.
-fn samples<'py>(py: Python<'py>, samples: &core::Samples) -> PyResult<Bound<'py, PyDict>> {
+fn samples<'py>(py: Python<'py>, samples: &core::PrecisionByRecall) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("samples", samples.to_vec())?;
     dict.set_item("r11", core::average_r11(samples))?;

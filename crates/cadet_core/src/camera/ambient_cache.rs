@@ -3,7 +3,7 @@
 use super::face::ShaderVariant;
 use super::light::Light;
 use super::value_noise::hash2;
-use super::visibility_pass::Rays;
+use super::visibility_pass::ImageRays;
 use crate::math::Vec3;
 use crate::sense::BLOCK;
 
@@ -82,7 +82,7 @@ const SLOT_SHIFT: u32 = 20;
 /// Ambient terms that were found lately.
 pub struct AmbientCache<'a> {
     light: &'a Light,
-    rays: &'a Rays,
+    rays: &'a ImageRays,
     blocks_across: u32,
     /// Ambient terms: of a leaf one [`AmbientTerms`], of other faces [`PER_BLOCK`] in each block.
     pub terms: Vec<AmbientTerms>,
@@ -95,7 +95,7 @@ pub struct AmbientCache<'a> {
 }
 
 impl<'a> AmbientCache<'a> {
-    pub fn new(light: &'a Light, rays: &'a Rays, blocks_across: u32) -> Self {
+    pub fn new(light: &'a Light, rays: &'a ImageRays, blocks_across: u32) -> Self {
         Self {
             light,
             rays,

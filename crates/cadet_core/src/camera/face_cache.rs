@@ -1,10 +1,10 @@
 //! Which faces were seen lately: neighboring pixels mostly show the same one.
 
 use super::ambient_cache::{AmbientCache, FlatSurface, NOWHERE, SurfacePoint};
-use super::face::{Face, FaceVertices, InstanceTransform};
+use super::face::{FaceVertices, InstanceTransform, ShadingFace};
 use super::light::Light;
 use super::value_noise::hash2;
-use super::visibility_pass::{Rays, View};
+use super::visibility_pass::{ImageRays, View};
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern};
 use crate::math::Vec3;
@@ -49,7 +49,7 @@ struct CachedInstance<'a> {
 /// Faces that were made lately, and their ambient terms. Faces go by their numbers in the visibility buffer.
 pub struct FaceCache<'a> {
     light: &'a Light,
-    rays: &'a Rays,
+    rays: &'a ImageRays,
     intrinsics: [f64; 4],
     drawn: &'a [DrawnFace],
     instances: Vec<CachedInstance<'a>>,
@@ -59,7 +59,7 @@ pub struct FaceCache<'a> {
     requested_count: usize,
     raw: Vec<FaceVertices>,
     /// All since the last `clear`.
-    pub faces: Vec<Face>,
+    pub faces: Vec<ShadingFace>,
     /// As `faces`.
     info: Vec<BinningInfo>,
     /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
@@ -87,7 +87,7 @@ impl<'a> FaceCache<'a> {
     pub fn new(
         scene: &'a PosedScene,
         view: &View,
-        rays: &'a Rays,
+        rays: &'a ImageRays,
         light: &'a Light,
         buffer: &'a VisibilityBuffer,
     ) -> Self {
@@ -186,7 +186,8 @@ impl<'a> FaceCache<'a> {
         for raw in &raw {
             let placed = &self.instances[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
-            let (face, variant) = Face::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
+            let (face, variant) =
+                ShadingFace::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * FINE_STEPS + FINE_ZERO) as u32);
             let appearance = x | y << FINE_BITS | z << (2 * FINE_BITS) | u32::from(raw.slot) << REST_SHIFT;

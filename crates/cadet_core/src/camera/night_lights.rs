@@ -1,7 +1,7 @@
 //! The lamps of a night: a grid tells which of them reach a place, so that a point sums few of them.
 
 use super::face::Flags;
-use crate::lamp::{Beam, Lamp, fade, lens, low_beam, luminaire};
+use crate::lamp::{Lamp, LightDistribution, fade, lens, low_beam, luminaire};
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
@@ -28,7 +28,7 @@ pub const RETRO: f32 = 350.0;
 /// The sine of that angle at which half of it is left: 0.4 degrees.
 pub const RETRO_SINE: f32 = 0.007;
 /// Squared slopes of microfacets are at least this: lamps are no points.
-pub const LEAST_ALPHA_SQUARED: f32 = 0.002;
+pub const LEAST_LAMP_ALPHA_SQUARED: f32 = 0.002;
 
 /// A lamp, relative to the eye.
 #[derive(Debug, Clone, Copy)]
@@ -66,9 +66,9 @@ impl NightLights {
             .lamps
             .iter()
             .map(|(lamp, actor_id)| {
-                let reach_m = match lamp.beam {
-                    Beam::Lens if !is_wet => DRY_LENS_M,
-                    Beam::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,
+                let reach_m = match lamp.distribution {
+                    LightDistribution::Lens if !is_wet => DRY_LENS_M,
+                    LightDistribution::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,
                     _ => lamp.reach_m,
                 };
                 let lamp = Lamp { at: lamp.at - origin, reach_m, ..*lamp };
@@ -133,8 +133,10 @@ impl NightLights {
 /// Mean irradiance on the ground around the eye, half of it that of a wide circle: the light of luminaires over the area.
 fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
     let within = |radius_m: f32| {
-        let near =
-            |l: &&NightLamp| matches!(l.lamp.beam, Beam::Luminaire { .. }) && l.lamp.at.truncate().length() < radius_m;
+        let near = |l: &&NightLamp| {
+            matches!(l.lamp.distribution, LightDistribution::Luminaire { .. })
+                && l.lamp.at.truncate().length() < radius_m
+        };
         let sum: Vec3 = lamps.iter().filter(near).map(|l| Vec3::from(l.lamp.intensity)).sum();
         sum * (LUMINAIRE_SR / (std::f32::consts::PI * radius_m * radius_m))
     };
@@ -143,7 +145,7 @@ fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
 
 /// Whether a lamp's light may reach a cell, by the vector to its middle in the plane.
 fn may_shine_into(lamp: &NightLamp, to: Vec3) -> bool {
-    if lamp.lamp.beam != Beam::LowBeam {
+    if lamp.lamp.distribution != LightDistribution::LowBeam {
         return true;
     }
     let (ahead, left) = (lamp.lamp.ahead.dot(to), lamp.lamp.left.dot(to).abs());
@@ -196,20 +198,20 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
         distance[i] = square[i].sqrt();
     }
     let mut strength = [0.0; WIDE];
-    match lamp.beam {
-        Beam::Luminaire { ends, full } => {
+    match lamp.distribution {
+        LightDistribution::Luminaire { cos_ends: ends, cos_full: full } => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = luminaire(d.dot(lamp.ahead) / distance[i], ends, full) * s.contact[i];
             }
         }
-        Beam::LowBeam => {
+        LightDistribution::LowBeam => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = low_beam(d.dot(lamp.ahead), d.dot(lamp.left), d.dot(*up));
             }
         }
-        Beam::Lens => {
+        LightDistribution::Lens => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = lens(d.dot(lamp.ahead) / distance[i]);
@@ -269,7 +271,7 @@ pub const LEAST_SQUARE_M2: f32 = 2.0;
 /// GGX's distribution, Smith's shadowing (Hammon 2017), and Schlick's Fresnel term.
 #[inline(always)]
 pub fn glint(to_lamp: Vec3, view: Vec3, normal: Vec3, f0: f32, roughness: f32) -> f32 {
-    let alpha2 = (roughness * roughness * roughness * roughness).max(LEAST_ALPHA_SQUARED);
+    let alpha2 = (roughness * roughness * roughness * roughness).max(LEAST_LAMP_ALPHA_SQUARED);
     let alpha = alpha2.sqrt();
     let half = to_lamp - view;
     let half = half * (1.0 / half.dot(half).max(LEAST_HALF).sqrt());

@@ -46,7 +46,7 @@ pub struct Precipitation {
 
 /// A drop or a flake.
 #[derive(Debug, Clone, Copy)]
-struct Particle {
+struct FallingParticle {
     at_world: DVec3,
     velocity_world: DVec3,
     diameter_m: f64,
@@ -131,7 +131,7 @@ impl Precipitation {
     }
 
     /// The particles of a cell that are large enough to be seen: exponential sizes above a limit are exponential again.
-    fn for_each_in_cell(&self, low: DVec3, mut use_it: impl FnMut(&Particle)) {
+    fn for_each_in_cell(&self, low: DVec3, mut use_it: impl FnMut(&FallingParticle)) {
         let middle = low + DVec3::splat(0.5 * CELL_M);
         let near_m = ((middle - self.center_world).length() - 0.87 * CELL_M).max(0.0);
         let least = if self.is_snow { LEAST_FLAKE_M } else { LEAST_DROP_M };
@@ -148,11 +148,11 @@ impl Precipitation {
             } else {
                 DVec3::new(0.0, 0.0, -drop_mps(diameter_m))
             };
-            use_it(&Particle { at_world, velocity_world, diameter_m });
+            use_it(&FallingParticle { at_world, velocity_world, diameter_m });
         }
     }
 
-    fn streak(&self, view: &View, cam_from_world: &DPose3, particle: &Particle) -> Option<Streak> {
+    fn streak(&self, view: &View, cam_from_world: &DPose3, particle: &FallingParticle) -> Option<Streak> {
         let way = (particle.velocity_world - self.ego_velocity_world) * (0.5 * SHUTTER_S);
         let ends = [particle.at_world - way, particle.at_world + way].map(|p| *cam_from_world * p);
         let depth_m = 0.5 * (ends[0].z + ends[1].z);

@@ -13,7 +13,7 @@ use super::radiance_pass::{radiance_pass, room_for};
 use super::shadow::ShadowMaps;
 use super::sky_visibility::SkyProbes;
 use super::spray;
-use super::visibility_pass::{Maps, Rays, View, Visibility, visible_points};
+use super::visibility_pass::{ImageRays, Maps, View, Visibility, visible_points};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 use crate::sense::PosedScene;
@@ -141,7 +141,7 @@ pub(super) fn radiance(
     seen: &Visibility,
     scratch: &mut Scratch,
 ) -> Light {
-    let rays = Rays::new(view);
+    let rays = ImageRays::new(view);
     visible_points(&rays, &seen.samples, &mut scratch.visible_world);
     let light = light_of(scene, view, weather, &scratch.visible_world, std::mem::take(&mut scratch.shadows));
     let first = ROWS_BEFORE * view.width * 3;

@@ -15,7 +15,7 @@ mod resolve;
 
 use macro_rules_attribute::apply;
 
-use self::base_color::{Side, place_texture, snow, snow_over, texture};
+use self::base_color::{PixelOfPair, place_texture, snow, snow_over, texture};
 pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
@@ -28,7 +28,7 @@ use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 pub(super) use self::reflections::{environment, highlight};
 use self::resolve::{resolve, through_air};
 use super::ambient_cache::AmbientTerms;
-use super::face::{Face, Flags, ShaderVariant};
+use super::face::{Flags, ShaderVariant, ShadingFace};
 use super::light::Light;
 use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE, BatchScalar, REGISTER, ShadingQueue};
 use super::shadow::{PcfTexels, ShadowQuery};
@@ -91,7 +91,7 @@ impl ShadingPass {
         camera: &ShadingCamera,
         variant: ShaderVariant,
         queue: &ShadingQueue,
-        (faces, ambient): (&[Face], &[AmbientTerms]),
+        (faces, ambient): (&[ShadingFace], &[AmbientTerms]),
         rgb: &[f32],
     ) {
         let n = queue.count.min(BATCH_SIZE);
@@ -166,7 +166,7 @@ impl ShadingPass {
     /// Finds the base color of opaque surfaces.
     fn color(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
         let (inputs, geometry) = (&self.inputs, &self.geometry);
-        for ((side, color), at) in Side::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
+        for ((side, color), at) in PixelOfPair::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
             if matches!(variant.pattern, Pattern::Plain | Pattern::Lamp | Pattern::Reflector) {
                 *color = inputs.albedo;
             } else {
@@ -224,7 +224,7 @@ impl ShadingPass {
         }
         if variant.pattern == Pattern::Window {
             let room = &mut self.irradiance;
-            place_texture(inputs, m, camera, variant, Side::Middle, &mut self.texture[0]);
+            place_texture(inputs, m, camera, variant, PixelOfPair::Middle, &mut self.texture[0]);
             texture(inputs, geometry, &self.texture[0], m, variant.pattern, room);
             add(room, m, &mut self.outgoing.specular);
         }

@@ -4,12 +4,12 @@ use macro_rules_attribute::apply;
 
 use super::light::Light;
 use super::noise::MIDDLE_PX;
-use super::visibility_pass::Rays;
+use super::visibility_pass::ImageRays;
 use crate::math::Vec3;
 
 /// The sky in the image, from a coarse lattice: clouds are smooth over so few pixels.
 pub struct SkyRows<'a> {
-    rays: &'a Rays,
+    rays: &'a ImageRays,
     light: &'a Light,
     /// Points of the lattice along a row.
     points: usize,
@@ -30,7 +30,7 @@ const SKY_IN_FOG_M: f32 = 400.0;
 impl<'a> SkyRows<'a> {
     /// No row yet.
     #[must_use]
-    pub fn new(width: usize, height: usize, rays: &'a Rays, light: &'a Light) -> Self {
+    pub fn new(width: usize, height: usize, rays: &'a ImageRays, light: &'a Light) -> Self {
         let has_horizon = |row: usize| {
             // Linear in the column.
             let [a, b] = [0.0, width as f32].map(|u| rays.direction(u, row as f32 + MIDDLE_PX).z);

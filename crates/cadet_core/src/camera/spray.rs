@@ -30,7 +30,7 @@ pub(super) fn draw(spray: &Spray, rgb: &mut [f32], view: &View, seen: &Visibilit
     let mut far_first: Vec<(f64, &Plume)> = spray.plumes().iter().map(|plume| (distance_m(plume), plume)).collect();
     far_first.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (distance_m, plume) in far_first {
-        if let Some(lattice) = Lattice::new(plume, view) {
+        if let Some(lattice) = PlumeLattice::new(plume, view) {
             let direction = (plume.world_from_plume().translation - eye).normalize_or(DVec3::X);
             let radiance = light.through_air(light.around(), direction.as_vec3(), distance_m as f32);
             lattice.draw(rgb, view.width, seen, radiance);
@@ -39,7 +39,7 @@ pub(super) fn draw(spray: &Spray, rgb: &mut [f32], view: &View, seen: &Visibilit
 }
 
 /// A plume's optical depths before the slices of a lattice of rays.
-struct Lattice {
+struct PlumeLattice {
     rows: Range<usize>,
     columns: Range<usize>,
     step: usize,
@@ -92,7 +92,7 @@ fn window(plume: &Plume, view: &View) -> Option<(Range<usize>, Range<usize>, [f6
     Some((pixels(spans[1], view.height)?, pixels(spans[0], view.width)?, [near_m.max(NEAREST_M), far_m]))
 }
 
-impl Lattice {
+impl PlumeLattice {
     fn new(plume: &Plume, view: &View) -> Option<Self> {
         let (rows, columns, [near_m, far_m]) = window(plume, view)?;
         let step = (columns.len() / POINTS).clamp(STEPS_PX.0, STEPS_PX.1);

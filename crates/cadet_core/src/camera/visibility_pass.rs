@@ -52,7 +52,7 @@ impl View {
 #[derive(Debug)]
 pub struct Visibility {
     /// Two samples a pixel, in a quincunx: one on its center, one half a pixel to the right and below.
-    pub(super) samples: Samples,
+    pub(super) samples: SampleBuffer,
     grid: PinholeGrid,
     /// Of the scene's instances.
     actor_ids: Vec<i32>,
@@ -161,14 +161,14 @@ impl Visibility {
 
 /// What the samples of all pixels see.
 #[derive(Debug)]
-pub(super) struct Samples(pub VisibilityBuffer);
+pub(super) struct SampleBuffer(pub VisibilityBuffer);
 
 thread_local! {
     /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
     static SPARE: RefCell<VisibilityBuffer> = RefCell::default();
 }
 
-impl Drop for Samples {
+impl Drop for SampleBuffer {
     fn drop(&mut self) {
         // Without the thread's storage, as at its end, there is no next frame either.
         let _ = SPARE.try_with(|spare| spare.replace(std::mem::take(&mut self.0)));
@@ -185,11 +185,11 @@ pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let mut buffer = SPARE.take();
     rasterize(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
-    Ok(Visibility { samples: Samples(buffer), grid, actor_ids })
+    Ok(Visibility { samples: SampleBuffer(buffer), grid, actor_ids })
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.
-pub(super) struct Rays {
+pub(super) struct ImageRays {
     pub eye: Vec3,
     pub right: Vec3,
     pub down: Vec3,
@@ -199,7 +199,7 @@ pub(super) struct Rays {
     corner: Vec3,
 }
 
-impl Rays {
+impl ImageRays {
     pub fn new(view: &View) -> Self {
         let [fx, fy, cx, cy] = view.intrinsics;
         let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
@@ -224,7 +224,7 @@ impl Rays {
 const POINT_ROWS: [usize; 4] = [0, 4, 2, 6];
 
 /// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
-pub(super) fn visible_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
+pub(super) fn visible_points(rays: &ImageRays, samples: &SampleBuffer, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
     let across = buffer.blocks_across.max(1);

@@ -25,7 +25,7 @@ mod text;
 
 use rayon::prelude::*;
 
-pub use curves::{MAX_THRESHOLDS, Samples, average_r11, average_r40, choose_thresholds, perfect};
+pub use curves::{MAX_THRESHOLDS, PrecisionByRecall, average_r11, average_r40, choose_thresholds, perfect};
 pub use draws::{DrawnAp, evaluate_draws};
 pub use files::read_files;
 pub use metric::{ClassLimits, Level, Metric, Settings};
@@ -57,11 +57,11 @@ pub struct Curve {
     /// False positives at each threshold.
     pub num_fp: Vec<u64>,
     /// Precision by recall, made to fall.
-    pub precision: Samples,
+    pub precision: PrecisionByRecall,
     /// Precision by recall, made to fall, with each true positive worth (1 + cos d) / 2 of its heading's error: AOS of
     /// observation angles in the image, AHS of headings from above and in space. None in the image if any detection has
     /// no observation angle.
-    pub heading: Option<Samples>,
+    pub heading: Option<PrecisionByRecall>,
 }
 
 /// Compares detections with ground truth.

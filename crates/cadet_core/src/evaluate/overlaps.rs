@@ -6,7 +6,7 @@ use super::rotated_iou::{intersection_bev, iou_3d_from, iou_bev_from};
 
 /// A detection that overlaps an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Overlap {
+pub(super) struct DetectionOverlap {
     /// Index of the detection in its frame.
     pub detection: u32,
     /// Intersection over union, above the lowest limit that any class asks for.
@@ -15,8 +15,8 @@ pub(super) struct Overlap {
 
 /// The overlaps of one frame in one metric.
 #[derive(Debug, Clone, Default)]
-struct Table {
-    overlaps: Vec<Overlap>,
+struct MetricOverlaps {
+    overlaps: Vec<DetectionOverlap>,
     /// Where the overlaps of each object begin, and the end.
     starts: Vec<u32>,
     /// The largest share of each detection in one DontCare region, infinite for an optional one; empty if the frame has
@@ -27,13 +27,13 @@ struct Table {
 /// The overlaps of one frame.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FrameOverlaps {
-    tables: [Table; 3],
+    tables: [MetricOverlaps; 3],
 }
 
 impl FrameOverlaps {
     /// Computes the overlaps above `floors` (one a metric) of objects whose kind `is_wanted`.
     pub(super) fn new(frame: &FramePair, floors: [f64; 3], is_wanted: impl Fn(ObjectType) -> bool) -> Self {
-        let mut tables: [Table; 3] = Default::default();
+        let mut tables: [MetricOverlaps; 3] = Default::default();
         for truth in &frame.truths {
             for table in &mut tables {
                 table.starts.push(table.overlaps.len() as u32);
@@ -44,7 +44,7 @@ impl FrameOverlaps {
             for (index, detection) in frame.detections.iter().enumerate() {
                 for (metric, iou) in ious(truth, detection).into_iter().enumerate() {
                     if iou > floors[metric] {
-                        tables[metric].overlaps.push(Overlap { detection: index as u32, iou });
+                        tables[metric].overlaps.push(DetectionOverlap { detection: index as u32, iou });
                     }
                 }
             }
@@ -70,7 +70,7 @@ impl FrameOverlaps {
     }
 
     /// The overlaps of an object, in the order of the detections.
-    pub(super) fn of(&self, metric: Metric, truth: usize) -> &[Overlap] {
+    pub(super) fn of(&self, metric: Metric, truth: usize) -> &[DetectionOverlap] {
         let table = &self.tables[metric as usize];
         &table.overlaps[table.starts[truth] as usize..table.starts[truth + 1] as usize]
     }

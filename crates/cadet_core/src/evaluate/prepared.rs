@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::curves::{Tally, choose_thresholds};
-use super::matching::{Contest, FirstPass, Matcher, View};
+use super::matching::{ClassFrame, Contest, FirstPass, Matcher};
 use super::metric::{ClassLimits, Metric, Settings};
 use super::objects::FramePair;
 use super::overlaps::FrameOverlaps;
@@ -112,12 +112,12 @@ impl<'a> Prepared<'a> {
         (thresholds, tally)
     }
 
-    fn view(&self, class: usize, index: usize) -> View<'_> {
-        View {
+    fn view(&self, class: usize, index: usize) -> ClassFrame<'_> {
+        ClassFrame {
             frame: &self.frames[index],
             overlaps: &self.overlaps[index],
-            entrants: self.rosters[class].entrants(index),
-            claims: self.rosters[class].claims(index),
+            class_objects: self.rosters[class].class_objects(index),
+            class_detections: self.rosters[class].class_detections(index),
         }
     }
 }

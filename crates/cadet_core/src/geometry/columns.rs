@@ -13,7 +13,7 @@ const MAX_CELLS: f32 = 512.0;
 
 /// What a cluster has in a cell, local coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Column {
+pub struct SurfaceColumn {
     /// Where it stands.
     pub x: f32,
     /// Where it stands.
@@ -25,7 +25,7 @@ pub struct Column {
 }
 
 /// Those of one cluster, found when they are first needed: of open country few clusters are ever near a camera.
-type OfCluster = OnceLock<Box<[Column]>>;
+type OfCluster = OnceLock<Box<[SurfaceColumn]>>;
 
 /// The columns of a mesh, cluster by cluster. They follow from the mesh, so that all are equal.
 #[derive(Debug, Clone, Default)]
@@ -39,7 +39,7 @@ impl PartialEq for LazyColumns {
 
 impl LazyColumns {
     /// The columns of a cluster.
-    pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[Column] {
+    pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[SurfaceColumn] {
         let all = self.0.get_or_init(|| vec![OfCluster::new(); clusters.len()].into());
         all[cluster].get_or_init(|| columns_of(&clusters[cluster]))
     }
@@ -51,8 +51,8 @@ impl LazyColumns {
     }
 }
 
-fn columns_of(cluster: &Cluster) -> Box<[Column]> {
-    let mut grid = Grid::about(cluster);
+fn columns_of(cluster: &Cluster) -> Box<[SurfaceColumn]> {
+    let mut grid = ColumnGrid::about(cluster);
     let corner = |i: u8| {
         let [x, y, z] = &cluster.lanes[usize::from(i) / LANES];
         let k = usize::from(i) % LANES;
@@ -65,20 +65,20 @@ fn columns_of(cluster: &Cluster) -> Box<[Column]> {
 }
 
 /// A grid about a cluster, seen from above.
-struct Grid {
+struct ColumnGrid {
     min: [f32; 2],
     pitch_m: f32,
     cells: usize,
-    columns: Vec<Column>,
+    columns: Vec<SurfaceColumn>,
 }
 
-impl Grid {
+impl ColumnGrid {
     fn about(cluster: &Cluster) -> Self {
         let (c, r) = (cluster.center, cluster.radius_m);
         let pitch_m = PITCH_M.max(2.0 * r / MAX_CELLS);
         let cells = (2.0 * r / pitch_m) as usize + 1;
         let half = cells as f32 * pitch_m * 0.5;
-        let none = Column { x: 0.0, y: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
+        let none = SurfaceColumn { x: 0.0, y: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
         Self { min: [c.x - half, c.y - half], pitch_m, cells, columns: vec![none; cells * cells] }
     }
 

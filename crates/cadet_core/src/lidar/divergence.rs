@@ -14,27 +14,11 @@ use super::returns::{echo_power, is_echo_detected};
 use super::ring_receiver::RingReceiver;
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
-use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};
+use crate::sense::{BeamGrid, Hits, LaserRing, SpinningGrid};
 
 /// Ranges of neighboring beams that differ by more than this, and by more than twice what the slope beside them
 /// explains, belong to different surfaces.
 const EDGE_M: f32 = 0.25;
-
-/// What a beam or a sub-beam met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SubBeam {
-    /// Range from the laser's origin, infinite for a miss.
-    pub range_m: f32,
-    /// Index into the scene's instances, [`NO_HIT`] for a miss.
-    pub instance: u32,
-    /// Face of the instance's mesh.
-    pub face: u32,
-}
-
-impl SubBeam {
-    /// A miss.
-    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
-}
 
 /// The sub-beams of a sensor: a grid with two rings for each, turned a little to the right and to the left.
 #[derive(Debug, Clone)]
@@ -96,7 +80,7 @@ impl DivergentBeams {
     /// The beams whose spots may reach over a jump in range, rising.
     pub(super) fn edge_beams(&self, hits: &Hits) -> Vec<u32> {
         let columns = hits.columns as u32;
-        let mut edges = Edges { hits, is_edge: vec![false; hits.depth.len()] };
+        let mut edges = DepthEdges { hits, is_edge: vec![false; hits.depth.len()] };
         let mut line: Vec<u32> = Vec::new();
         for ring in 0..hits.rows as u32 {
             line.clear();
@@ -113,12 +97,12 @@ impl DivergentBeams {
 }
 
 /// Marks the beams whose spots may reach over a jump in range, and lists them, rising.
-struct Edges<'a> {
+struct DepthEdges<'a> {
     hits: &'a Hits,
     is_edge: Vec<bool>,
 }
 
-impl Edges<'_> {
+impl DepthEdges<'_> {
     /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
     fn look_along(&mut self, line: &[u32], is_closed: bool, reach: usize) {
         let n = line.len();

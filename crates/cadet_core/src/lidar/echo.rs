@@ -2,8 +2,8 @@
 
 use super::air::{FALLEN_SNOW, under_snow};
 use super::draws::Draws;
+use super::intensity::reading_noise;
 use super::reflection::{pane, reflectance};
-use super::response::reading_noise;
 use crate::material::{LidarMaterial, Material, Semantic};
 
 /// Share of a glass surface's area that is dusty or printed enough to return light itself, and the reflectance there: fitted
@@ -15,7 +15,7 @@ const GLINT_COS: f64 = 0.999;
 
 /// A surface in a beam's way.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Surface<'a> {
+pub(super) struct HitSurface<'a> {
     pub range_m: f64,
     /// Cosine of the incidence angle, 0..1.
     pub cos_incidence: f64,
@@ -49,7 +49,11 @@ impl Echo {
 }
 
 /// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
-pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+pub(super) fn first_echo(
+    transparent: Option<HitSurface<'_>>,
+    opaque: Option<HitSurface<'_>>,
+    draws: &Draws,
+) -> Option<Echo> {
     let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
     if let Some(transparent) = transparent {

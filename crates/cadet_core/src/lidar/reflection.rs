@@ -1,6 +1,6 @@
 //! How much of a laser pulse a surface throws back to where it came from.
 
-use super::response::Receiver;
+use super::receiver::Receiver;
 use crate::material::LidarMaterial;
 use crate::math::{exp, lerp};
 

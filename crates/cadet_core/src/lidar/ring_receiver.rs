@@ -2,8 +2,8 @@
 
 use super::echo::Echo;
 use super::laser_receiver::LaserReceiver;
+use super::receiver::Receiver;
 use super::reflection::{peak_share, spot_per_pulse};
-use super::response::Receiver;
 
 /// What all echoes of a ring have in common.
 #[derive(Debug, Clone, Copy)]

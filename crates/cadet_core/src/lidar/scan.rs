@@ -2,24 +2,24 @@
 //!
 //! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
 //! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
-//! (`receiver`).
+//! (`echo_batch`).
 
 use super::air::{Air, Plumes, Sprayed};
-use super::casting::{Casting, Standing};
+use super::casting::{Casting, StillCasting};
 use super::divergence::chosen_echo;
 use super::draws::Draws;
 use super::echo::first_echo;
-use super::receiver::EchoBatch;
+use super::echo_batch::EchoBatch;
 use super::returned_points::Scan;
 use super::returns::arrival;
 use super::spec::LidarSpec;
-use super::surfaces::Surfaces;
+use super::surfaces::SurfaceLookup;
 use super::turning::Turning;
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, PosedScene, cast};
+use crate::sense::{Hits, PosedScene, SurfaceFilter, cast};
 use crate::spray::Spray;
 use crate::weather::Weather;
 
@@ -91,7 +91,7 @@ impl IdealScan {
 #[must_use]
 pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
     let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-    cast(scene, &spec.grid(*world_from_velo), Layer::All, |_| true, &mut hits);
+    cast(scene, &spec.grid(*world_from_velo), SurfaceFilter::All, |_| true, &mut hits);
     // Close together, so that looking them up costs nothing.
     let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
     let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
@@ -125,7 +125,7 @@ pub fn scan_through(
     stream: &mut Stream,
 ) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, air, stream))
+    Ok(scan_by(&StillCasting::new(scene, world_from_velo), spec, air, stream))
 }
 
 /// One turn as the sensor reports it while it and the world move; spray hangs in the air meanwhile. Every beam draws the same
@@ -164,7 +164,7 @@ fn scan_by<C: Casting>(
     let air = Air::new(weather, receiver);
     let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
     let snow_cover = weather.snow_cover();
-    let (mut behind, mut in_front) = (Surfaces::new(casting, snow_cover), Surfaces::new(casting, snow_cover));
+    let (mut behind, mut in_front) = (SurfaceLookup::new(casting, snow_cover), SurfaceLookup::new(casting, snow_cover));
     let mut out = Scan::with_capacity(spec.num_beams());
     let mut batch = EchoBatch::new();
     let mut beams = 0..;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::divergence::DivergentBeams;
 use super::firing::Firing;
 use super::laser_receiver::LaserReceiver;
-use super::response::{MAX_DIVERGENCE_RAD, Receiver};
+use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
 use super::ring_receiver::RingReceiver;
 use crate::error::{Error, Result, finite};

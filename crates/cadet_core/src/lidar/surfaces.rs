@@ -1,15 +1,14 @@
 //! The second step of a scan: the surface behind a hit.
 
-use super::casting::Casting;
-use super::divergence::SubBeam;
-use super::echo::Surface;
+use super::casting::{BeamHit, Casting};
+use super::echo::HitSurface;
 use super::ground_texture;
 use crate::math::DVec3;
 use crate::sense::NO_HIT;
 use crate::weather::snow_share;
 
 /// Looks surfaces up. Neighbors often meet the same face, so the last one is remembered.
-pub(super) struct Surfaces<'a, C> {
+pub(super) struct SurfaceLookup<'a, C> {
     casting: &'a C,
     /// Share of level surfaces under snow.
     snow_cover: f64,
@@ -17,7 +16,7 @@ pub(super) struct Surfaces<'a, C> {
     normal_world: DVec3,
 }
 
-impl<'a, C: Casting> Surfaces<'a, C> {
+impl<'a, C: Casting> SurfaceLookup<'a, C> {
     pub(super) fn new(casting: &'a C, snow_cover: f64) -> Self {
         Self { casting, snow_cover, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
     }
@@ -26,11 +25,11 @@ impl<'a, C: Casting> Surfaces<'a, C> {
     #[inline]
     pub(super) fn at(
         &mut self,
-        hit: SubBeam,
+        hit: BeamHit,
         column: usize,
         origin_velo: DVec3,
         direction_velo: DVec3,
-    ) -> Option<Surface<'a>> {
+    ) -> Option<HitSurface<'a>> {
         if !hit.is_hit() {
             return None;
         }
@@ -61,7 +60,7 @@ impl<'a, C: Casting> Surfaces<'a, C> {
             let rise = if cosine > 0.0 { -self.normal_world.z } else { self.normal_world.z };
             self.snow_cover * f64::from(snow_share(rise as f32))
         };
-        Some(Surface {
+        Some(HitSurface {
             range_m,
             cos_incidence: cosine.abs().min(1.0),
             material,

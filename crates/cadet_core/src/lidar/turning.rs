@@ -11,11 +11,11 @@
 
 use std::sync::Arc;
 
-use super::casting::{BeamHits, Casting, reach_m};
-use super::divergence::{DivergentBeams, SubBeam};
+use super::casting::{BeamHit, Casting, TurnHits, reach_m};
+use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
 use crate::math::{self, DPose3, DVec3, TAU};
-use crate::sense::{FaceHit, FaceTrees, Hits, Moment, Motion, MovingCaster, PosedScene};
+use crate::sense::{FaceHit, FaceTrees, Hits, Moment, MovingCaster, PosedScene, RigidMotion};
 
 /// How long a turn takes, seconds: 10 turns a second.
 pub const TURN_S: f64 = 0.1;
@@ -31,7 +31,7 @@ pub fn firing_time_s(azimuth_rad: f64) -> f64 {
 pub struct Turning {
     caster: MovingCaster,
     world_from_velo: DPose3,
-    sensor: Motion,
+    sensor: RigidMotion,
 }
 
 impl Turning {
@@ -42,8 +42,8 @@ impl Turning {
         trees: &mut FaceTrees,
         spec: &LidarSpec,
         world_from_velo: DPose3,
-        sensor: Motion,
-        motion_of: impl Fn(i32) -> Motion,
+        sensor: RigidMotion,
+        motion_of: impl Fn(i32) -> RigidMotion,
     ) -> Self {
         let span_s = TURN_S / 2.0;
         let sensor_m = sensor.reach_m((world_from_velo.translation - sensor.pivot_world).length(), span_s);
@@ -78,7 +78,7 @@ impl Casting for Firings<'_> {
         self.scene
     }
 
-    fn cast(&self, spec: &LidarSpec) -> BeamHits {
+    fn cast(&self, spec: &LidarSpec) -> TurnHits {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
         let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
@@ -94,10 +94,10 @@ impl Casting for Firings<'_> {
                 put(&mut first, at, found.transparent.or(found.opaque));
             }
         }
-        BeamHits { opaque, first }
+        TurnHits { opaque, first }
     }
 
-    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
         let columns = spec.azimuths_rad().len();
         let cast = |beam: &u32| {
             let (ring, column) = (*beam as usize / columns, *beam as usize % columns);
@@ -106,7 +106,7 @@ impl Casting for Firings<'_> {
             let origin = world_from_velo.transform_point(origin_velo);
             divergent.directions_velo(*beam).map(|direction_velo| {
                 let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
-                found.map_or(SubBeam::MISS, |f| SubBeam {
+                found.map_or(BeamHit::MISS, |f| BeamHit {
                     range_m: f.range_m as f32,
                     instance: f.instance,
                     face: f.face,

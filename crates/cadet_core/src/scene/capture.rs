@@ -13,14 +13,14 @@ use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_
 use crate::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Mounted;
-use crate::sense::Motion;
+use crate::sense::RigidMotion;
 use crate::spray::Spray;
 use crate::town::GroundKind;
 use crate::world::{EgoState, Snapshot};
 
 /// Request for more than the first camera's image and the first LIDAR's scan. What is not asked for costs nothing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Request {
+pub struct CaptureRequest {
     /// Names the random streams of noise.
     pub sample: u64,
     /// Depth, instances and classes with every image.
@@ -85,7 +85,7 @@ impl Scene {
     ///
     /// # Errors
     /// A sensor that the rig lacks; [`Error::Scene`] where no ground lies ahead of the first camera.
-    pub fn capture(&mut self, request: &Request) -> Result<Frame> {
+    pub fn capture(&mut self, request: &CaptureRequest) -> Result<Frame> {
         self.check(request)?;
         let looked = self.look()?;
         self.finish(request, looked)
@@ -97,7 +97,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::capture`].
-    pub fn capture_labeled(&mut self, request: &Request) -> Result<Option<Frame>> {
+    pub fn capture_labeled(&mut self, request: &CaptureRequest) -> Result<Option<Frame>> {
         self.check(request)?;
         let (_, world_from_cam) = self.sensor_poses();
         let sensed = self.sensed();
@@ -124,7 +124,7 @@ impl Scene {
         Ok(Some(frame))
     }
 
-    fn check(&self, request: &Request) -> Result<()> {
+    fn check(&self, request: &CaptureRequest) -> Result<()> {
         let counts = [
             ("camera", &request.cameras, self.rig.cameras().len()),
             ("LIDAR", &request.lidars, self.rig.lidars().len()),
@@ -153,7 +153,7 @@ impl Scene {
         Ok(Looked { view, seen, sightings })
     }
 
-    fn finish(&mut self, request: &Request, looked: Looked) -> Result<Frame> {
+    fn finish(&mut self, request: &CaptureRequest, looked: Looked) -> Result<Frame> {
         let snapshot = Arc::clone(&self.sensed().snapshot);
         let Looked { view, seen, mut sightings } = looked;
         let mut images = vec![self.image(0, request, &view, &seen)?];
@@ -193,7 +193,7 @@ impl Scene {
         })
     }
 
-    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Visibility) -> Result<Image> {
+    fn image(&mut self, index: usize, request: &CaptureRequest, view: &View, seen: &Visibility) -> Result<Image> {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
@@ -277,19 +277,19 @@ impl Scene {
     }
 }
 
-fn motion_of_ego(snapshot: &Snapshot) -> Motion {
+fn motion_of_ego(snapshot: &Snapshot) -> RigidMotion {
     let EgoState { world_from_ego, velocity_world, angular_velocity_world } = snapshot.ego;
-    Motion { pivot_world: world_from_ego.translation, velocity_world, angular_velocity_world }
+    RigidMotion { pivot_world: world_from_ego.translation, velocity_world, angular_velocity_world }
 }
 
 /// How the actor of an id moves.
-fn motion_of_actor(snapshot: &Snapshot, id: i32) -> Motion {
+fn motion_of_actor(snapshot: &Snapshot, id: i32) -> RigidMotion {
     // They stand in the order of their ids.
     snapshot.actors.binary_search_by_key(&id, |a| a.id).map_or_else(
-        |_| Motion::default(),
+        |_| RigidMotion::default(),
         |i| {
             let ActorState { world_from_box, velocity_world, angular_velocity_world, .. } = snapshot.actors[i];
-            Motion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
+            RigidMotion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
         },
     )
 }

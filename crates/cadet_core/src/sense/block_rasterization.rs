@@ -9,7 +9,7 @@ use std::ops::Range;
 use macro_rules_attribute::apply;
 
 use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
-use super::outline::Outline;
+use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
 use crate::math::DVec3;
@@ -74,7 +74,7 @@ impl FaceOnImage {
     ///
     /// `most_z_m`: the largest z of its corners, to a thousandth.
     #[inline(always)]
-    pub(super) fn new(outline: &Outline, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
+    pub(super) fn new(outline: &FacePlanes, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
         if outline.volume == 0.0 {
             return None;
         }

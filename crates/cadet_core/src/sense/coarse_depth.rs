@@ -2,10 +2,10 @@
 
 use super::grid::{BeamGrid, Window};
 
-/// Columns of a block.
-const BLOCK_COLUMNS: usize = 16;
+/// Beams of a row that share a bound.
+const BOUND_COLUMNS: usize = 16;
 
-/// For each [`BLOCK_COLUMNS`] beams of a row a depth that none of them exceeds: it decides most questions about what is hidden
+/// For each [`BOUND_COLUMNS`] beams of a row a depth that none of them exceeds: it decides most questions about what is hidden
 /// without a look at the beams. Depths only shrink, so a bound from before still holds.
 #[derive(Debug)]
 pub(super) struct CoarseDepth {
@@ -16,7 +16,7 @@ pub(super) struct CoarseDepth {
 impl CoarseDepth {
     /// Bounds that always hold.
     pub(super) fn new(rows: usize, columns: usize) -> Self {
-        let per_row = columns.div_ceil(BLOCK_COLUMNS);
+        let per_row = columns.div_ceil(BOUND_COLUMNS);
         Self { per_row, bounds: vec![f32::INFINITY; rows * per_row] }
     }
 
@@ -25,7 +25,7 @@ impl CoarseDepth {
     pub(super) fn hides<G: BeamGrid>(&mut self, grid: &G, depths: &[f32], window: &Window, near_depth: f32) -> bool {
         let columns = grid.columns();
         let (first, last) =
-            (window.columns.start / BLOCK_COLUMNS, window.columns.end.saturating_sub(1) / BLOCK_COLUMNS);
+            (window.columns.start / BOUND_COLUMNS, window.columns.end.saturating_sub(1) / BOUND_COLUMNS);
         for row in window.rows.clone() {
             let row_start = grid.row_start(row);
             let row_depths = &depths[row_start..row_start + columns];
@@ -35,7 +35,7 @@ impl CoarseDepth {
                 if *bound < near_depth {
                     continue;
                 }
-                let (from, to) = (block * BLOCK_COLUMNS, ((block + 1) * BLOCK_COLUMNS).min(columns));
+                let (from, to) = (block * BOUND_COLUMNS, ((block + 1) * BOUND_COLUMNS).min(columns));
                 *bound = farthest(&row_depths[from..to]);
                 if *bound >= near_depth {
                     let inside = &row_depths[from.max(window.columns.start)..to.min(window.columns.end)];
@@ -54,7 +54,7 @@ impl CoarseDepth {
 #[inline(always)]
 fn farthest(depths: &[f32]) -> f32 {
     let larger = |a: f32, b: f32| if a > b { a } else { b };
-    if let Ok(block) = <&[f32; BLOCK_COLUMNS]>::try_from(depths) {
+    if let Ok(block) = <&[f32; BOUND_COLUMNS]>::try_from(depths) {
         let mut most = [0.0_f32; 8];
         for i in 0..8 {
             most[i] = larger(block[i], block[i + 8]);

@@ -14,7 +14,7 @@ use crate::math::DVec3;
 
 /// Which materials a beam notices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Layer {
+pub enum SurfaceFilter {
     /// Every triangle.
     All,
     /// All but transparent surfaces.
@@ -31,7 +31,7 @@ pub enum Layer {
 pub fn cast<G: BeamGrid>(
     scene: &PosedScene,
     grid: &G,
-    layer: Layer,
+    layer: SurfaceFilter,
     keep: impl Fn(&PosedInstance) -> bool,
     hits: &mut Hits,
 ) {
@@ -70,16 +70,16 @@ struct Caster<'a, G: BeamGrid> {
     scene: &'a PosedScene,
     grid: &'a G,
     to_grid: ToGrid,
-    layer: Layer,
+    layer: SurfaceFilter,
     /// The bits of the material slots that the layer notices, for each instance.
     slots: Vec<u64>,
     farthest: CoarseDepth,
-    scratch: Box<Scratch<G::Footprint>>,
+    scratch: Box<VerticesOnGrid<G::Footprint>>,
     hits: &'a mut Hits,
 }
 
 /// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
-struct Scratch<F> {
+struct VerticesOnGrid<F> {
     x: [f64; CLUSTER_VERTICES],
     y: [f64; CLUSTER_VERTICES],
     z: [f64; CLUSTER_VERTICES],
@@ -87,7 +87,7 @@ struct Scratch<F> {
     candidates: [u8; CLUSTER_FACES + 1],
 }
 
-impl<F: Copy + Default> Default for Scratch<F> {
+impl<F: Copy + Default> Default for VerticesOnGrid<F> {
     fn default() -> Self {
         Self {
             x: [0.0; CLUSTER_VERTICES],
@@ -99,7 +99,7 @@ impl<F: Copy + Default> Default for Scratch<F> {
     }
 }
 
-impl<F> Scratch<F> {
+impl<F> VerticesOnGrid<F> {
     #[inline(always)]
     fn point(&self, i: u8) -> DVec3 {
         let i = usize::from(i);
@@ -170,7 +170,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     /// Poses the vertices and finds where they fall on the grid.
     #[inline(always)]
     fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
-        let Scratch { x, y, z, footprints, .. } = &mut *self.scratch;
+        let VerticesOnGrid { x, y, z, footprints, .. } = &mut *self.scratch;
         let places = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
         for ((local, ((x, y), z)), out) in cluster.lanes.iter().zip(places).zip(footprints.chunks_exact_mut(LANES)) {
             let points = self.to_grid.lanes(&instance.placement.pose_lanes(local));
@@ -185,7 +185,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     /// Lists the pieces between whose corners there is a beam; most of them meet none.
     #[inline(always)]
     fn find_candidates(&mut self, cluster: &Cluster) -> usize {
-        let Scratch { footprints, candidates, .. } = &mut *self.scratch;
+        let VerticesOnGrid { footprints, candidates, .. } = &mut *self.scratch;
         let mut n = 0;
         for (number, piece) in cluster.pieces.iter().enumerate() {
             let footprints = piece.corners.map(|i| footprints[usize::from(i)]);
@@ -198,14 +198,14 @@ impl<G: BeamGrid> Caster<'_, G> {
 }
 
 /// The bits of the material slots that belong to a layer.
-fn slots_of_layer(instance: &PosedInstance, layer: Layer) -> u64 {
+fn slots_of_layer(instance: &PosedInstance, layer: SurfaceFilter) -> u64 {
     match layer {
-        Layer::All => u64::MAX,
-        Layer::Transparent => instance.palette.transparent_slots(),
-        Layer::Opaque => instance.palette.opaque_slots(),
+        SurfaceFilter::All => u64::MAX,
+        SurfaceFilter::Transparent => instance.palette.transparent_slots(),
+        SurfaceFilter::Opaque => instance.palette.opaque_slots(),
     }
 }
 
-fn in_layer(instance: &PosedInstance, face: u32, layer: Layer) -> bool {
-    layer == Layer::All || instance.material(face).is_transparent() == (layer == Layer::Transparent)
+fn in_layer(instance: &PosedInstance, face: u32, layer: SurfaceFilter) -> bool {
+    layer == SurfaceFilter::All || instance.material(face).is_transparent() == (layer == SurfaceFilter::Transparent)
 }

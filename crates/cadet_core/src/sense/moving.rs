@@ -9,10 +9,10 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::Ray;
 
 use super::face_trees::{FaceTrees, LOOSE_M};
-use super::motion::Motion;
+use super::instance_tree::{FaceHit, InstanceTree, outward};
+use super::motion::RigidMotion;
 use super::posed::{PosedInstance, PosedScene};
-use super::raycast::{meet, outward};
-use crate::math::{DMat3, DPose3, DVec3};
+use crate::math::{DPose3, DVec3};
 
 /// Casts rays at a scene whose instances move steadily about the instant at which they were posed.
 ///
@@ -22,32 +22,19 @@ pub struct MovingCaster {
     scene: Arc<PosedScene>,
     over_instances: Bvh,
     /// None for instances that were left out.
-    instances: Vec<Option<LocalFrame>>,
-    motions: Vec<Motion>,
+    instances: Vec<Option<MovingInstance>>,
+    motions: Vec<RigidMotion>,
 }
 
-struct LocalFrame {
-    local_from_world: DMat3,
-    origin_world: DVec3,
-    over_faces: Arc<Bvh>,
+struct MovingInstance {
+    tree: InstanceTree,
     /// Index into the motions, None at rest.
     motion: Option<usize>,
 }
 
-/// A triangle that a ray met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FaceHit {
-    /// Distance from the ray's origin.
-    pub range_m: f64,
-    /// Index into [`PosedScene::instances`].
-    pub instance: u32,
-    /// Face of the instance's mesh.
-    pub face: u32,
-}
-
 /// What a ray met.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LayerHits {
+pub struct SurfaceHits {
     /// The first opaque triangle.
     pub opaque: Option<FaceHit>,
     /// The first transparent one before it.
@@ -60,7 +47,7 @@ impl MovingCaster {
     pub fn new(
         scene: Arc<PosedScene>,
         trees: &mut FaceTrees,
-        motion_of: impl Fn(i32) -> Motion,
+        motion_of: impl Fn(i32) -> RigidMotion,
         span_s: f64,
         keep: impl Fn(&PosedInstance) -> bool,
     ) -> Self {
@@ -68,7 +55,7 @@ impl MovingCaster {
         let mut instances = Vec::with_capacity(scene.instances.len());
         let mut boxes = Vec::new();
         for (index, posed) in scene.instances.iter().enumerate() {
-            let motion = if posed.actor_id == 0 { Motion::default() } else { motion_of(posed.actor_id) };
+            let motion = if posed.actor_id == 0 { RigidMotion::default() } else { motion_of(posed.actor_id) };
             let radius_m = posed.radius_m + (posed.center_world - motion.pivot_world).length();
             let swept_m = if motion.is_rest() { 0.0 } else { motion.reach_m(radius_m, span_s) };
             if !keep(posed) {
@@ -81,12 +68,7 @@ impl MovingCaster {
                     motions.len() - 1
                 })
             });
-            instances.push(Some(LocalFrame {
-                local_from_world: posed.placement.rotation.transpose(),
-                origin_world: posed.placement.translation,
-                over_faces: trees.of(&posed.mesh),
-                motion,
-            }));
+            instances.push(Some(MovingInstance { tree: InstanceTree::new(posed, trees), motion }));
             boxes.push((index, Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M + 1.001 * swept_m as f32)));
         }
         let over_instances = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
@@ -115,38 +97,33 @@ pub struct Moment<'a> {
 impl Moment<'_> {
     /// What the ray from `origin_world` along the unit vector `direction_world` meets at this moment.
     #[must_use]
-    pub fn cast(&self, origin_world: DVec3, direction_world: DVec3) -> LayerHits {
+    pub fn cast(&self, origin_world: DVec3, direction_world: DVec3) -> SurfaceHits {
         let caster = self.caster;
         let ray_world = Ray::new(origin_world.as_vec3(), direction_world.as_vec3());
         let (opaque, transparent) = (Cell::new(None::<FaceHit>), Cell::new(None::<FaceHit>));
         let _ = caster.over_instances.cast_ray(&ray_world, f32::MAX, |instance, _| {
-            let frame = caster.instances[instance as usize].as_ref()?;
-            let (origin, direction) = match frame.motion {
-                None => (origin_world, direction_world),
+            let moving = caster.instances[instance as usize].as_ref()?;
+            let ray = match moving.motion {
+                None => [origin_world, direction_world],
                 Some(index) => {
                     let back = &self.now_from_then[index];
-                    (back.transform_point(origin_world), back.rotation * direction_world)
+                    [back.transform_point(origin_world), back.rotation * direction_world]
                 }
             };
-            let local = |v: DVec3| (frame.local_from_world * v).as_vec3();
-            let ray = Ray::new(local(origin - frame.origin_world), local(direction));
-            let limit = opaque.get().map_or(f32::MAX, |s| outward(s.range_m));
-            let _ = frame.over_faces.cast_ray(&ray, limit, |face, _| {
-                let corners = caster.scene.corners(instance, face).map(|p| p.as_dvec3());
-                let range_m = meet(corners, origin, direction)?;
-                let found = FaceHit { range_m, instance, face };
-                let is_transparent = caster.scene.instances[instance as usize].material(face).is_transparent();
+            let limit_m = opaque.get().map_or(f32::MAX, |o| outward(o.range_m));
+            moving.tree.cast(&caster.scene, instance, ray, limit_m, |hit| {
+                let is_transparent = caster.scene.instances[instance as usize].material(hit.face).is_transparent();
                 let best = if is_transparent { &transparent } else { &opaque };
-                if best.get().is_none_or(|b| is_before(&found, &b)) {
-                    best.set(Some(found));
+                if best.get().is_none_or(|b| hit.is_before(&b)) {
+                    best.set(Some(hit));
                 }
                 // Transparent surfaces don't end the search.
-                (!is_transparent).then(|| outward(range_m))
+                (!is_transparent).then(|| outward(hit.range_m))
             });
             opaque.get().filter(|s| s.instance == instance).map(|s| outward(s.range_m))
         });
         let opaque = opaque.get();
-        LayerHits { opaque, transparent: transparent.get().filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m)) }
+        SurfaceHits { opaque, transparent: transparent.get().filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m)) }
     }
 
     /// A direction as it stands to an instance's triangles where [`PosedScene`] has them, at the instant.
@@ -157,9 +134,4 @@ impl Moment<'_> {
             Some(index) => self.now_from_then[index].rotation * direction_world,
         }
     }
-}
-
-/// Nearer, or of two equally near ones the earlier instance and face.
-fn is_before(a: &FaceHit, b: &FaceHit) -> bool {
-    a.range_m < b.range_m || (a.range_m == b.range_m && (a.instance, a.face) < (b.instance, b.face))
 }

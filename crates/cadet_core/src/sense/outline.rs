@@ -5,7 +5,7 @@ use crate::math::DVec3;
 
 /// The edges of a polygon with three or four corners, and its plane; see [`EdgePlanes`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Outline {
+pub(super) struct FacePlanes {
     /// a x b, b x c, and so on; a triangle's last one stands twice.
     pub edges: [DVec3; 4],
     pub is_quad: bool,
@@ -15,7 +15,7 @@ pub(super) struct Outline {
     pub volume: f64,
 }
 
-impl Outline {
+impl FacePlanes {
     /// Of a triangle in the camera's frame.
     #[inline(always)]
     pub fn triangle(corners: [DVec3; 3]) -> Self {
@@ -58,10 +58,10 @@ mod tests {
             let k = f64::from(k);
             let middle = DVec3::new(sin(k * 0.7) * 3.0, cos(k * 0.3) * 2.0, 4.0 + 3.0 * sin(k * 0.11));
             let [a, b, c, d] = square(middle, k, k * 0.37);
-            let quad = Outline::quad([a, b, c, d]).expect("seen from a side");
-            let halves = [[a, b, c], [a, c, d]].map(Outline::triangle);
+            let quad = FacePlanes::quad([a, b, c, d]).expect("seen from a side");
+            let halves = [[a, b, c], [a, c, d]].map(FacePlanes::triangle);
             assert!(halves.iter().all(|half| half.volume.signum() == quad.volume.signum()));
-            let is_in = |o: &Outline, beam: DVec3| o.edges.iter().all(|e| e.dot(beam) * o.volume.signum() >= 0.0);
+            let is_in = |o: &FacePlanes, beam: DVec3| o.edges.iter().all(|e| e.dot(beam) * o.volume.signum() >= 0.0);
             for i in 0..400 {
                 let beam = middle + DVec3::new(f64::from(i % 20) * 0.1 - 1.0, f64::from(i / 20) * 0.1 - 1.0, 0.0);
                 assert_eq!(is_in(&quad, beam), halves.iter().any(|half| is_in(half, beam)), "{k} {i}");
@@ -72,12 +72,12 @@ mod tests {
     #[test]
     fn what_is_seen_dented_or_from_the_rim_is_no_quadrilateral() {
         let flat = square(DVec3::new(0.0, 0.0, 5.0), 0.3, 0.0);
-        assert!(Outline::quad(flat).is_some());
+        assert!(FacePlanes::quad(flat).is_some());
         let mut bent = flat;
         bent[3] = (flat[0] + flat[2]) * 0.5 + (flat[1] - flat[3]) * 0.1;
-        assert!(Outline::quad(bent).is_none());
+        assert!(FacePlanes::quad(bent).is_none());
         // In a plane with the camera.
         let on_edge = flat.map(|p| DVec3::new(p.x, 0.0, 5.0 + p.y));
-        assert!(Outline::quad(on_edge).is_none());
+        assert!(FacePlanes::quad(on_edge).is_none());
     }
 }

@@ -11,7 +11,7 @@ use macro_rules_attribute::apply;
 use super::block_rasterization::{ExactBlock, FaceOnImage};
 use super::cluster_culling::{VisibleCluster, sort_by_depth, visible_clusters};
 use super::grid::{BeamGrid, Window};
-use super::outline::Outline;
+use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
@@ -55,7 +55,7 @@ pub fn rasterize_instances(
 const SLACK: f32 = 1e-6;
 
 /// The vertices of the cluster at hand, axis by axis.
-struct Corners {
+struct VerticesOnImage {
     cam: [[f64; CLUSTER_VERTICES]; 3],
     /// Clamped to just outside of the image; NaN where a vertex is not clearly in front.
     column: [f32; CLUSTER_VERTICES],
@@ -64,7 +64,7 @@ struct Corners {
     z_m: [f32; CLUSTER_VERTICES],
 }
 
-impl Default for Corners {
+impl Default for VerticesOnImage {
     fn default() -> Self {
         let none = [0.0; CLUSTER_VERTICES];
         Self { cam: [[0.0; CLUSTER_VERTICES]; 3], column: none, row: none, z_m: none }
@@ -79,11 +79,11 @@ struct Rasterizer<'a> {
     /// As the grid's, to the ends of the last blocks.
     columns_x: [Vec<f64>; 2],
     rows_y: Vec<f64>,
-    corners: Box<Corners>,
+    corners: Box<VerticesOnImage>,
 }
 
 /// A face that may be seen.
-struct Candidate {
+struct FaceCandidate {
     instance: u32,
     face: u32,
     is_transparent: bool,
@@ -150,7 +150,7 @@ impl Rasterizer<'_> {
                     cluster.slots & transparent_slots != 0
                 };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
-                let mut candidate = Candidate {
+                let mut candidate = FaceCandidate {
                     instance: item.instance,
                     face,
                     is_transparent,
@@ -161,13 +161,13 @@ impl Rasterizer<'_> {
                 };
                 let [a, b, c, d] = corners;
                 if !piece.is_quad() {
-                    self.draw_face(&candidate, &Outline::triangle([a, b, c]));
-                } else if let Some(outline) = Outline::quad(corners) {
+                    self.draw_face(&candidate, &FacePlanes::triangle([a, b, c]));
+                } else if let Some(outline) = FacePlanes::quad(corners) {
                     self.draw_face(&candidate, &outline);
                 } else {
-                    self.draw_face(&candidate, &Outline::triangle([a, b, c]));
+                    self.draw_face(&candidate, &FacePlanes::triangle([a, b, c]));
                     candidate.face = cluster.faces[first + 1];
-                    self.draw_face(&candidate, &Outline::triangle([a, c, d]));
+                    self.draw_face(&candidate, &FacePlanes::triangle([a, c, d]));
                 }
             }
         }
@@ -217,7 +217,7 @@ impl Rasterizer<'_> {
     }
 
     #[inline(always)]
-    fn draw_face(&mut self, candidate: &Candidate, outline: &Outline) {
+    fn draw_face(&mut self, candidate: &FaceCandidate, outline: &FacePlanes) {
         if outline.volume > 0.0 && candidate.has_one_side {
             return;
         }

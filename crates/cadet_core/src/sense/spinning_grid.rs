@@ -10,7 +10,7 @@ use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use super::hits::Hits;
 use super::laser_ring::LaserRing;
 use super::row_planes::{EIGHT, RowPlanes};
-use super::spinning_table::{POLAR, Table};
+use super::spinning_table::{POLAR, SpinningTable};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
@@ -26,7 +26,7 @@ const MOST_LEFT_M: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub struct SpinningGrid {
     world_from_velo: DPose3,
-    table: Arc<Table>,
+    table: Arc<SpinningTable>,
 }
 
 impl SpinningGrid {
@@ -86,7 +86,7 @@ impl SpinningGrid {
                 return out_of_range("azimuth offset", offset.to_string(), &expected);
             }
         }
-        Ok(Self { world_from_velo, table: Arc::new(Table::new(rings, azimuths_rad, offsets_rad)) })
+        Ok(Self { world_from_velo, table: Arc::new(SpinningTable::new(rings, azimuths_rad, offsets_rad)) })
     }
 
     /// Cosine and sine of the azimuth of every column of a ring.

@@ -16,7 +16,7 @@ const OFF_AXIS: f32 = 40.0;
 pub(super) const POLAR: f32 = 0.01;
 /// What does not depend on the pose. "Sorted" rows run from the highest elevation to the lowest.
 #[derive(Debug)]
-pub(super) struct Table {
+pub(super) struct SpinningTable {
     pub(super) rings: Vec<LaserRing>,
     /// Ring number of each sorted row.
     pub(super) ring_of_row: Vec<u32>,
@@ -48,7 +48,7 @@ pub(super) struct Table {
     pub(super) ticks: Ticks,
 }
 
-impl Table {
+impl SpinningTable {
     pub(super) fn new(rings: &[LaserRing], azimuths_rad: &[f64], offsets_rad: &[f64]) -> Self {
         let mut ring_of_row: Vec<u32> = (0..rings.len() as u32).collect();
         ring_of_row.sort_by(|a, b| rings[*b as usize].elevation_rad.total_cmp(&rings[*a as usize].elevation_rad));
@@ -141,7 +141,7 @@ impl Table {
         self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
     }
 
-    /// About [`Table::rows_at`], for lasers at several heights, without a search: by 1 / rho and a bin of tangents.
+    /// About [`SpinningTable::rows_at`], for lasers at several heights, without a search: by 1 / rho and a bin of tangents.
     #[inline(always)]
     pub(super) fn rows_of_place(&self, inverse_rho: f32, tangent_bin: u32) -> [u16; 2] {
         let near = (inverse_rho * (1.0 / INVERSE_RHO_PER_BIN)).min(INVERSE_RHO_BINS as f32 - 0.75) - 0.5;
@@ -155,7 +155,7 @@ impl Table {
         0.5 * (self.height_span[0] + self.height_span[1])
     }
 
-    /// [`Table::rows_at`], from a first guess of the row.
+    /// [`SpinningTable::rows_at`], from a first guess of the row.
     #[inline]
     pub(super) fn rows_from_guess(&self, rho: f32, z: f32, guess: usize) -> (usize, usize) {
         let slack =

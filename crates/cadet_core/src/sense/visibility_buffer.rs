@@ -15,7 +15,7 @@ pub(super) const CLEARLY: f32 = 1.000_01;
 pub struct DrawnFace {
     /// Index into [`super::PosedScene::instances`].
     pub instance: u32,
-    /// Face of the instance's mesh; the first of two that are drawn as one ([`crate::geometry::Piece`]).
+    /// Face of the instance's mesh; the first of two that are drawn as one ([`crate::geometry::ClusterPiece`]).
     pub face: u32,
     /// It was drawn with its partner.
     pub is_quad: bool,

@@ -1,8 +1,8 @@
 //! KITTI's rules written down plainly: every overlap anew, every frame again at every threshold.
 
 use cadet_core::evaluate::{
-    Detection, FramePair, Level, Metric, ObjectType, ObjectTypes, Samples, Settings, Truth, choose_thresholds,
-    intersection_bev, iou_3d, iou_bev,
+    Detection, FramePair, Level, Metric, ObjectType, ObjectTypes, PrecisionByRecall, Settings, Truth,
+    choose_thresholds, intersection_bev, iou_3d, iou_bev,
 };
 use cadet_core::math::cos;
 
@@ -11,8 +11,8 @@ pub struct Answer {
     pub num_valid: u64,
     pub num_tp: Vec<u64>,
     pub num_fp: Vec<u64>,
-    pub precision: Samples,
-    pub heading: Samples,
+    pub precision: PrecisionByRecall,
+    pub heading: PrecisionByRecall,
 }
 
 #[derive(PartialEq, Clone, Copy)]

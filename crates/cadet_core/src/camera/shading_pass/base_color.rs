@@ -23,14 +23,14 @@ const SNOW_ALBEDO: f32 = 0.8;
 
 /// Which of a pair's pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum PixelOfPair {
     Left,
     Right,
     /// The middle of both.
     Middle,
 }
 
-impl Side {
+impl PixelOfPair {
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// From the pair's middle, in half spacings.
@@ -61,7 +61,7 @@ pub fn place_texture(
     m: usize,
     camera: &ShadingCamera,
     variant: ShaderVariant,
-    side: Side,
+    side: PixelOfPair,
     out: &mut [BatchScalar; 2],
 ) {
     let m = m.min(BATCH_SIZE);
@@ -135,7 +135,7 @@ fn snow_cover(
     geometry: &SurfaceGeometry,
     camera: &ShadingCamera,
     snow: f32,
-    side: Side,
+    side: PixelOfPair,
     i: usize,
 ) -> f32 {
     // In the pixel itself: in the pair's middle, each pair would have its own drift.
@@ -154,7 +154,7 @@ pub fn snow(
     m: usize,
     camera: &ShadingCamera,
     snow: f32,
-    side: Side,
+    side: PixelOfPair,
     out: &mut BatchVector,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
@@ -176,7 +176,7 @@ pub fn snow_over(
     out: &mut OutgoingLight,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
-        let cover = snow_cover(inputs, geometry, camera, snow, Side::Middle, i);
+        let cover = snow_cover(inputs, geometry, camera, snow, PixelOfPair::Middle, i);
         let (seen_through, mirrored) = (get(&out.diffuse, i), get(&out.specular, i));
         put(&mut out.diffuse, i, seen_through * (1.0 - cover));
         put(&mut out.specular, i, mirrored * (1.0 - cover) + get(irradiance, i) * (SNOW_ALBEDO * cover));

@@ -77,7 +77,7 @@ pub struct SurfaceInputs {
     pub corner_normal: BatchVector,
     pub normal_ab: BatchVector,
     pub normal_ac: BatchVector,
-    /// See [`Face`](super::super::face::Face).
+    /// See [`ShadingFace`](super::super::face::ShadingFace).
     pub to_b: BatchVector,
     pub to_c: BatchVector,
     pub weights_at_eye: [BatchScalar; 2],

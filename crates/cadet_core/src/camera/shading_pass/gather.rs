@@ -3,7 +3,7 @@
 use macro_rules_attribute::apply;
 
 use super::super::ambient_cache::{AmbientTerms, PER_BLOCK};
-use super::super::face::{Face, ShaderVariant};
+use super::super::face::{ShaderVariant, ShadingFace};
 use super::super::shading_queue::{
     BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, REGISTER,
     ShadingQueue,
@@ -91,7 +91,13 @@ pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &m
 
 /// What the pairs' faces are like.
 #[apply(for_wide_registers)]
-pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, faces: &[Face], out: &mut SurfaceInputs) {
+pub fn gather_faces(
+    variant: ShaderVariant,
+    queue: &ShadingQueue,
+    n: usize,
+    faces: &[ShadingFace],
+    out: &mut SurfaceInputs,
+) {
     let (has_coat, is_leaf) = (variant.is_glossy || variant.is_transparent, variant.pattern == Pattern::Leaves);
     let has_axes = variant.pattern != Pattern::Plain && !is_leaf;
     for (number, (_, group)) in queue.groups.iter().enumerate() {

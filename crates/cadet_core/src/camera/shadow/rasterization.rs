@@ -6,7 +6,7 @@ use macro_rules_attribute::apply;
 
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
 use super::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
-use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES, Piece};
+use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use crate::material::Material;
 use crate::math::{DMat3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
@@ -46,7 +46,7 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
                     map.draw(&points, &cluster.pieces, one_sided, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
-                    let pieces: Vec<Piece> = map.casters_of(instance, cluster, &castings, &points, up).collect();
+                    let pieces: Vec<ClusterPiece> = map.casters_of(instance, cluster, &castings, &points, up).collect();
                     map.draw(&points, &pieces, 0, 1.0);
                 }
             }
@@ -129,7 +129,7 @@ impl Map {
         castings: &'a [ShadowCasting],
         points: &'a Points,
         up: Vec3,
-    ) -> impl Iterator<Item = Piece> + 'a {
+    ) -> impl Iterator<Item = ClusterPiece> + 'a {
         let is_level = move |[a, b, c, _]: [u8; 4]| {
             let [a, b, c] = [a, b, c].map(|i| {
                 let p = point(points, i);
@@ -139,7 +139,7 @@ impl Map {
             let rise = normal.dot(up);
             rise * rise > LEVEL * normal.length_squared()
         };
-        let casts = move |piece: &Piece| {
+        let casts = move |piece: &ClusterPiece| {
             let face = cluster.faces[usize::from(piece.first)];
             match castings[usize::from(instance.shadow_proxy.slots[face as usize])] {
                 ShadowCasting::Always => true,
@@ -153,8 +153,8 @@ impl Map {
     /// Draws some of a cluster's leaves, each larger about its own middle, so that all together cover as much as before
     /// (stochastic simplification: Cook, Halstead, Planck & Ryu 2007).
     #[inline(always)]
-    fn draw_some(&mut self, points: &Points, pieces: &[Piece]) {
-        let mut some = [Piece { corners: [0; 4], first: 0 }; CLUSTER_FACES];
+    fn draw_some(&mut self, points: &Points, pieces: &[ClusterPiece]) {
+        let mut some = [ClusterPiece { corners: [0; 4], first: 0 }; CLUSTER_FACES];
         let mut count = 0;
         for (some, piece) in some.iter_mut().zip(pieces.iter().step_by(self.leaf_step)) {
             *some = *piece;
@@ -166,7 +166,7 @@ impl Map {
     /// Draws faces, [`LANES`] of them set up at a time and enlarged about their middles. `one_sided`: a bit for each of the
     /// first 64 that has one side.
     #[inline(always)]
-    fn draw(&mut self, points: &Points, pieces: &[Piece], one_sided: u64, scale: f32) {
+    fn draw(&mut self, points: &Points, pieces: &[ClusterPiece], one_sided: u64, scale: f32) {
         for (some, first) in pieces.chunks(LANES).zip((0_u32..).step_by(LANES)) {
             let mut lanes: Corners = [[[0.0; LANES]; 3]; 4];
             for (i, piece) in some.iter().enumerate() {

@@ -3,10 +3,10 @@
 use super::Reference;
 use super::shading::{Point, Surface};
 use crate::camera::night_lights::{
-    LEAF_DIRECT, LEAF_SCATTERED, LEAST_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO, RETRO_SINE,
+    LEAF_DIRECT, LEAF_SCATTERED, LEAST_LAMP_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO, RETRO_SINE,
 };
 use crate::camera::shading_pass::lamp_coat;
-use crate::lamp::{Beam, fade};
+use crate::lamp::{LightDistribution, fade};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -31,7 +31,8 @@ impl Reference {
             let from_lamp = point - lamp.at;
             let distance_m = from_lamp.length().max(LEAST_SQUARE_M2.sqrt());
             let to_lamp = -from_lamp / distance_m;
-            let from_above = if matches!(lamp.beam, Beam::Luminaire { .. }) { contact } else { 1.0 };
+            let from_above =
+                if matches!(lamp.distribution, LightDistribution::Luminaire { .. }) { contact } else { 1.0 };
             let square = distance_m * distance_m;
             let strength = Vec3::from(lamp.intensity)
                 * (lamp.share(from_lamp, distance_m) * from_above * fade(square, lamp.reach_m * lamp.reach_m) / square);
@@ -54,7 +55,7 @@ impl Reference {
 /// pi times F D G / (4 cos cos) times the cosine to the light.
 fn ggx(to_lamp: Vec3, to_eye: Vec3, normal: Vec3, f0: f32, roughness: f32) -> f32 {
     let power = |x: f64, n: usize| std::iter::repeat_n(x, n).product::<f64>();
-    let alpha2 = power(roughness.into(), 4).max(LEAST_ALPHA_SQUARED.into());
+    let alpha2 = power(roughness.into(), 4).max(LEAST_LAMP_ALPHA_SQUARED.into());
     let alpha = alpha2.sqrt();
     let half = (to_lamp + to_eye).normalize_or_zero();
     let [nl, nv, nh, lh] =
