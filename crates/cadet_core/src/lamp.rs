@@ -5,7 +5,7 @@ use crate::math::{DPose3, Vec3};
 /// Candela that a lamp sends along its strongest direction, per unit of [`Lamp::intensity`].
 ///
 /// An irradiance of 1 is 100 lx at night, so an intensity of 1 makes it at 1 m.
-pub const CANDELA: f32 = 100.0;
+pub const CD_PER_INTENSITY: f32 = 100.0;
 
 /// How light leaves a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,14 +34,14 @@ pub struct Lamp {
     pub ahead: Vec3,
     /// Unit vector to the left of it.
     pub left: Vec3,
-    /// R, G, B along the strongest direction, in [`CANDELA`].
+    /// R, G, B along the strongest direction, in [`CD_PER_INTENSITY`].
     pub intensity: [f32; 3],
     /// Its light ends here: beyond 0.7 of it, it is faded out.
     pub reach_m: f32,
 }
 
 /// Low beams are aimed so far below the horizon, a tangent.
-pub const CUT_OFF: f32 = -0.01;
+pub const CUT_OFF_TANGENT: f32 = -0.01;
 /// The cut-off rises to the right of the axis, by the tangent of 15 degrees, and so far.
 const RISE: f32 = 0.268;
 const RISE_TO: f32 = 0.04;
@@ -100,7 +100,7 @@ pub fn luminaire(cos_nadir: f32, cos_ends: f32, cos_full: f32) -> f32 {
 pub fn low_beam(ahead_m: f32, left_m: f32, up_m: f32) -> f32 {
     let per_ahead = 1.0 / ahead_m.max(LEAST_AHEAD_M);
     let (aside, up) = (left_m * per_ahead, up_m * per_ahead);
-    let over = up - CUT_OFF - RISE * (-aside).clamp(0.0, RISE_TO);
+    let over = up - CUT_OFF_TANGENT - RISE * (-aside).clamp(0.0, RISE_TO);
     let below = (over / FALL_BELOW).min(0.0);
     let beam = (0.5 - over / EDGE).clamp(0.0, 1.0) / (1.0 + below * below);
     let (off_spot, above) = ((aside - HOT_SPOT) / FALL_ASIDE, up / FALL_ABOVE);

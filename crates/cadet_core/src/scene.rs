@@ -225,9 +225,9 @@ impl Scene {
     ///
     /// # Errors
     /// A place that is not finite, off the ground, or where somebody stands.
-    pub fn move_ego(&mut self, x: f64, y: f64, yaw: f64, overlap: Overlap) -> Result<()> {
+    pub fn move_ego(&mut self, x: f64, y: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
         self.sensed = None;
-        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, overlap)
+        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw_rad)?, overlap)
     }
 
     /// Drives the ego by command from the next step on; `None` lets its driver drive.
@@ -242,8 +242,8 @@ impl Scene {
     ///
     /// # Errors
     /// A time that is negative, not finite or longer than an hour.
-    pub fn step(&mut self, seconds: f64) -> Result<()> {
-        self.step_until(seconds, AtRoadEnd::Stand, || Ok(()))
+    pub fn step(&mut self, duration_s: f64) -> Result<()> {
+        self.step_until(duration_s, AtRoadEnd::Stand, || Ok(()))
     }
 
     /// Lets physics run; `pause` is called after each simulated second and may end it there.
@@ -252,11 +252,11 @@ impl Scene {
     /// As [`Self::step`], and what `pause` returns.
     pub fn step_until<E: From<Error>>(
         &mut self,
-        seconds: f64,
+        duration_s: f64,
         at_road_end: AtRoadEnd,
         mut pause: impl FnMut() -> std::result::Result<(), E>,
     ) -> std::result::Result<(), E> {
-        let seconds = in_range("seconds", seconds, 0.0, MAX_STEP_S)?;
+        let seconds = in_range("seconds", duration_s, 0.0, MAX_STEP_S)?;
         self.sensed = None;
         let mut steps = (seconds * STEPS_PER_S).round() as u32;
         while steps > 0 {
@@ -352,7 +352,7 @@ fn in_range(what: &'static str, value: f64, lo: f64, hi: f64) -> Result<f64> {
 
 /// The finest angle between a rig's pixels or beams.
 fn resolution(rig: &Rig) -> Resolution {
-    let focal_px = rig.cameras().iter().map(|c| c.sensor.intrinsics()[0]).fold(1.0, f64::max);
+    let focal_px = rig.cameras().iter().map(|c| c.sensor.intrinsics_px()[0]).fold(1.0, f64::max);
     let beams_per_turn = rig.lidars().iter().map(|l| beams_per_turn(&l.sensor)).max().unwrap_or(1);
     Resolution::of(focal_px, beams_per_turn)
 }

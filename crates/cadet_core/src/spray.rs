@@ -169,12 +169,12 @@ impl Plume {
         near + (far - near) * share[0]
     }
 
-    /// The part of a ray in its frame, `from + t direction` with 0 <= t < `end`, that is in the box which it fills.
+    /// The part of a ray in its frame, `from + t direction` with 0 <= t < `end_m`, that is in the box which it fills.
     #[inline]
     #[must_use]
-    pub fn crossing(&self, from: Vec3, direction: Vec3, end: f32) -> Option<[f32; 2]> {
+    pub fn crossing(&self, from: Vec3, direction: Vec3, end_m: f32) -> Option<[f32; 2]> {
         let [low, high] = self.bounds();
-        let (mut enters, mut leaves) = (0.0_f32, end);
+        let (mut enters, mut leaves) = (0.0_f32, end_m);
         for (from, direction, low, high) in [
             (from.x, direction.x, low.x, high.x),
             (from.y, direction.y, low.y, high.y),

@@ -70,7 +70,7 @@ fn check<G: BeamGrid>(scene: &PosedScene, grid: &G) -> Result<usize, TestCaseErr
     for row in 0..grid.rows() {
         for column in 0..grid.columns() {
             let i = row * grid.columns() + column;
-            let depth = f64::from(hits.depth[i]);
+            let depth = f64::from(hits.depth_m[i]);
             prop_assert!(depth > 0.0, "depth {depth} at {row}, {column}");
             prop_assert_eq!(hits.instance[i] == NO_HIT, depth.is_infinite());
             prop_assert_eq!(hits.face[i] == NO_HIT, depth.is_infinite());
@@ -158,7 +158,7 @@ proptest! {
         let grid = spinning(pose, [0.0, 0.0]);
         let mut hits = Hits::new(grid.rows(), grid.columns());
         cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
-        prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
+        prop_assert!(hits.depth_m.iter().all(|d| d.is_finite()));
         let _ = check(&scene, &grid)?;
     }
 
@@ -193,6 +193,6 @@ fn columns_of_any_spacing_see_the_same_walls() {
         let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths).expect("valid");
         let mut hits = Hits::new(2, n);
         cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
-        assert!(hits.depth.iter().all(|d| (19.9..20.001).contains(d)), "{n}: {:?}", hits.depth);
+        assert!(hits.depth_m.iter().all(|d| (19.9..20.001).contains(d)), "{n}: {:?}", hits.depth_m);
     }
 }

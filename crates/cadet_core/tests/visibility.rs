@@ -105,17 +105,17 @@ proptest! {
         let grid = spinning(pose, 60, 88.0, -88.0, [0.0, 0.0], 360);
         let mut hits = Hits::new(grid.rows(), grid.columns());
         cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
-        prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
+        prop_assert!(hits.depth_m.iter().all(|d| d.is_finite()));
         let grid = pinhole(pose);
         cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
-        prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
+        prop_assert!(hits.depth_m.iter().all(|d| d.is_finite()));
         // Corners lie on the sphere, so every hit lies between it and the sphere through the faces' middles.
         let pitch = math::PI / f64::from(rings);
         let least = f64::from(radius) * math::cos(pitch.min(1.0) / 1.2) * math::cos(pitch.min(1.0) / 1.2) - 1e-3;
         for row in 0..grid.rows() {
             for column in 0..grid.columns() {
                 let beam = grid.beam(row, column);
-                let depth = f64::from(hits.depth[row * grid.columns() + column]);
+                let depth = f64::from(hits.depth_m[row * grid.columns() + column]);
                 let r = (beam.origin_world + beam.direction_world * depth - center).length();
                 prop_assert!(r <= f64::from(radius) * (1.0 + 1e-6) + 1e-4, "{r} {radius}");
                 prop_assert!(r >= least, "{r} {least} {radius} {rings}");
@@ -138,7 +138,7 @@ fn ranges_to_a_plane_are_the_closed_form() {
         let h = if t < 0.5 { 0.2 } else { 0.12 };
         let expected = (f64::from(1.73_f32) + h) / -math::sin(elevation);
         for column in 0..720 {
-            let got = f64::from(hits.depth[row * 720 + column]);
+            let got = f64::from(hits.depth_m[row * 720 + column]);
             if elevation >= 0.0 {
                 assert!(got.is_infinite());
             } else if expected < 399.0 {
@@ -165,16 +165,16 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
             let outside = !(-1.001..=2.001).contains(&x) || !(-3.001..=1.001).contains(&y);
             let i = row * 100 + column;
             if inside {
-                assert!((hits.depth[i] - 10.0).abs() < 1e-5 && hits.instance[i] == 0);
+                assert!((hits.depth_m[i] - 10.0).abs() < 1e-5 && hits.instance[i] == 0);
             } else if outside {
-                assert!(hits.depth[i].is_infinite() && hits.instance[i] == NO_HIT && hits.face[i] == NO_HIT);
+                assert!(hits.depth_m[i].is_infinite() && hits.instance[i] == NO_HIT && hits.face[i] == NO_HIT);
             }
         }
     }
     hits.clear();
     cast(&scene, &grid, SurfaceFilter::All, |i| i.actor_id != 7, &mut hits);
     cast(&scene, &grid, SurfaceFilter::Transparent, |_| true, &mut hits);
-    assert!(hits.depth.iter().all(|d| d.is_infinite()));
+    assert!(hits.depth_m.iter().all(|d| d.is_infinite()));
 }
 
 #[test]

@@ -103,10 +103,10 @@ impl From<&CoreSighting> for Sighting {
             is_labeled: s.is_labeled,
             truncation: s.truncation,
             occlusion_level: s.occlusion_level,
-            observation_angle: s.observation_angle,
+            observation_angle: s.observation_angle_rad,
             bbox: corners(&s.bbox),
             visible_fraction: s.visible_fraction,
-            visible_pixels: s.visible_pixels,
+            visible_pixels: s.visible_px,
             contrast: s.contrast,
             num_points: s.num_points,
             velocity_world: s.velocity_world.to_array(),
@@ -120,7 +120,7 @@ impl From<&CoreSighting> for Sighting {
 }
 
 fn corners(rect: &Rect) -> Corners {
-    (rect.u1, rect.v1, rect.u2, rect.v2)
+    (rect.left_px, rect.top_px, rect.right_px, rect.bottom_px)
 }
 
 impl Capture {
@@ -202,7 +202,7 @@ impl Capture {
 
     #[getter]
     fn plane<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.frame.plane)
+        PyArray1::from_slice(py, &self.frame.plane_cam)
     }
 
     #[getter]
@@ -240,7 +240,7 @@ impl Capture {
         let image = self.image_at(index)?;
         let Some(maps) = &image.rendered.maps else { return Ok(None) };
         let dict = PyDict::new(py);
-        dict.set_item("depth", arrays::plane(py, maps.depth.clone(), image.height, image.width))?;
+        dict.set_item("depth", arrays::plane(py, maps.depth_m.clone(), image.height, image.width))?;
         dict.set_item("instance", arrays::plane(py, maps.instance.clone(), image.height, image.width))?;
         dict.set_item("semantic", arrays::plane(py, maps.semantic.clone(), image.height, image.width))?;
         Ok(Some(dict))

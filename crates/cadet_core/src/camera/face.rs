@@ -62,7 +62,7 @@ pub struct ShadingFace {
     /// Shading normal in the first corner, towards the eye; see `normal_ab`.
     pub normal: Vec3,
     /// Coordinates of the texture at the eye, meters.
-    pub at_eye: [f32; 2],
+    pub at_eye_m: [f32; 2],
     pub face_hash: u32,
     pub place_hash: u32,
     pub f0: f32,
@@ -213,7 +213,7 @@ impl ShadingFace {
         let face = Self {
             face_normal,
             axes,
-            at_eye,
+            at_eye_m: at_eye,
             normal: turn(na) * side,
             normal_ab,
             normal_ac,

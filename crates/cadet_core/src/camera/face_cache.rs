@@ -62,7 +62,7 @@ pub struct FaceCache<'a> {
     pub faces: Vec<ShadingFace>,
     /// As `faces`.
     info: Vec<BinningInfo>,
-    /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
+    /// As `faces`; see [`DrawnFace::inverse_depth_per_m_on_image`].
     planes: Vec<[f64; 3]>,
     pub ambient: AmbientCache<'a>,
 }
@@ -122,7 +122,7 @@ impl<'a> FaceCache<'a> {
             faces: Vec::with_capacity(2 * MAX_FACES),
             info: Vec::with_capacity(2 * MAX_FACES),
             planes: Vec::with_capacity(2 * MAX_FACES),
-            intrinsics: view.intrinsics,
+            intrinsics: view.intrinsics_px,
             ambient: AmbientCache::new(light, rays, buffer.blocks_across as u32),
         }
     }
@@ -182,7 +182,8 @@ impl<'a> FaceCache<'a> {
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
-        self.planes.extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_on_image(self.intrinsics)));
+        self.planes
+            .extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_per_m_on_image(self.intrinsics)));
         for raw in &raw {
             let placed = &self.instances[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
@@ -224,21 +225,21 @@ impl<'a> FaceCache<'a> {
 
     /// 1 / z of a made face's plane at an image point, 1/m, and its change by column and by row.
     #[inline]
-    pub fn inverse_depth_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
+    pub fn inverse_depth_per_m_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
         let [first, by_column, by_row] = self.planes[index as usize];
         let here = first + by_column * f64::from(u) + by_row * f64::from(v);
         [here, by_column, by_row].map(|n| n as f32)
     }
 
     /// Index of the ambient terms of a face in a block. The block's first corner is the image point (u, v) with the
-    /// inverse depth `inverse_depth`; see [`FaceCache::inverse_depth_at`]. `there`: the inverse depth at a hit.
+    /// inverse depth `inverse_depth_per_m`; see [`FaceCache::inverse_depth_per_m_at`]. `there`: the inverse depth at a hit.
     #[inline]
     pub fn ambient_index(
         &mut self,
         index: u32,
         block: u32,
         (u, v): (f32, f32),
-        inverse_depth: [f32; 3],
+        inverse_depth_per_m: [f32; 3],
         there: SurfacePoint,
     ) -> u32 {
         let info = &mut self.info[index as usize];
@@ -250,7 +251,7 @@ impl<'a> FaceCache<'a> {
             (EVERYWHERE, self.ambient.of_leaf(info.instance, face.face_hash, info.middle))
         } else {
             let surface = FlatSurface { instance: info.instance, variant: info.variant };
-            (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth, &there))
+            (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth_per_m, &there))
         };
         info.ambient
     }

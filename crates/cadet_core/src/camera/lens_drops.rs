@@ -60,7 +60,7 @@ impl LensDrops {
             return;
         }
         let picture = Small::of(rgb, view.width, view.height);
-        let px_per_m = view.intrinsics[0] / BEFORE_APERTURE_M;
+        let px_per_m = view.intrinsics_px[0] / BEFORE_APERTURE_M;
         for one in &self.0 {
             let middle = [one.at[0] * view.width as f64, one.at[1] * view.height as f64];
             let [radius_px, blur_px] = [one.diameter_m, APERTURE_M].map(|m| 0.5 * m * px_per_m);
@@ -126,7 +126,7 @@ mod tests {
     use crate::math::DPose3;
 
     fn view() -> View {
-        View { intrinsics: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam: DPose3::IDENTITY }
+        View { intrinsics_px: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam: DPose3::IDENTITY }
     }
 
     #[test]

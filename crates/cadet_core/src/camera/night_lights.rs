@@ -24,7 +24,7 @@ const MEANS_WITHIN_M: [f32; 2] = [60.0, 180.0];
 const LUMINAIRE_SR: f32 = 5.6;
 /// Reflectance of what throws light back to where it comes from, times the irradiance square to the light: pi times 110 cd
 /// per lx and m², between number plates (45) and signs (180), at no angle between lamp and eye.
-pub const RETRO: f32 = 350.0;
+pub const RETRO_REFLECTANCE: f32 = 350.0;
 /// The sine of that angle at which half of it is left: 0.4 degrees.
 pub const RETRO_SINE: f32 = 0.007;
 /// Squared slopes of microfacets are at least this: lamps are no points.
@@ -182,8 +182,8 @@ pub struct WideLight {
 
 /// Of light on leaves, what goes by the cosine and what is scattered to all sides: less of both than of
 /// the sun's, since a crown hides half of itself from a lamp.
-pub const LEAF_DIRECT: f32 = 0.4;
-pub const LEAF_SCATTERED: f32 = 0.20;
+pub const LEAF_DIRECT_SHARE: f32 = 0.4;
+pub const LEAF_SCATTERED_SHARE: f32 = 0.20;
 const LEAF_THROUGH: f32 = 0.75;
 
 /// Adds the light of a lamp where `share` is 1.
@@ -229,7 +229,7 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
         let cos = -d.dot(Vec3::new(s.normal[0][i], s.normal[1][i], s.normal[2][i])) / distance[i];
         facing[i] = cos.max(0.0);
         let lit = if s.is_leaf {
-            (facing[i] + LEAF_THROUGH * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED
+            (facing[i] + LEAF_THROUGH * (-cos).max(0.0)) * LEAF_DIRECT_SHARE + LEAF_SCATTERED_SHARE
         } else {
             facing[i]
         };
@@ -243,7 +243,7 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
             let d = Vec3::new(to[0][i], to[1][i], to[2][i]) / distance[i];
             let view = Vec3::new(s.view[0][i], s.view[1][i], s.view[2][i]);
             let sine = d.cross(view);
-            let back = RETRO / (1.0 + sine.dot(sine) / (RETRO_SINE * RETRO_SINE));
+            let back = RETRO_REFLECTANCE / (1.0 + sine.dot(sine) / (RETRO_SINE * RETRO_SINE));
             let back = if s.flags[i] & Flags::RETRO > 0 && d.dot(view) > 0.0 { back } else { 0.0 };
             let thrown = strength[i] * facing[i] * back;
             out.irradiance[0][i] += color.x * thrown;

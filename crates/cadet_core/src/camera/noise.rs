@@ -44,8 +44,8 @@ pub const ROWS_BEFORE: usize = 2;
 /// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centers. The image
 /// begins after `ROWS_BEFORE` rows; blurred, it begins where `rgb` does.
 ///
-/// Returns the sums over all pixels of R, G and B, of which none counts for more than `ceiling`.
-pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64; 3] {
+/// Returns the sums over all pixels of R, G and B, of which none counts for more than `radiance_ceiling`.
+pub fn blur(rgb: &mut [f32], width: usize, height: usize, radiance_ceiling: f32) -> [f64; 3] {
     let tap = |k: f32| math::expf(-0.5 * (k + MIDDLE_PX) * (k + MIDDLE_PX) / (PSF_SIGMA_PX * PSF_SIGMA_PX));
     let taps = [tap(-2.0), tap(-1.0), tap(0.0), tap(1.0), tap(2.0)];
     let sum: f32 = taps.iter().sum();
@@ -72,7 +72,7 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
             padded[PSF_REACH * RGB + stride + i] = padded[(PSF_REACH - 1) * RGB + stride + i % RGB];
         }
         let out = &mut rgb[row * stride..(row + 1) * stride];
-        let sums = blur_across(&taps, &padded, out, ceiling);
+        let sums = blur_across(&taps, &padded, out, radiance_ceiling);
         for (k, s) in sums.iter().enumerate() {
             total[k % 3] += f64::from(*s);
         }

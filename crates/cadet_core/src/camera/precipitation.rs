@@ -84,7 +84,7 @@ impl Precipitation {
         self.for_each_streak(view, |streak| {
             let [column, row] = [0, 1].map(|k| 0.5 * (streak.ends_px[0][k] + streak.ends_px[1][k]));
             let [column, row] = [column.clamp(0.0, view.width as f64 - 1.0), row.clamp(0.0, view.height as f64 - 1.0)];
-            if f64::from(seen.depth_at(row as usize, column as usize)) > streak.depth_m {
+            if f64::from(seen.depth_m_at(row as usize, column as usize)) > streak.depth_m {
                 streak.draw(rgb, view, radiance);
             }
         });
@@ -118,7 +118,7 @@ impl Precipitation {
     /// Whether the ball about a cell reaches into the view.
     fn may_be_seen(&self, view: &View, cam_from_world: &DPose3, low: DVec3) -> bool {
         let radius_m = 0.87 * CELL_M;
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let p = *cam_from_world * (low + DVec3::splat(0.5 * CELL_M));
         let within = |at: f64, focal_px: f64, middle_px: f64, size_px: usize| {
             let (lo, hi) = (-middle_px / focal_px, (size_px as f64 - middle_px) / focal_px);
@@ -159,7 +159,7 @@ impl Precipitation {
         if ends.iter().any(|p| p.z < NEAREST_M) {
             return None;
         }
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let ends_px = ends.map(|p| [fx * p.x / p.z + cx, fy * p.y / p.z + cy]);
         let sharp_px = fx * particle.diameter_m / depth_m;
         let width_px = math::hypot(sharp_px, fx * APERTURE_M / depth_m).max(1.0);

@@ -36,7 +36,7 @@ pub fn radiance_pass(
             corner: rays.direction(0.0, 0.0),
             right: rays.right,
             down: rays.down,
-            pixel_per_m: 1.0 / view.intrinsics[0] as f32,
+            pixel_per_m: 1.0 / view.intrinsics_px[0] as f32,
         },
         first_background: image,
         background: 0,

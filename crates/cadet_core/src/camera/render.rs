@@ -118,13 +118,13 @@ pub fn render_through(
     image
 }
 
-/// How an image is exposed. `sums` are those of [`blur`].
-pub(super) fn exposure(blurred: &[f32], sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
-    let num_pixels = (blurred.len() / 3) as f64;
-    let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
+/// How an image is exposed. `radiance_sums` are those of [`blur`].
+pub(super) fn exposure(blurred_rgb: &[f32], radiance_sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
+    let num_pixels = (blurred_rgb.len() / 3) as f64;
+    let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
     let (mean, deviation) = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
     let target = stream.clipped_normal(mean, deviation) as f32;
-    let metered = metered(blurred, veil, METERED_STEP);
+    let metered = metered(blurred_rgb, veil, METERED_STEP);
     let (gain, amplification) = if is_night {
         night_gain(gain_at_night(&metered, target))
     } else {

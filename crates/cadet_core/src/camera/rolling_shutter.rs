@@ -91,7 +91,7 @@ pub fn render_rolling(
         }
         if let Some(maps) = &mut maps {
             let of_band = seen.maps(&scene);
-            band.append(&of_band.depth, &mut maps.depth);
+            band.append(&of_band.depth_m, &mut maps.depth_m);
             band.append(&of_band.instance, &mut maps.instance);
             band.append(&of_band.semantic, &mut maps.semantic);
         }

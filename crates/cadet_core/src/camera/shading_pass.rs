@@ -15,7 +15,7 @@ mod resolve;
 
 use macro_rules_attribute::apply;
 
-use self::base_color::{PixelOfPair, place_texture, snow, snow_over, texture};
+use self::base_color::{PixelOfPair, lay_snow, place_texture, snow_over, texture};
 pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
@@ -110,7 +110,7 @@ impl ShadingPass {
             if light.night.is_some() {
                 self.shine_through(light, camera, variant, m);
             }
-            if light.snow > 0.0 && variant.pattern != Pattern::Window {
+            if light.snow_cover > 0.0 && variant.pattern != Pattern::Window {
                 self.snow_on_panes(light, camera, variant, m);
             }
         } else {
@@ -173,8 +173,8 @@ impl ShadingPass {
                 place_texture(inputs, m, camera, variant, side, at);
                 texture(inputs, geometry, at, m, variant.pattern, color);
             }
-            if light.snow > 0.0 {
-                snow(inputs, geometry, m, camera, light.snow, side, color);
+            if light.snow_cover > 0.0 {
+                lay_snow(inputs, geometry, m, camera, light.snow_cover, side, color);
             }
         }
     }
@@ -210,7 +210,7 @@ impl ShadingPass {
         }
         let (inputs, geometry) = (&self.inputs, &self.geometry);
         diffuse(geometry, &self.incident, m, light, variant, &mut self.irradiance);
-        snow_over(inputs, geometry, m, camera, light.snow, &self.irradiance, &mut self.outgoing);
+        snow_over(inputs, geometry, m, camera, light.snow_cover, &self.irradiance, &mut self.outgoing);
     }
 
     /// Adds what transparent surfaces mirror of lamps, and the light of rooms behind lit panes.

@@ -43,7 +43,7 @@ pub struct FragmentGroup {
     /// See `u`.
     pub v: f32,
     /// 1 / z there, 1/m, and its change by column and by row.
-    pub inverse_depth: [f32; 3],
+    pub inverse_depth_per_m: [f32; 3],
     /// What a pixel's color counts, if both samples show the face.
     pub weight: f32,
 }
@@ -132,7 +132,7 @@ mod tests {
         background: 0,
         u: 40.25,
         v: 3.25,
-        inverse_depth: [0.5, 0.01, 0.02],
+        inverse_depth_per_m: [0.5, 0.01, 0.02],
         weight: 1.0,
     };
 

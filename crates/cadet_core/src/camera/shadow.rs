@@ -6,7 +6,7 @@ mod rasterization;
 
 use macro_rules_attribute::apply;
 
-use self::map::{EMPTY, HIGHEST, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
+use self::map::{EMPTY, HIGHEST_STEPS, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
 use self::rasterization::rasterize_casters;
 use super::value_noise::split;
 use crate::geometry::LANES;
@@ -62,7 +62,7 @@ impl ShadowMaps {
             let mut height = buffers.pop().unwrap_or_default();
             height.resize(SIZE * STRIDE, EMPTY);
             shadows.maps.push(Map {
-                min: [snap(middle.x), snap(middle.y)],
+                min_m: [snap(middle.x), snap(middle.y)],
                 middle_z: middle.z,
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
@@ -214,7 +214,7 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
     for (index, map) in shadows.maps.iter().enumerate().rev() {
         let base = (index * MAP) as i32;
         let (min_x, min_y, to_z) =
-            (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
+            (eye.x - map.min_m[0], eye.y - map.min_m[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
         let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
         for i in 0..count {
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
@@ -227,7 +227,7 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
             let y = (axes[1].dot(p) + min_y) * texels_per_m;
             let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
             let z = (axes[2].dot(p) + to_z) * map.steps_per_m;
-            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high) & (z.abs() < HIGHEST);
+            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high) & (z.abs() < HIGHEST_STEPS);
             let ((column, in_column), (row, in_row)) = (split(x - REACH), split(y - REACH));
             let texel = base.wrapping_add(row.wrapping_mul(STRIDE as i32)).wrapping_add(column);
             out.first[i] = if is_inside { texel as u32 } else { out.first[i] };
@@ -300,7 +300,7 @@ fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], 
             for i in 0..LANES {
                 let (u, v) =
                     (right.x * x[i] + right.y * y[i] + right.z * z[i], up.x * x[i] + up.y * y[i] + up.z * z[i]);
-                let (u, v) = ((u - map.min[0]) * map.texels_per_m, (v - map.min[1]) * map.texels_per_m);
+                let (u, v) = ((u - map.min_m[0]) * map.texels_per_m, (v - map.min_m[1]) * map.texels_per_m);
                 let within = |rim: f32| {
                     let end = SIZE as f32 - rim;
                     (u >= rim) & (v >= rim) & (u < end) & (v < end)

@@ -141,8 +141,8 @@ impl SkyProbes {
                     continue;
                 }
                 for column in mesh.columns_of(number) {
-                    let half = 0.5 * (column.high - column.low);
-                    let p = linear * Vec3::new(column.x, column.y, column.low + half) + origin;
+                    let half = 0.5 * (column.high_m - column.low_m);
+                    let p = linear * Vec3::new(column.x, column.y, column.low_m + half) + origin;
                     let (x, y) = ((p.x - self.min[0]) / CELL_M, (p.y - self.min[1]) / CELL_M);
                     if x >= 0.0 && y >= 0.0 && x < CELLS as f32 && y < CELLS as f32 {
                         mark(x as usize, y as usize, p.z - half, p.z + half);

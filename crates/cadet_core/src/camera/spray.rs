@@ -67,7 +67,7 @@ fn window(plume: &Plume, view: &View) -> Option<(Range<usize>, Range<usize>, [f6
     if far_m <= NEAREST_M {
         return None;
     }
-    let [fx, fy, cx, cy] = view.intrinsics;
+    let [fx, fy, cx, cy] = view.intrinsics_px;
     let mut spans = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     let mut reach = |p: DVec3| {
         for (span, at) in spans.iter_mut().zip([fx * p.x / p.z + cx, fy * p.y / p.z + cy]) {
@@ -100,7 +100,7 @@ impl PlumeLattice {
         let points_down = rows.len() / step + 2;
         let plume_from_cam = *plume.plume_from_world() * view.world_from_cam;
         let from = plume_from_cam.translation.as_vec3();
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let slice_m = ((far_m - near_m) / SLICES as f64) as f32;
         let mut depths = Vec::with_capacity(points_across * points_down);
         for i in 0..points_down {
@@ -142,8 +142,8 @@ impl PlumeLattice {
                     }
                     // The two samples of a pixel; mostly all of the plume is before both.
                     let inverse = [i, i + 1].map(|i| {
-                        let glass = transparent.map_or(0.0, |glass| glass.inverse_depth[i][column % BLOCK]);
-                        glass.max(opaque.inverse_depth[i][column % BLOCK])
+                        let glass = transparent.map_or(0.0, |glass| glass.inverse_depth_per_m[i][column % BLOCK]);
+                        glass.max(opaque.inverse_depth_per_m[i][column % BLOCK])
                     });
                     let clear = if inverse[0].max(inverse[1]) <= self.last_per_m {
                         transmittance(left + (right - left) * share, 1.0)

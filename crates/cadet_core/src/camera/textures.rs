@@ -174,7 +174,7 @@ fn gone_below(left: f32) -> f32 {
 #[inline(always)]
 fn paint(base: Vec3, at: &PatternPoint) -> Vec3 {
     let (u, v) = (at.u, at.v);
-    let WornPaint { left, asphalt } = WornPaint::of_albedo(base);
+    let WornPaint { left_share: left, asphalt_albedo: asphalt } = WornPaint::of_albedo(base);
     let coarse = value_noise(u * GONE_PER_M.0, v * GONE_PER_M.0, GONE_SALT);
     let fine = value_noise(u * GONE_PER_M.1, v * GONE_PER_M.1, GONE_SALT + 1);
     let noise = coarse + (fine - coarse) * GONE_FINE;

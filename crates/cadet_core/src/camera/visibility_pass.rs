@@ -13,7 +13,7 @@ use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
 #[derive(Debug, Clone)]
 pub struct View {
     /// fx, fy, cx, cy in pixels; pixel (0, 0) has its center at (0, 0).
-    pub intrinsics: [f64; 4],
+    pub intrinsics_px: [f64; 4],
     /// Columns.
     pub width: usize,
     /// Rows.
@@ -29,7 +29,7 @@ impl View {
         let camera = camera.pinhole();
         let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
         Self {
-            intrinsics: camera.intrinsics(),
+            intrinsics_px: camera.intrinsics_px(),
             width: camera.width,
             height: camera.height,
             world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
@@ -38,9 +38,9 @@ impl View {
 
     /// Some rows of the image, of a camera that has moved.
     pub(super) fn rows(&self, rows: Range<usize>, displacement: &DPose3) -> Self {
-        let [fx, fy, cx, cy] = self.intrinsics;
+        let [fx, fy, cx, cy] = self.intrinsics_px;
         Self {
-            intrinsics: [fx, fy, cx, cy - rows.start as f64],
+            intrinsics_px: [fx, fy, cx, cy - rows.start as f64],
             width: self.width,
             height: rows.len(),
             world_from_cam: *displacement * self.world_from_cam,
@@ -62,7 +62,7 @@ pub struct Visibility {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Maps {
     /// z along the optical axis, meters; infinite for the sky.
-    pub depth: Vec<f32>,
+    pub depth_m: Vec<f32>,
     /// -1 sky, 0 static world, actors from 1; transparent surfaces carry their car's id.
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
@@ -70,11 +70,11 @@ pub struct Maps {
 }
 
 impl Visibility {
-    /// As [`Maps::depth`], at the center of a pixel.
+    /// As [`Maps::depth_m`], at the center of a pixel.
     #[must_use]
-    pub fn depth_at(&self, row: usize, column: usize) -> f32 {
+    pub fn depth_m_at(&self, row: usize, column: usize) -> f32 {
         let (x, y) = (self.grid.columns_x(2 * row)[column], self.grid.rows_y()[2 * row]);
-        self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_at(x, y))
+        self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_m_at(x, y))
     }
 
     /// Returns the maps as a lens shows them; without a `warp`, as the pinhole camera sees them.
@@ -83,7 +83,7 @@ impl Visibility {
         let maps = self.maps(scene);
         let Some(warp) = warp else { return maps };
         Maps {
-            depth: warp.nearest(&maps.depth),
+            depth_m: warp.nearest(&maps.depth_m),
             instance: warp.nearest(&maps.instance),
             semantic: warp.nearest(&maps.semantic),
         }
@@ -109,9 +109,9 @@ impl Visibility {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
                 for j in 0..BLOCK.min(width - left) {
-                    let (mut inverse_depth, mut id) = (opaque.inverse_depth[i][j], opaque.face[i][j]);
-                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth[i][j] > inverse_depth) {
-                        (inverse_depth, id) = (transparent.inverse_depth[i][j], transparent.face[i][j]);
+                    let (mut inverse_depth, mut id) = (opaque.inverse_depth_per_m[i][j], opaque.face[i][j]);
+                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth_per_m[i][j] > inverse_depth) {
+                        (inverse_depth, id) = (transparent.inverse_depth_per_m[i][j], transparent.face[i][j]);
                     }
                     if inverse_depth <= 0.0 {
                         continue;
@@ -122,12 +122,12 @@ impl Visibility {
                         last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
                     }
                     let at = line + j;
-                    depth[at] = face.depth_at(columns_x[left + j], y);
+                    depth[at] = face.depth_m_at(columns_x[left + j], y);
                     (instance[at], semantic[at]) = (last.1, last.2);
                 }
             }
         }
-        Maps { depth, instance, semantic }
+        Maps { depth_m: depth, instance, semantic }
     }
 
     /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v +
@@ -181,7 +181,7 @@ impl Drop for SampleBuffer {
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let (width, height) = (view.width, view.height);
-    let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
+    let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics_px, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
     rasterize(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
@@ -201,7 +201,7 @@ pub(super) struct ImageRays {
 
 impl ImageRays {
     pub fn new(view: &View) -> Self {
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
         let (right, down) = (turn(DVec3::X / fx), turn(DVec3::Y / fy));
         Self {
@@ -234,10 +234,12 @@ pub(super) fn visible_points(rays: &ImageRays, samples: &SampleBuffer, out: &mut
     for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.
         rows.clear();
-        rows.extend((0..across).map(|column| buffer.opaque(first + column).inverse_depth[row_of(column, block_row)]));
+        rows.extend(
+            (0..across).map(|column| buffer.opaque(first + column).inverse_depth_per_m[row_of(column, block_row)]),
+        );
         for (block_column, opaque) in rows.iter().enumerate() {
             let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
-            let transparent = buffer.transparent(number).map(|transparent| &transparent.inverse_depth[i]);
+            let transparent = buffer.transparent(number).map(|transparent| &transparent.inverse_depth_per_m[i]);
             for j in (block_row % 2..BLOCK).step_by(2) {
                 let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
                 let direction = rays.direction(column as f32, row as f32 * 0.5);

@@ -44,7 +44,8 @@ impl Contest<'_> {
         let level = self.level;
         let height = class_object.height_px;
         let is_high = height > level.min_height_px || (level.is_inclusive && height == level.min_height_px);
-        let is_seen = class_object.occluded <= level.max_occlusion && class_object.truncated <= level.max_truncation;
+        let is_seen = class_object.occlusion_level <= level.max_occlusion_level
+            && class_object.truncation <= level.max_truncation;
         if class_object.is_wanted && is_high && is_seen { Mark::Valid } else { Mark::Ignored }
     }
 
@@ -148,7 +149,7 @@ impl Matcher {
     ) {
         for class_detection in view.class_detections {
             if !contest.is_small(class_detection.height_px)
-                && class_detection.covered[contest.metric as usize] <= contest.min_overlap
+                && class_detection.covered_share[contest.metric as usize] <= contest.min_overlap
             {
                 let enters = first_threshold(thresholds, class_detection.score);
                 if enters < thresholds.len() {
@@ -232,7 +233,7 @@ impl Matcher {
             if !chosen.is_active {
                 continue;
             }
-            let is_stuff = view.overlaps.covered(contest.metric, chosen.detection) > contest.min_overlap;
+            let is_stuff = view.overlaps.covered_share(contest.metric, chosen.detection) > contest.min_overlap;
             outcome.num_spared += i64::from(!is_stuff);
             if object.is_valid {
                 outcome.num_tp += 1;

@@ -32,7 +32,7 @@ pub use metric::{ClassLimits, Level, Metric, Settings};
 pub use nms::{MAX_PAIRS, iou_matrix, nms_bev};
 pub use objects::{BoxImg, Detection, FramePair, MIN_SCORE, ObjectType, ObjectTypes, OtherNames, Truth};
 pub use parse::{Parsed, parse_detections, parse_truths};
-pub use rotated_iou::{RotatedBox, intersection_bev, iou_3d, iou_bev};
+pub use rotated_iou::{RotatedBox, intersection_bev_m2, iou_3d, iou_bev};
 pub use sight::{Sight, sight};
 
 use crate::error::Result;

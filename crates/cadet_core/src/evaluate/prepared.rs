@@ -29,7 +29,7 @@ pub(super) struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     pub(super) fn new(frames: &'a [FramePair], settings: &'a Settings) -> Self {
-        let floors = settings.floors();
+        let floors = settings.least_min_overlap();
         let overlaps: Vec<FrameOverlaps> =
             frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
         let has_alpha = frames.iter().flat_map(|frame| &frame.detections).all(|d| d.alpha != UNKNOWN_ALPHA);
@@ -126,11 +126,11 @@ impl<'a> Prepared<'a> {
 fn is_measured(frames: &[FramePair], class: &ClassLimits, metric: Metric) -> bool {
     frames.iter().flat_map(|frame| &frame.detections).filter(|d| class.kinds.contains(d.kind)).any(|d| {
         let b = &d.box_cam;
-        let is_on_ground = b.x != UNKNOWN_PLACE && b.z != UNKNOWN_PLACE && b.width > 0.0 && b.length > 0.0;
+        let is_on_ground = b.x != UNKNOWN_PLACE && b.z != UNKNOWN_PLACE && b.width_m > 0.0 && b.length_m > 0.0;
         match metric {
-            Metric::Image => d.box_img.x1 >= 0.0,
+            Metric::Image => d.box_img.left_px >= 0.0,
             Metric::Bev => is_on_ground,
-            Metric::Volume => is_on_ground && b.y != UNKNOWN_PLACE && b.height > 0.0,
+            Metric::Volume => is_on_ground && b.y != UNKNOWN_PLACE && b.height_m > 0.0,
         }
     })
 }

@@ -14,8 +14,8 @@ pub(super) struct ClassObject {
     /// Whether a level may ask for it.
     pub is_wanted: bool,
     pub height_px: f64,
-    pub occluded: f64,
-    pub truncated: f64,
+    pub occlusion_level: f64,
+    pub truncation: f64,
 }
 
 /// A detection of the class.
@@ -24,7 +24,7 @@ pub(super) struct ClassDetection {
     pub score: f64,
     pub height_px: f64,
     /// Its largest share in one DontCare region, by metric.
-    pub covered: [f64; 3],
+    pub covered_share: [f64; 3],
 }
 
 /// Rows of all frames one after the other.
@@ -64,9 +64,9 @@ impl Roster {
             taking_part.map(|(index, t)| ClassObject {
                 truth: index as u32,
                 is_wanted: class.kinds.contains(t.kind) && !t.is_optional,
-                height_px: t.box_img.y2 - t.box_img.y1,
-                occluded: t.occluded,
-                truncated: t.truncated,
+                height_px: t.box_img.bottom_px - t.box_img.top_px,
+                occlusion_level: t.occlusion_level,
+                truncation: t.truncation,
             })
         }));
         let class_detections = Rows::collect(frames.iter().zip(overlaps).map(|(frame, overlaps)| {
@@ -74,7 +74,7 @@ impl Roster {
             own.map(|(index, d)| ClassDetection {
                 score: d.score,
                 height_px: d.height_px(),
-                covered: Metric::ALL.map(|metric| overlaps.covered(metric, index)),
+                covered_share: Metric::ALL.map(|metric| overlaps.covered_share(metric, index)),
             })
         }));
         Self { class_objects, class_detections }

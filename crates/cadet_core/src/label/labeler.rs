@@ -88,10 +88,10 @@ pub fn sightings(
             is_labeled,
             truncation,
             occlusion_level,
-            observation_angle: box_cam.alpha(),
+            observation_angle_rad: box_cam.alpha(),
             bbox,
             visible_fraction,
-            visible_pixels,
+            visible_px: visible_pixels,
             contrast,
             num_points: 0,
             least_points: actor.annotated.least_points,
@@ -172,7 +172,7 @@ mod tests {
                 let expected = math::exp(-extinction_per_m * (center - EYE).length());
                 assert!((foggy.contrast - expected).abs() < 1e-12 && clear.contrast == 1.0);
                 assert!((foggy.visible_fraction - clear.visible_fraction * expected).abs() < 1e-12);
-                assert_eq!(foggy.visible_pixels, clear.visible_pixels);
+                assert_eq!(foggy.visible_px, clear.visible_px);
             }
         }
     }
@@ -186,7 +186,7 @@ mod tests {
             assert_eq!((seen.is_labeled, seen.occlusion_level), (true, occluded));
         }
         let hidden = &labels(&exact(), &at_20_m, 0.13)[0];
-        assert!(!hidden.is_labeled && hidden.visible_pixels > 100.0);
+        assert!(!hidden.is_labeled && hidden.visible_px > 100.0);
     }
 
     #[test]

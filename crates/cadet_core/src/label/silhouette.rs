@@ -70,7 +70,7 @@ pub(super) fn silhouette(
     }
     let (rows, columns) = (r2 - r1, c2 - c1);
     let first = [c1 as f64, r1 as f64 / 2.0];
-    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics(), first, rows, columns)
+    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics_px(), first, rows, columns)
         .expect("a checked camera and a window that is not empty");
     rasterize_instances(scene, &grid, instances.of(actor_id), buffer);
     // Rows and columns by halves of a pixel.
@@ -87,7 +87,8 @@ pub(super) fn silhouette(
     if found.samples > 0 {
         let (u, v) = (|h: usize| (2 * c1 + h) as f64 / 2.0, |r: usize| (r1 + r) as f64 / 2.0);
         let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
-        found.bounds = Some(Rect { u1, v1: v(of_rows.start), u2, v2: v(of_rows.end - 1) });
+        found.bounds =
+            Some(Rect { left_px: u1, top_px: v(of_rows.start), right_px: u2, bottom_px: v(of_rows.end - 1) });
     }
     found
 }

@@ -22,7 +22,7 @@ impl BeamHit {
 
     #[inline]
     fn of(hits: &Hits, at: usize) -> Self {
-        Self { range_m: hits.depth[at], instance: hits.instance[at], face: hits.face[at] }
+        Self { range_m: hits.depth_m[at], instance: hits.instance[at], face: hits.face[at] }
     }
 
     /// True where something was met.
@@ -102,9 +102,9 @@ impl Casting for StillCasting<'_> {
         for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
             // The kernel keeps what is nearer: a depth below 0 switches a beam off.
             let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
-            let mut hits = Hits { rows, columns, depth, instance: nothing.clone(), face: nothing };
+            let mut hits = Hits { rows, columns, depth_m: depth, instance: nothing.clone(), face: nothing };
             for at in beams.iter().flat_map(|beam| DivergentBeams::cells(*beam, columns)) {
-                hits.depth[at] = f32::INFINITY;
+                hits.depth_m[at] = f32::INFINITY;
             }
             cast(self.scene, grid, SurfaceFilter::Opaque, self.in_range(spec), &mut hits);
             for (quarters, beam) in out.iter_mut().zip(beams) {

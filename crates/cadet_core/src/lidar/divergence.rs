@@ -80,7 +80,7 @@ impl DivergentBeams {
     /// The beams whose spots may reach over a jump in range, rising.
     pub(super) fn edge_beams(&self, hits: &Hits) -> Vec<u32> {
         let columns = hits.columns as u32;
-        let mut edges = DepthEdges { hits, is_edge: vec![false; hits.depth.len()] };
+        let mut edges = DepthEdges { hits, is_edge: vec![false; hits.depth_m.len()] };
         let mut line: Vec<u32> = Vec::new();
         for ring in 0..hits.rows as u32 {
             line.clear();
@@ -106,7 +106,7 @@ impl DepthEdges<'_> {
     /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
     fn look_along(&mut self, line: &[u32], is_closed: bool, reach: usize) {
         let n = line.len();
-        let range = |i: usize| self.hits.depth[line[i % n] as usize].min(FAR_M);
+        let range = |i: usize| self.hits.depth_m[line[i % n] as usize].min(FAR_M);
         let num_steps = if is_closed { n } else { n.saturating_sub(1) };
         for i in 0..num_steps {
             let (here, next) = (range(i), range(i + 1));
@@ -151,7 +151,7 @@ pub(super) fn chosen_echo(
     mode: ReturnMode,
     air: &Air,
     receiver: &RingReceiver,
-    detection: f64,
+    detection_chance: f64,
 ) -> Option<Echo> {
     let pulse_m = receiver.receiver.pulse_m();
     let mut sorted = quarters;
@@ -167,7 +167,7 @@ pub(super) fn chosen_echo(
         rest = &rest[joined..];
         let is_better = match mode {
             ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
-            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection),
+            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection_chance),
         };
         if is_better {
             chosen = Some(echo);
@@ -290,20 +290,20 @@ mod tests {
         assert!(edges_of(&hits).is_empty(), "the sky has no edges");
         // A ring of road: from row to row the range grows by steps that grow themselves.
         for row in 0..rows {
-            hits.depth[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
+            hits.depth_m[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
         }
         assert!(edges_of(&hits).is_empty(), "{:?}", edges_of(&hits).len());
         // A wall seen at a grazing angle, up to the top row.
         for row in 0..rows {
             for column in 0..60 {
-                hits.depth[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
+                hits.depth_m[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
             }
         }
         let inside = |b: &&u32| (103..157).contains(&(**b as usize % columns));
         assert_eq!(edges_of(&hits).iter().filter(inside).count(), 0);
         // A post one beam wide, and a hole to the sky.
-        hits.depth[2 * columns + 300] = 9.0;
-        hits.depth[2 * columns + 350] = f32::INFINITY;
+        hits.depth_m[2 * columns + 300] = 9.0;
+        hits.depth_m[2 * columns + 350] = f32::INFINITY;
         let edges = edges_of(&hits);
         for column in [299, 300, 301, 349, 350, 351] {
             assert!(edges.contains(&(2 * columns as u32 + column)), "{column}");

@@ -96,10 +96,10 @@ impl EchoBatch {
         e.detected_power[i] = arrival.detected_power;
         e.saturates[i] = arrival.saturates;
         e.peak_share[i] = arrival.peak_share;
-        e.reading_noise[i] = arrival.reading_noise * draws.gain_normal;
-        e.detection[i] = draws.detection;
-        e.saturation[i] = draws.saturation;
-        e.range_normal[i] = draws.range_normal;
+        e.reading_noise[i] = arrival.reading_noise * draws.gain_deviate;
+        e.detection[i] = draws.detection_chance;
+        e.saturation[i] = draws.saturation_chance;
+        e.range_normal[i] = draws.range_deviate;
         for axis in 0..3 {
             e.direction_velo[axis][i] = direction_velo[axis];
             e.origin_velo[axis][i] = origin_velo[axis];

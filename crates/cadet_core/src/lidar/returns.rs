@@ -46,7 +46,7 @@ pub(super) fn arrival(
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
     let share = echo.map_or(1.0, |e| receiver.detected_share(&e));
-    let detected = |power: f64| receiver.receiver.detects(power * share, draws.detection);
+    let detected = |power: f64| receiver.receiver.detects(power * share, draws.detection_chance);
     // The last echo that is detected is the target's, whatever stands before it.
     let air_return = spray.or_stronger(meeting.air_return, power * bright, air);
     if let Some(air_return) = air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
@@ -93,9 +93,9 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
     clear_power(echo, air) * air.transmittance(echo.range_m)
 }
 
-/// Whether the receiver detects an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &RingReceiver, detection: f64) -> bool {
-    receiver.receiver.detects(echo_power(echo, air) * receiver.detected_share(echo), detection)
+/// Whether the receiver detects an echo; `detection_chance` is uniform in [0, 1).
+pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &RingReceiver, detection_chance: f64) -> bool {
+    receiver.receiver.detects(echo_power(echo, air) * receiver.detected_share(echo), detection_chance)
 }
 
 #[cfg(test)]
@@ -110,7 +110,7 @@ mod tests {
     use crate::weather::Weather;
 
     fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> HitSurface<'_> {
-        HitSurface { range_m, cos_incidence, material, texture: 1.0, snow: 0.0, actor_id }
+        HitSurface { range_m, cos_incidence, material, texture_factor: 1.0, snow_cover: 0.0, actor_id }
     }
 
     /// The point that is written of one beam.
@@ -241,7 +241,7 @@ mod tests {
         let mut glass = Material::matt(Semantic::Car, [0.1; 3], Pattern::Plain, 0.04);
         (glass.transmission, glass.lidar.transmission) = (0.8, 0.8);
         let paint = Material::matt(Semantic::Car, [0.02; 3], Pattern::Plain, 0.01);
-        let of_snow = |material, range_m, snow| HitSurface { snow, ..surface(material, range_m, 0.3, 3) };
+        let of_snow = |material, range_m, snow| HitSurface { snow_cover: snow, ..surface(material, range_m, 0.3, 3) };
         let seat = Some(surface(&paint, 9.0, 0.9, 3));
         let mut stream = Stream::from_seed("snow", 0);
         let n = 5000;

@@ -95,7 +95,7 @@ pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec
     // Close together, so that looking them up costs nothing.
     let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
     let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
-    IdealScan { range_m: hits.depth, instance: hits.instance, face: hits.face, actor_id }
+    IdealScan { range_m: hits.depth_m, instance: hits.instance, face: hits.face, actor_id }
 }
 
 /// One turn as the sensor reports it, all of it at one instant. Every beam draws the same count of numbers from
@@ -186,7 +186,7 @@ fn scan_by<C: Casting>(
             let echo = if let Some((_, quarters)) = quarters {
                 let quarters = quarters
                     .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
-                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection)
+                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection_chance)
             } else {
                 first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
             };

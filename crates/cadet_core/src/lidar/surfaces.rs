@@ -64,8 +64,8 @@ impl<'a, C: Casting> SurfaceLookup<'a, C> {
             range_m,
             cos_incidence: cosine.abs().min(1.0),
             material,
-            texture,
-            snow,
+            texture_factor: texture,
+            snow_cover: snow,
             actor_id: posed.actor_id,
         })
     }

@@ -130,7 +130,7 @@ impl Casting for Firings<'_> {
 
 fn put(hits: &mut Hits, at: usize, found: Option<FaceHit>) {
     if let Some(found) = found {
-        hits.depth[at] = found.range_m as f32;
+        hits.depth_m[at] = found.range_m as f32;
         hits.instance[at] = found.instance;
         hits.face[at] = found.face;
     }

@@ -66,7 +66,7 @@ pub struct Frame {
     /// Which boxes the sightings hold.
     pub boxes: Boxes,
     /// The road's plane in the first camera's frame.
-    pub plane: [f64; 4],
+    pub plane_cam: [f64; 4],
     /// The first camera's image, then the others in the order in which they were asked for.
     pub images: Vec<Image>,
     /// The first LIDAR's scan, then the others with their names.
@@ -187,7 +187,7 @@ impl Scene {
             pixels,
             sightings,
             boxes: self.label.boxes,
-            plane: self.plane()?,
+            plane_cam: self.plane()?,
             images,
             scans,
         })

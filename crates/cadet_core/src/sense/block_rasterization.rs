@@ -75,18 +75,18 @@ impl FaceOnImage {
     /// `most_z_m`: the largest z of its corners, to a thousandth.
     #[inline(always)]
     pub(super) fn new(outline: &FacePlanes, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
-        if outline.volume == 0.0 {
+        if outline.sixfold_volume_m3 == 0.0 {
             return None;
         }
-        let sign = if outline.volume > 0.0 { 1.0 } else { -1.0 };
+        let sign = if outline.sixfold_volume_m3 > 0.0 { 1.0 } else { -1.0 };
         let edges = outline.edges.map(|n| n * sign);
         let normal = outline.normal * sign;
-        let volume = outline.volume.abs();
+        let volume = outline.sixfold_volume_m3.abs();
         let [a, b, c, d] = edges;
         let (mut by_x, mut by_y) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
         let mut rest = [a.z, b.z, c.z, d.z];
         let (column, row) = (1.0 / grid.column_scale, 1.0 / grid.row_scale);
-        let (shift, half) = (grid.odd_shift * 0.5, f64::from(HALF));
+        let (shift, half) = (grid.odd_shift_columns * 0.5, f64::from(HALF));
         let mut most = [0.0; EDGES];
         let (mut across, mut down, mut reach) = ([0.0_f32; EDGES], [0.0_f32; EDGES], [0.0_f32; EDGES]);
         for k in 0..EDGES {
@@ -125,7 +125,13 @@ impl FaceOnImage {
 
     /// The record that is kept of a drawn face.
     pub(super) fn drawn(&self, [instance, face]: [u32; 2]) -> DrawnFace {
-        DrawnFace { instance, face, is_quad: self.is_quad, normal: self.normal.to_array(), volume: self.volume }
+        DrawnFace {
+            instance,
+            face,
+            is_quad: self.is_quad,
+            normal: self.normal.to_array(),
+            sixfold_volume_m3: self.volume,
+        }
     }
 
     /// The functions at the middle of a block, given by x / z and y / z.
@@ -141,7 +147,7 @@ impl FaceOnImage {
 
     /// An inverse depth that the face's plane does not reach on a block.
     #[inline(always)]
-    pub(super) fn most_inverse_depth(&self, at: &AffineValues) -> f32 {
+    pub(super) fn most_inverse_depth_per_m(&self, at: &AffineValues) -> f32 {
         if self.is_flat(at) { at.inverse_depth + self.reach.inverse_depth } else { f32::INFINITY }
     }
 
@@ -276,7 +282,7 @@ impl FaceOnImage {
                 }
                 let is_in = (0..EDGES).all(|k| self.edges[k].x * x + rests[k] >= 0.0);
                 let value = ((self.normal.x * x + facing) * inverse) as f32;
-                let old = &mut block.inverse_depth[row][i];
+                let old = &mut block.inverse_depth_per_m[row][i];
                 if is_in && value > *old {
                     (*old, block.face[row][i]) = (value, id);
                     nearer |= bit;

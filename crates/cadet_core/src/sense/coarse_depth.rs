@@ -20,27 +20,27 @@ impl CoarseDepth {
         Self { per_row, bounds: vec![f32::INFINITY; rows * per_row] }
     }
 
-    /// True if all beams of the window have met something nearer than `near_depth`.
+    /// True if all beams of the window have met something nearer than `near_m`.
     #[inline(always)]
-    pub(super) fn hides<G: BeamGrid>(&mut self, grid: &G, depths: &[f32], window: &Window, near_depth: f32) -> bool {
+    pub(super) fn hides<G: BeamGrid>(&mut self, grid: &G, depths_m: &[f32], window: &Window, near_m: f32) -> bool {
         let columns = grid.columns();
         let (first, last) =
             (window.columns.start / BOUND_COLUMNS, window.columns.end.saturating_sub(1) / BOUND_COLUMNS);
         for row in window.rows.clone() {
             let row_start = grid.row_start(row);
-            let row_depths = &depths[row_start..row_start + columns];
+            let row_depths = &depths_m[row_start..row_start + columns];
             let bounds = &mut self.bounds[row_start / columns * self.per_row..][..self.per_row];
             for block in first..=last {
                 let bound = &mut bounds[block];
-                if *bound < near_depth {
+                if *bound < near_m {
                     continue;
                 }
                 let (from, to) = (block * BOUND_COLUMNS, ((block + 1) * BOUND_COLUMNS).min(columns));
                 *bound = farthest(&row_depths[from..to]);
-                if *bound >= near_depth {
+                if *bound >= near_m {
                     let inside = &row_depths[from.max(window.columns.start)..to.min(window.columns.end)];
                     for depth in inside {
-                        if *depth >= near_depth {
+                        if *depth >= near_m {
                             return false;
                         }
                     }

@@ -17,7 +17,7 @@ pub(super) fn keep_nearer(
     nearer: &mut [u32; 2 * BLOCK],
 ) {
     let (Some(inverse_depth), Some(face)) = (
-        block.inverse_depth.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
+        block.inverse_depth_per_m.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
         block.face.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
     ) else {
         return;

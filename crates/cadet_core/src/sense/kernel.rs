@@ -31,7 +31,7 @@ pub enum SurfaceFilter {
 pub fn cast<G: BeamGrid>(
     scene: &PosedScene,
     grid: &G,
-    layer: SurfaceFilter,
+    filter: SurfaceFilter,
     keep: impl Fn(&PosedInstance) -> bool,
     hits: &mut Hits,
 ) {
@@ -39,14 +39,14 @@ pub fn cast<G: BeamGrid>(
         *hits = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
-    let slots: Vec<u64> = scene.instances.iter().map(|i| slots_of_layer(i, layer)).collect();
+    let slots: Vec<u64> = scene.instances.iter().map(|i| noticed_slots(i, filter)).collect();
     let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
     let clusters = visible_clusters(scene, grid, &to_grid, kept.map(|((index, _), slots)| (index, *slots)));
     let mut caster = Caster {
         scene,
         grid,
         to_grid,
-        layer,
+        filter,
         slots,
         farthest: CoarseDepth::new(hits.rows, hits.columns),
         scratch: Box::default(),
@@ -70,7 +70,7 @@ struct Caster<'a, G: BeamGrid> {
     scene: &'a PosedScene,
     grid: &'a G,
     to_grid: ToGrid,
-    layer: SurfaceFilter,
+    filter: SurfaceFilter,
     /// The bits of the material slots that the layer notices, for each instance.
     slots: Vec<u64>,
     farthest: CoarseDepth,
@@ -117,8 +117,8 @@ impl<G: BeamGrid> Caster<'_, G> {
     #[inline(always)]
     fn is_hidden(&mut self, windows: &[Window; 2], near_depth: f32) -> bool {
         let [a, b] = windows;
-        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, a, near_depth))
-            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, b, near_depth))
+        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, a, near_depth))
+            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, b, near_depth))
     }
 
     /// True if every beam starts behind one of a cluster's faces.
@@ -140,7 +140,7 @@ impl<G: BeamGrid> Caster<'_, G> {
         for candidate in 0..num_candidates {
             let piece = &cluster.pieces[usize::from(self.scratch.candidates[candidate])];
             let first = usize::from(piece.first);
-            if !uniform && !in_layer(instance, cluster.faces[first], self.layer) {
+            if !uniform && !is_noticed(instance, cluster.faces[first], self.filter) {
                 continue;
             }
             let has_one_side = one_sided >> first & 1 == 1;
@@ -155,7 +155,7 @@ impl<G: BeamGrid> Caster<'_, G> {
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
-            if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_m)) {
+            if self.is_hidden(&windows, self.grid.near_m(&corners).max(item.near_m)) {
                 continue;
             }
             for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
@@ -198,14 +198,14 @@ impl<G: BeamGrid> Caster<'_, G> {
 }
 
 /// The bits of the material slots that belong to a layer.
-fn slots_of_layer(instance: &PosedInstance, layer: SurfaceFilter) -> u64 {
-    match layer {
+fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
+    match filter {
         SurfaceFilter::All => u64::MAX,
         SurfaceFilter::Transparent => instance.palette.transparent_slots(),
         SurfaceFilter::Opaque => instance.palette.opaque_slots(),
     }
 }
 
-fn in_layer(instance: &PosedInstance, face: u32, layer: SurfaceFilter) -> bool {
-    layer == SurfaceFilter::All || instance.material(face).is_transparent() == (layer == SurfaceFilter::Transparent)
+fn is_noticed(instance: &PosedInstance, face: u32, filter: SurfaceFilter) -> bool {
+    filter == SurfaceFilter::All || instance.material(face).is_transparent() == (filter == SurfaceFilter::Transparent)
 }

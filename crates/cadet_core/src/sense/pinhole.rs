@@ -25,7 +25,7 @@ pub struct PinholeGrid {
     pub(super) row_scale: f64,
     pub(super) row_offset: f64,
     /// Columns by which the samples of odd rows lie further to the right: 0 or 1/2.
-    pub(super) odd_shift: f64,
+    pub(super) odd_shift_columns: f64,
 }
 
 /// How far the single-precision projection may err, in samples.
@@ -72,7 +72,7 @@ impl PinholeGrid {
             column_offset: (cx - u0) / du,
             row_scale: fy / dv,
             row_offset: (cy - v0) / dv,
-            odd_shift: 0.0,
+            odd_shift_columns: 0.0,
         })
     }
 
@@ -89,7 +89,7 @@ impl PinholeGrid {
         columns: usize,
     ) -> Result<Self> {
         let mut grid = Self::new(world_from_cam, [fx, fy, cx, cy], [u0, v0, 1.0, 0.5], rows, columns)?;
-        grid.odd_shift = 0.5;
+        grid.odd_shift_columns = 0.5;
         for (c, x) in grid.columns_x[1].iter_mut().enumerate() {
             *x = (u0 + (c as f64 + 0.5) - cx) / fx;
         }
@@ -181,11 +181,11 @@ impl BeamGrid for PinholeGrid {
 
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
-        let volume = triangle.volume.abs();
+        let volume = triangle.sixfold_volume_m3.abs();
         if volume == 0.0 {
             return;
         }
-        let sign = if triangle.volume > 0.0 { 1.0 } else { -1.0 };
+        let sign = if triangle.sixfold_volume_m3 > 0.0 { 1.0 } else { -1.0 };
         let [e0, e1, e2] = triangle.cross.map(|n| n * sign);
         let n = triangle.normal * sign;
         for row in window.rows.clone() {
@@ -285,7 +285,7 @@ impl PinholeGrid {
         let none = [[0; LANES]; 2];
         let mut out = WindowLanes { may_meet: [false; LANES], rows: none, columns: none, crosses: [false; LANES] };
         let (row_count, column_count) = (self.rows() as u32, self.columns() as u32);
-        let odd_shift = self.odd_shift as f32;
+        let odd_shift = self.odd_shift_columns as f32;
         let bounds = |corners: [&[f32; LANES]; N], i: usize| {
             let (mut low, mut high) = (corners[0][i], corners[0][i]);
             for corner in &corners[1..] {
@@ -333,7 +333,7 @@ impl PinholeGrid {
 
     /// x / z of every column of even and of odd rows, and of those that would follow up to a multiple of `block`.
     pub(super) fn padded_columns_x(&self, block: usize) -> [Vec<f64>; 2] {
-        [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift)].map(|(columns_x, shift)| {
+        [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift_columns)].map(|(columns_x, shift)| {
             let n = columns_x.len();
             let at = |i: usize| (i as f64 + shift - self.column_offset) / self.column_scale;
             columns_x.iter().copied().chain((n..n.next_multiple_of(block)).map(at)).collect()

@@ -147,7 +147,7 @@ impl PosedScene {
     pub fn for_resolution(instances: &[Instance], viewer_world: DVec3, resolution: Resolution) -> Self {
         let mut scene = Self { instances: Vec::with_capacity(instances.len()), lamps: Vec::new() };
         let mut num_vertices = 0;
-        let detail = resolution.detail();
+        let detail = resolution.reach_factor();
         for instance in instances {
             let distance_m = distance_m(instance, viewer_world);
             // Wheels and drivers wear the palette of their vehicle.

@@ -15,7 +15,7 @@ use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
-use super::visibility_buffer::{BLOCK, CLEARLY, VisibilityBuffer};
+use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
 use crate::geometry::{CLUSTER_VERTICES, Cluster, LANES};
 use crate::math::DVec3;
 
@@ -218,7 +218,7 @@ impl Rasterizer<'_> {
 
     #[inline(always)]
     fn draw_face(&mut self, candidate: &FaceCandidate, outline: &FacePlanes) {
-        if outline.volume > 0.0 && candidate.has_one_side {
+        if outline.sixfold_volume_m3 > 0.0 && candidate.has_one_side {
             return;
         }
         let Some(on_image) = FaceOnImage::new(outline, self.grid, candidate.most_z_m) else {
@@ -244,7 +244,8 @@ impl Rasterizer<'_> {
                 let at = on_image.at((even[0] + odd[BLOCK - 1]) * 0.5, y);
                 let number = block_row * self.buffer.blocks_across + block_column;
                 if on_image.misses(&at)
-                    || self.buffer.states[number].least_inverse_depth > on_image.most_inverse_depth(&at) * CLEARLY
+                    || self.buffer.states[number].least_inverse_depth_per_m
+                        > on_image.most_inverse_depth_per_m(&at) * CLEARLY_NEARER_RATIO
                     || self.buffer.is_block_hidden(number, z_m)
                 {
                     continue;

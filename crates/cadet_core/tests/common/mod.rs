@@ -143,7 +143,7 @@ pub fn compare<G: BeamGrid>(scene: &Arc<PosedScene>, grid: &G) -> Agreement {
             let i = row * grid.columns() + column;
             let beam = grid.beam(row, column);
             let hit = caster.cast(beam.origin_world, beam.direction_world).expect("a finite ray");
-            let kernel_m = f64::from(hits.depth[i]) * beam.direction_world.length();
+            let kernel_m = f64::from(hits.depth_m[i]) * beam.direction_world.length();
             let single_m = hit.map_or(f64::INFINITY, |h| h.range_m);
             out.beams += 1;
             out.hits += usize::from(hit.is_some());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::materials::furniture_slot as slot;
 use super::pole::{self, PoleKind};
-use crate::lamp::{CANDELA, Lamp, LightDistribution};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LightDistribution};
 use crate::material::{Palette, Pattern};
 use crate::math::Vec3;
 use crate::rng::Stream;
@@ -80,7 +80,7 @@ impl StreetLight {
             at: head.at,
             ahead: -Vec3::Z,
             left: Vec3::Y,
-            intensity: color.map(|c| c * (head.candela / CANDELA)),
+            intensity: color.map(|c| c * (head.candela / CD_PER_INTENSITY)),
             reach_m: head.reach_m,
         };
         let at_night = Palette::new(materials).with_lamps(vec![lamp]);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::VehicleModel;
 use super::paint::{slot, work_slot};
 use crate::actor::ObjectClass;
-use crate::lamp::{CANDELA, Lamp, LightDistribution};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LightDistribution};
 use crate::material::{Material, Palette, Pattern};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -61,7 +61,7 @@ pub fn low_beams(size_lwh: DVec3, color: [f32; 3]) -> [Lamp; 2] {
         at: Vec3::new(0.5 * size.x + BEFORE_LENS_M, side * ASIDE_SHARE * size.y, z),
         ahead: Vec3::X,
         left: Vec3::Y,
-        intensity: color.map(|c| c * (LOW_BEAM_CD / CANDELA)),
+        intensity: color.map(|c| c * (LOW_BEAM_CD / CD_PER_INTENSITY)),
         reach_m: LOW_BEAM_REACH_M,
     })
 }
@@ -131,7 +131,7 @@ impl VehicleModel {
                 at: Vec3::new(-0.5 * size.x - BEFORE_LENS_M, 0.0, z),
                 ahead: -Vec3::X,
                 left: -Vec3::Y,
-                intensity: RED.map(|c| c * (candela / CANDELA)),
+                intensity: RED.map(|c| c * (candela / CD_PER_INTENSITY)),
                 reach_m: TAIL_REACH_M,
             });
         }

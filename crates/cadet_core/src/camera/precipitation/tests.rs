@@ -7,7 +7,7 @@ use crate::math::{DPose3, DQuat};
 fn view_at(at: DVec3) -> View {
     let rotation = DQuat::from_mat3(&math::DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X));
     let world_from_cam = DPose3 { rotation, translation: at };
-    View { intrinsics: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam }
+    View { intrinsics_px: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam }
 }
 
 fn falling(rain: f64, snow: f64, ego_mps: f64) -> Precipitation {

@@ -43,7 +43,7 @@ pub struct GroupValues {
     pub u: BatchScalar,
     pub v: BatchScalar,
     /// 1 / z there, 1/m, and its changes.
-    pub inverse_depth: BatchScalar,
+    pub inverse_depth_per_m: BatchScalar,
     pub inverse_depth_by_column: BatchScalar,
     pub inverse_depth_by_row: BatchScalar,
 }
@@ -59,7 +59,7 @@ pub struct SurfaceInputs {
     /// The middle of the samples that show the face: image point, and 1 / z there, 1/m.
     pub u: BatchScalar,
     pub v: BatchScalar,
-    pub inverse_depth: BatchScalar,
+    pub inverse_depth_per_m: BatchScalar,
     pub inverse_depth_by_column: BatchScalar,
     /// Where it lies in its block, from 0 at the first corner to 1 at the last.
     pub across: BatchScalar,
@@ -72,7 +72,7 @@ pub struct SurfaceInputs {
     /// Axes of the texture, and its coordinates at the eye.
     pub axis_u: BatchVector,
     pub axis_v: BatchVector,
-    pub at_eye: [BatchScalar; 2],
+    pub at_eye_m: [BatchScalar; 2],
     /// The shading normal in the first corner, and its changes to the others.
     pub corner_normal: BatchVector,
     pub normal_ab: BatchVector,
@@ -139,7 +139,7 @@ impl Default for GroupValues {
             weight: NONE,
             u: NONE,
             v: NONE,
-            inverse_depth: NONE,
+            inverse_depth_per_m: NONE,
             inverse_depth_by_column: NONE,
             inverse_depth_by_row: NONE,
         }
@@ -154,7 +154,7 @@ impl Default for SurfaceInputs {
             weights: [NONE; 2],
             u: NONE,
             v: NONE,
-            inverse_depth: NONE,
+            inverse_depth_per_m: NONE,
             inverse_depth_by_column: NONE,
             across: NONE,
             down: NONE,
@@ -163,7 +163,7 @@ impl Default for SurfaceInputs {
             face_normal: NONE_3,
             axis_u: NONE_3,
             axis_v: NONE_3,
-            at_eye: [NONE; 2],
+            at_eye_m: [NONE; 2],
             corner_normal: NONE_3,
             normal_ab: NONE_3,
             normal_ac: NONE_3,

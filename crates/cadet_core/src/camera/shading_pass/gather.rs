@@ -47,9 +47,9 @@ pub fn gather_groups(queue: &ShadingQueue, n: usize, out: &mut GroupValues) {
             run(&mut out.weight, i, group.weight);
             run(&mut out.u, i, group.u);
             run(&mut out.v, i, group.v);
-            run(&mut out.inverse_depth, i, group.inverse_depth[0]);
-            run(&mut out.inverse_depth_by_column, i, group.inverse_depth[1]);
-            run(&mut out.inverse_depth_by_row, i, group.inverse_depth[2]);
+            run(&mut out.inverse_depth_per_m, i, group.inverse_depth_per_m[0]);
+            run(&mut out.inverse_depth_by_column, i, group.inverse_depth_per_m[1]);
+            run(&mut out.inverse_depth_by_row, i, group.inverse_depth_per_m[2]);
         }
     }
 }
@@ -68,8 +68,8 @@ pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &m
         let across = column as i32 as f32 + right * inverse + slant;
         let down = row as i32 as f32 + slant;
         let by_column = groups.inverse_depth_by_column[i];
-        let inverse_depth = groups.inverse_depth[i] + by_column * across + groups.inverse_depth_by_row[i] * down;
-        out.inverse_depth[i] = if inverse_depth > FARTHEST { inverse_depth } else { FARTHEST };
+        let inverse_depth = groups.inverse_depth_per_m[i] + by_column * across + groups.inverse_depth_by_row[i] * down;
+        out.inverse_depth_per_m[i] = if inverse_depth > FARTHEST { inverse_depth } else { FARTHEST };
         out.inverse_depth_by_column[i] = by_column;
         (out.u[i], out.v[i]) = (groups.u[i] + across, groups.v[i] + down);
         (out.across[i], out.down[i]) = (across * (1.0 / (2 * PAIRS_ACROSS) as f32), down * (1.0 / PAIRS_DOWN as f32));
@@ -123,8 +123,8 @@ pub fn gather_faces(
                 run3(&mut out.axis_v, i, face.axes[1]);
             }
             if has_axes || is_leaf {
-                run(&mut out.at_eye[0], i, face.at_eye[0]);
-                run(&mut out.at_eye[1], i, face.at_eye[1]);
+                run(&mut out.at_eye_m[0], i, face.at_eye_m[0]);
+                run(&mut out.at_eye_m[1], i, face.at_eye_m[1]);
             }
             if is_leaf || variant.pattern == Pattern::Window {
                 run(&mut out.face_hash, i, face.face_hash);

@@ -25,7 +25,7 @@ pub fn place_surfaces(
     let m = m.min(BATCH_SIZE);
     let mut depth = [0.0; BATCH_SIZE];
     for i in 0..m {
-        depth[i] = 1.0 / inputs.inverse_depth[i];
+        depth[i] = 1.0 / inputs.inverse_depth_per_m[i];
     }
     for i in 0..m {
         let direction = camera.corner + camera.right * inputs.u[i] + camera.down * inputs.v[i];

@@ -1,6 +1,6 @@
 //! Faces about to be drawn onto a shadow map, eight at a time.
 
-use super::map::{HIGHEST, SIZE, least, most};
+use super::map::{HIGHEST_STEPS, SIZE, least, most};
 use crate::geometry::LANES;
 
 /// Faces of less area have none, square texels.
@@ -30,7 +30,7 @@ pub(super) struct FaceSetup {
     /// Their heights, steps.
     pub z: Plane,
     /// The highest corners.
-    pub highest: [f32; LANES],
+    pub highest_steps: [f32; LANES],
     /// False where no texel's middle is met for certain, and without an area.
     pub meets_texels: [bool; LANES],
     /// Counter-clockwise seen from the sun.
@@ -62,7 +62,7 @@ impl FaceSetup {
             (middle[0][i], middle[1][i]) = (left + 0.5, top + 0.5);
             let (to_x, to_y) = (middle[0][i] - ax[i], middle[1][i] - ay[i]);
             (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * to_x + z_y * to_y), z_x, z_y);
-            out.highest[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST);
+            out.highest_steps[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST_STEPS);
         }
         for (k, edge) in out.edges.iter_mut().enumerate() {
             let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % EDGES]);

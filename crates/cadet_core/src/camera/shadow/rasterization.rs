@@ -5,7 +5,7 @@ use std::ops::Range;
 use macro_rules_attribute::apply;
 
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
-use super::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
+use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, least, most, steps};
 use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use crate::material::Material;
 use crate::math::{DMat3, Mat3, Vec3};
@@ -93,7 +93,7 @@ impl Map {
     /// True if a sphere in light coordinates may shade something that the camera sees.
     #[inline]
     fn may_shade_receivers(&self, center: Vec3, radius: f32) -> bool {
-        let (x, y) = ((center.x - self.min[0]) * self.texels_per_m, (center.y - self.min[1]) * self.texels_per_m);
+        let (x, y) = ((center.x - self.min_m[0]) * self.texels_per_m, (center.y - self.min_m[1]) * self.texels_per_m);
         let (r, size) = (radius * self.texels_per_m, SIZE as f32);
         if x + r < 0.0 || y + r < 0.0 || x - r >= size || y - r >= size {
             return false;
@@ -107,7 +107,7 @@ impl Map {
     #[inline(always)]
     fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
-        let (x0, y0, z0) = (origin.x - self.min[0], origin.y - self.min[1], origin.z - self.middle_z);
+        let (x0, y0, z0) = (origin.x - self.min_m[0], origin.y - self.min_m[1], origin.z - self.middle_z);
         for (k, local) in cluster.lanes.iter().enumerate().take(CLUSTER_VERTICES / LANES) {
             let mut posed = [[0.0; LANES]; 3];
             let [x, y, z] = local;
@@ -203,7 +203,7 @@ impl Map {
     #[inline(always)]
     fn face(&mut self, setup: &FaceSetup, i: usize) {
         let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
-        if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
+        if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest_steps[i]) {
             return;
         }
         for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
@@ -214,7 +214,7 @@ impl Map {
         let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
-            let (highest, rows) = (setup.highest[i], y1 - y0);
+            let (highest, rows) = (setup.highest_steps[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
                 let columns: [f32; LANES] = std::array::from_fn(|k| (first - x0 + k) as i32 as f32);
                 for row in 0..rows {
@@ -227,7 +227,7 @@ impl Map {
                             inside = least(inside, start + by_x * x + by_y * y);
                         }
                         // Rounding may not lead beyond sixteen bits.
-                        let z = most(least(z + zx * x + zy * y, highest), -HIGHEST);
+                        let z = most(least(z + zx * x + zy * y, highest), -HIGHEST_STEPS);
                         *height = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
                     raise(&mut self.height[(y0 + row) * STRIDE + first..], &heights);
@@ -300,7 +300,7 @@ fn raise_span(row: &mut [i16], span: Range<usize>, first: f32, step: f32) {
         let mut heights = [0; WIDE];
         for (i, height) in heights.iter_mut().enumerate() {
             let i = i as i32 as f32;
-            let z = least(most(first + step * i, -HIGHEST), HIGHEST);
+            let z = least(most(first + step * i, -HIGHEST_STEPS), HIGHEST_STEPS);
             *height = if i < left { steps(z) } else { EMPTY.into() };
         }
         raise(&mut row[start..], &heights);

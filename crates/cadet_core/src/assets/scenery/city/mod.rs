@@ -25,7 +25,7 @@ use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
 use super::{Detail, Mesh};
 use crate::geometry::MeshBuilder;
-use crate::lamp::{CANDELA, Lamp, LightDistribution};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LightDistribution};
 use crate::material::Palette;
 use crate::math::Vec3;
 use crate::rng::Stream;
@@ -165,7 +165,7 @@ impl CityDesign {
             at: Vec3::new(0.5 * self.depth + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1),
             ahead: -Vec3::Z,
             left: Vec3::Y,
-            intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CANDELA)),
+            intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CD_PER_INTENSITY)),
             reach_m: SHOP_REACH_M,
         });
         light_shops(palette, &lamps.collect::<Vec<_>>())

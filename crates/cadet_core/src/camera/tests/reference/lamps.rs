@@ -3,7 +3,7 @@
 use super::Reference;
 use super::shading::{Point, Surface};
 use crate::camera::night_lights::{
-    LEAF_DIRECT, LEAF_SCATTERED, LEAST_LAMP_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO, RETRO_SINE,
+    LEAF_DIRECT_SHARE, LEAF_SCATTERED_SHARE, LEAST_LAMP_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO_REFLECTANCE, RETRO_SINE,
 };
 use crate::camera::shading_pass::lamp_coat;
 use crate::lamp::{LightDistribution, fade};
@@ -39,10 +39,14 @@ impl Reference {
             let cos = normal.dot(to_lamp);
             let facing = cos.max(0.0);
             irradiance += strength
-                * if s.is_leaf { (facing + 0.75 * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED } else { facing };
+                * if s.is_leaf {
+                    (facing + 0.75 * (-cos).max(0.0)) * LEAF_DIRECT_SHARE + LEAF_SCATTERED_SHARE
+                } else {
+                    facing
+                };
             if throws_back && to_lamp.dot(at.view) < 0.0 {
                 let sine = to_lamp.cross(at.view).length() / RETRO_SINE;
-                irradiance += strength * facing * RETRO / (1.0 + sine * sine);
+                irradiance += strength * facing * RETRO_REFLECTANCE / (1.0 + sine * sine);
             }
             if f0 > 0.0 && !s.is_leaf && facing > 0.0 {
                 mirrored += strength * mirror * ggx(to_lamp, -at.view, normal, f0, roughness);
