@@ -10,7 +10,8 @@ pub const YELLOW_ALBEDO: [f32; 3] = [0.47, 0.34, 0.09];
 /// Red less blue: what is left of white paint has less than this, of yellow paint more.
 const YELLOW_FROM: f32 = 0.05;
 /// Shares that are left lie between these.
-const LEFT: (f32, f32) = (0.05, 0.98);
+const LEAST_LEFT: f32 = 0.05;
+const MOST_LEFT: f32 = 0.98;
 
 /// Paint of which a share is left, and between it the asphalt's gray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +36,7 @@ impl WornPaint {
         let warmth = albedo.x - albedo.z;
         let fresh =
             if warmth > YELLOW_FROM { YELLOW_ALBEDO[0] - YELLOW_ALBEDO[2] } else { WHITE_ALBEDO[0] - WHITE_ALBEDO[2] };
-        let left = (warmth / fresh).max(LEFT.0).min(LEFT.1);
+        let left = (warmth / fresh).max(LEAST_LEFT).min(MOST_LEFT);
         Self { left_share: left, asphalt_albedo: (albedo.x - WHITE_ALBEDO[0] * left) / (1.0 - left) }
     }
 }

@@ -2,7 +2,7 @@
 
 mod capture;
 
-pub use capture::{CaptureRequest, Frame, Image};
+pub use capture::{CaptureRequest, Frame, Image, NamedScan};
 
 use std::sync::Arc;
 
@@ -318,15 +318,21 @@ impl Scene {
         Arc::clone(&self.sensed().posed)
     }
 
-    /// The poses of the first LIDAR and of the first camera's frame.
-    pub fn sensor_poses(&mut self) -> (DPose3, DPose3) {
+    /// The pose of the first LIDAR.
+    pub fn world_from_velo(&mut self) -> DPose3 {
         let world_from_ego = self.snapshot().ego.world_from_ego;
-        (self.rig.world_from_velo(&world_from_ego), self.rig.world_from_cam(&world_from_ego))
+        self.rig.world_from_velo(&world_from_ego)
+    }
+
+    /// The pose of the first camera's frame.
+    pub fn world_from_cam(&mut self) -> DPose3 {
+        let world_from_ego = self.snapshot().ego.world_from_ego;
+        self.rig.world_from_cam(&world_from_ego)
     }
 
     /// One row for each of the LIDAR's rays: every triangle opaque, nothing dropped.
     pub fn ideal_scan(&mut self, lidar: Option<&LidarSpec>) -> IdealScan {
-        let (world_from_velo, _) = self.sensor_poses();
+        let world_from_velo = self.world_from_velo();
         let posed = self.triangles();
         ideal_scan(&posed, &world_from_velo, lidar.unwrap_or(self.rig.lidar()))
     }

@@ -219,7 +219,7 @@ impl Capture {
     #[getter]
     fn names(&self) -> (Vec<String>, Vec<String>) {
         let images = self.frame.images.iter().map(|i| i.name.clone()).collect();
-        (images, self.frame.scans.iter().map(|(name, _)| name.clone()).collect())
+        (images, self.frame.scans.iter().map(|s| s.name.clone()).collect())
     }
 
     fn image<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
@@ -247,7 +247,7 @@ impl Capture {
     }
 
     fn scan<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
-        let (_, scan) = self.frame.scans.get(index).ok_or_else(|| PyIndexError::new_err(format!("no scan {index}")))?;
+        let scan = &self.frame.scans.get(index).ok_or_else(|| PyIndexError::new_err(format!("no scan {index}")))?.scan;
         scan_to_dict(py, scan.clone())
     }
 }

@@ -168,8 +168,19 @@ struct Filler<'a> {
     cells: usize,
     /// Values that hold a count, or a height below zero, until the end.
     touched: Vec<(usize, Feature)>,
-    /// (value, bin along y, number of the point, height) of what [`HeightRule::Reference`] chooses from.
-    candidates: Vec<(usize, i32, usize, f32)>,
+    /// What [`HeightRule::Reference`] chooses from.
+    candidates: Vec<HeightCandidate>,
+}
+
+/// A point's height for a value of the maps.
+struct HeightCandidate {
+    /// Index of the value.
+    at: usize,
+    y_bin: i32,
+    /// Number of the point.
+    order: usize,
+    /// As a share of the slice's or the cloud's thickness.
+    height_share: f32,
 }
 
 impl Filler<'_> {
@@ -193,7 +204,8 @@ impl Filler<'_> {
         let value = &mut self.out[at];
         match feature {
             Feature::MaxHeight if self.spec.height_rule == HeightRule::Reference => {
-                self.candidates.push((at, place.y_bin, order, height as f32));
+                let (y_bin, height_share) = (place.y_bin, height as f32);
+                self.candidates.push(HeightCandidate { at, y_bin, order, height_share });
             }
             Feature::MaxHeight => *value = value.max(height as f32),
             // An empty cell holds +0, one with points minus its least height: the sign tells them apart.
@@ -221,10 +233,10 @@ impl Filler<'_> {
                 Feature::MaxHeight | Feature::MinHeight => -*value,
             };
         }
-        self.candidates.sort_unstable_by_key(|c| (c.0, c.1, c.2));
-        self.candidates.dedup_by_key(|c| c.0);
-        for (at, _, _, height) in self.candidates {
-            self.out[at] = height;
+        self.candidates.sort_unstable_by_key(|c| (c.at, c.y_bin, c.order));
+        self.candidates.dedup_by_key(|c| c.at);
+        for candidate in self.candidates {
+            self.out[candidate.at] = candidate.height_share;
         }
     }
 }

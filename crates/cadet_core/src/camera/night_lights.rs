@@ -3,7 +3,7 @@
 use super::face::Flags;
 use crate::lamp::{Lamp, LightDistribution, fade, lens, low_beam, luminaire};
 use crate::math::{DVec3, Vec3};
-use crate::sense::PosedScene;
+use crate::sense::{PosedLamp, PosedScene};
 
 /// Side of the grid's cells, and how many there are along a side of the grid, whose middle is the eye's cell.
 const CELL_M: f32 = 6.0;
@@ -65,7 +65,7 @@ impl NightLights {
         let lamps: Vec<NightLamp> = scene
             .lamps
             .iter()
-            .map(|(lamp, actor_id)| {
+            .map(|PosedLamp { lamp, actor_id }| {
                 let reach_m = match lamp.distribution {
                     LightDistribution::Lens if !is_wet => DRY_LENS_M,
                     LightDistribution::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,

@@ -7,8 +7,9 @@ use super::mosaic::Demosaic;
 use crate::math;
 use crate::rng::Stream;
 
-/// Noise variance in squared 8-bit values: constant and per value, for R, G, B.
-const VARIANCE: [(f32, f32); 3] = [(0.5, 0.035), (0.3, 0.018), (0.7, 0.040)];
+/// Noise variance in squared 8-bit values, for R, G, B: constant, and per value.
+const READ_OUT_VARIANCE: [f32; 3] = [0.5, 0.3, 0.7];
+const VARIANCE_PER_VALUE: [f32; 3] = [0.035, 0.018, 0.040];
 /// Neighbor tap of the noise filter: neighbors correlate with 0.35 across and down, as demosaiced noise does.
 const NEIGHBOUR: f32 = 0.187;
 /// How far the middle of a pixel's two samples lies right of and below its center, so that one of them lies on it.
@@ -120,8 +121,8 @@ pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, str
     let sensor = Sensor {
         gain: (0..stride).map(|i| gains[i % 3]).collect(),
         offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
-        variance: (0..stride).map(|i| VARIANCE[i % 3].0 * (amplification * amplification)).collect(),
-        per_value: (0..stride).map(|i| VARIANCE[i % 3].1 * amplification).collect(),
+        variance: (0..stride).map(|i| READ_OUT_VARIANCE[i % 3] * (amplification * amplification)).collect(),
+        per_value: (0..stride).map(|i| VARIANCE_PER_VALUE[i % 3] * amplification).collect(),
     };
     // White noise with a border of one pixel; three rows of it are alive at a time.
     let wide = stride + 2 * NOISE_REACH * RGB;
@@ -140,10 +141,10 @@ pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, str
         if row + 1 < height {
             measure_row(&sensor, &rgb[(row + 1) * stride..][..stride], &mut demosaic);
         } else {
-            demosaic.mirror_row(false);
+            demosaic.mirror_below();
         }
         if row == 0 {
-            demosaic.mirror_row(true);
+            demosaic.mirror_above();
         }
         demosaic.interpolate(row, &mut values);
         rows.rotate_left(1);
@@ -237,7 +238,7 @@ mod tests {
         let rgb = vec![60.0_f32; w * h * 3];
         let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
         let image = expose(&rgb, w, h, &amplified, &mut Stream::from_seed("amplified", 3));
-        for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
+        for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
             let variance = v.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / v.len() as f64;
@@ -251,7 +252,7 @@ mod tests {
         let (w, h) = (400, 300);
         let rgb = vec![120.0_f32; w * h * 3];
         let image = expose(&rgb, w, h, &gain(1.0), &mut Stream::from_seed("noise", 3));
-        for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
+        for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
             let cov = |shift: usize| {

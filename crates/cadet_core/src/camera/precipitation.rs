@@ -4,6 +4,8 @@
 //! follows Garg and Nayar, "Vision and Rain" (IJCV 2007): a streak as long as its way across the image, over which the
 //! area of its disc is spread.
 
+use std::ops::Range;
+
 use super::compositing::blend;
 use super::light::Light;
 use super::visibility_pass::{View, Visibility};
@@ -28,7 +30,7 @@ const LEAST_FLAKE_M: f64 = 0.001;
 /// Particles less than this far ahead of the optical center are a blur without a place.
 const NEAREST_M: f64 = 0.2;
 /// Flakes fall at 0.8 to 1.2 m/s and sway, one standard deviation.
-const FLAKE_MPS: (f64, f64) = (0.8, 1.2);
+const FLAKE_MPS: Range<f64> = 0.8..1.2;
 const FLAKE_SWAY_MPS: f64 = 0.35;
 /// A drop shows half of what is above it and half of what is below; a flake scatters what falls on it from both.
 const FLAKE_ALBEDO: f32 = 0.9;
@@ -144,7 +146,7 @@ impl Precipitation {
             let diameter_m = from_m - math::quick_ln((1.0 - rng.unit()).max(1e-12)) / self.sizes.slope_per_m;
             let velocity_world = if self.is_snow {
                 let sway = [rng.next_u64(), rng.next_u64()].map(|bits| FLAKE_SWAY_MPS * nearly_normal(bits));
-                DVec3::new(sway[0], sway[1], -math::lerp(FLAKE_MPS.0, FLAKE_MPS.1, rng.unit()))
+                DVec3::new(sway[0], sway[1], -math::lerp(FLAKE_MPS.start, FLAKE_MPS.end, rng.unit()))
             } else {
                 DVec3::new(0.0, 0.0, -drop_mps(diameter_m))
             };

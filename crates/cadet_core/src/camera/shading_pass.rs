@@ -22,7 +22,7 @@ use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
 use self::geometry::place_surfaces;
 use self::lamp_light::add_lamp_light;
 #[cfg(test)]
-pub(super) use self::lighting::lamp_coat;
+pub(super) use self::lighting::{Coat, lamp_coat};
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
@@ -117,7 +117,7 @@ impl ShadingPass {
             self.color(light, camera, variant, m);
             self.reflect(light, camera.eye, variant, m);
         }
-        through_air(&self.geometry, &self.outgoing, m, (light, variant.is_transparent), &mut self.arriving);
+        through_air(&self.geometry, &self.outgoing, m, light, variant, &mut self.arriving);
         resolve(&self.inputs, &self.base_color, &self.arriving, m, &mut self.radiance);
     }
 
@@ -189,11 +189,11 @@ impl ShadingPass {
         diffuse(geometry, incident, m, light, variant, irradiance);
         let night = light.night.as_ref().filter(|_| !matches!(variant.pattern, Pattern::Lamp | Pattern::Window));
         if let Some(night) = night {
-            let lights = (night, light.wetness, eye);
-            add_lamp_light(inputs, geometry, incident, (m, variant), lights, irradiance, &mut self.mirrored_lamps);
+            let mirrored = &mut self.mirrored_lamps;
+            add_lamp_light(inputs, geometry, incident, m, variant, night, light.wetness, eye, irradiance, mirrored);
         }
         if variant.is_glossy {
-            specular(inputs, geometry, incident, irradiance, m, (light, eye), &mut self.outgoing);
+            specular(inputs, geometry, incident, irradiance, m, light, eye, &mut self.outgoing);
         } else {
             self.outgoing.diffuse = *irradiance;
             self.outgoing.specular = [[0.0; BATCH_STRIDE]; 3];
@@ -217,9 +217,9 @@ impl ShadingPass {
     fn shine_through(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
         let (inputs, geometry, incident) = (&self.inputs, &self.geometry, &self.incident);
         if let Some(night) = &light.night {
-            let lights = (night, light.wetness, camera.eye);
+            let (wetness, eye) = (light.wetness, camera.eye);
             let (lost, mirrored) = (&mut self.irradiance, &mut self.mirrored_lamps);
-            add_lamp_light(inputs, geometry, incident, (m, variant), lights, lost, mirrored);
+            add_lamp_light(inputs, geometry, incident, m, variant, night, wetness, eye, lost, mirrored);
             add(mirrored, m, &mut self.outgoing.specular);
         }
         if variant.pattern == Pattern::Window {

@@ -15,9 +15,10 @@ use crate::spray::{Plume, Spray};
 
 /// Slices of depth of a plume.
 const SLICES: usize = 16;
-/// Points of the lattice across the image of a plume, if pixels between them allow.
+/// Points of the lattice across the image of a plume, if the fewest and the most pixels between them allow.
 const POINTS: usize = 24;
-const STEPS_PX: (usize, usize) = (2, 16);
+const MIN_STEP_PX: usize = 2;
+const MAX_STEP_PX: usize = 16;
 /// Spray nearer than this is on the lens, m.
 const NEAREST_M: f64 = 0.3;
 /// Optical depths below this are none.
@@ -28,7 +29,7 @@ pub(super) fn draw(spray: &Spray, rgb: &mut [f32], view: &View, seen: &Visibilit
     let eye = view.world_from_cam.translation;
     let distance_m = |plume: &Plume| (plume.world_from_plume().translation - eye).length();
     let mut far_first: Vec<(f64, &Plume)> = spray.plumes().iter().map(|plume| (distance_m(plume), plume)).collect();
-    far_first.sort_by(|a, b| b.0.total_cmp(&a.0));
+    far_first.sort_by(|(a_m, _), (b_m, _)| b_m.total_cmp(a_m));
     for (distance_m, plume) in far_first {
         if let Some(lattice) = PlumeLattice::new(plume, view) {
             let direction = (plume.world_from_plume().translation - eye).normalize_or(DVec3::X);
@@ -95,7 +96,7 @@ fn window(plume: &Plume, view: &View) -> Option<(Range<usize>, Range<usize>, [f6
 impl PlumeLattice {
     fn new(plume: &Plume, view: &View) -> Option<Self> {
         let (rows, columns, [near_m, far_m]) = window(plume, view)?;
-        let step = (columns.len() / POINTS).clamp(STEPS_PX.0, STEPS_PX.1);
+        let step = (columns.len() / POINTS).clamp(MIN_STEP_PX, MAX_STEP_PX);
         let points_across = columns.len() / step + 2;
         let points_down = rows.len() / step + 2;
         let plume_from_cam = *plume.plume_from_world() * view.world_from_cam;

@@ -99,7 +99,7 @@ impl Visibility {
         let mut semantic = vec![Semantic::Sky as u8; width * height];
         let (columns_x, rows_y) = (self.grid.columns_x(0), self.grid.rows_y());
         // Neighbors mostly show the same face.
-        let mut last = (u32::MAX, -1, Semantic::Sky as u8);
+        let (mut last_id, mut actor_id, mut class) = (u32::MAX, -1, Semantic::Sky as u8);
         for number in 0..buffer.num_blocks() {
             let opaque = buffer.opaque(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
@@ -117,42 +117,35 @@ impl Visibility {
                         continue;
                     }
                     let face = &buffer.faces[id as usize];
-                    if last.0 != id {
+                    if last_id != id {
                         let posed = &scene.instances[face.instance as usize];
-                        last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
+                        (last_id, actor_id, class) = (id, posed.actor_id, posed.material(face.face).semantic as u8);
                     }
                     let at = line + j;
                     depth[at] = face.depth_m_at(columns_x[left + j], y);
-                    (instance[at], semantic[at]) = (last.1, last.2);
+                    (instance[at], semantic[at]) = (actor_id, class);
                 }
             }
         }
         Maps { depth_m: depth, instance, semantic }
     }
 
-    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v +
-    /// 1 half a pixel to the right and below.
-    #[inline]
-    #[must_use]
-    pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
-        self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
-    }
-
-    /// How many samples of a window see an actor; see [`Visibility::actor_at_sample`].
+    /// How many samples of a window see an actor: those of row 2 v lie on the centers of the pixels of row v, those of row
+    /// 2 v + 1 half a pixel to the right and below.
     #[must_use]
     pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
         let buffer = &self.samples.0;
         // Neighbors mostly show the same face.
-        let mut last = (u32::MAX, false);
+        let (mut last_number, mut is_actor) = (u32::MAX, false);
         let mut count = 0;
         for row in rows {
             for column in columns.clone() {
                 let Some((number, _)) = buffer.front_number(row, column) else { continue };
-                if last.0 != number {
+                if last_number != number {
                     let instance = buffer.faces[number as usize].instance;
-                    last = (number, self.actor_ids[instance as usize] == actor_id);
+                    (last_number, is_actor) = (number, self.actor_ids[instance as usize] == actor_id);
                 }
-                count += usize::from(last.1);
+                count += usize::from(is_actor);
             }
         }
         count

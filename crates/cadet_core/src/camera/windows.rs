@@ -26,7 +26,7 @@ const FOLDS_PER_M: f32 = 7.0;
 /// What stands in rooms and behind shop windows: cells of noise per meter, and how dark it is.
 const THINGS_PER_M: f32 = 2.2;
 const THINGS: f32 = 0.85;
-const SHELVES_PER_M: (f32, f32) = (1.1, 2.7);
+const SHELVES_PER_M: [f32; 2] = [1.1, 2.7];
 
 /// A window's number and the middle of its pane, in its mesh's frame, by the corners of a half of it.
 #[inline]
@@ -57,7 +57,7 @@ pub(super) fn radiance(window: Vec3, at: &PatternPoint) -> Vec3 {
     }
     if hash & SHOP_FLAG != 0 {
         // Shelves, darker toward the floor.
-        let shelves = value_noise(at.u * SHELVES_PER_M.0, at.v * SHELVES_PER_M.1, hash);
+        let shelves = value_noise(at.u * SHELVES_PER_M[0], at.v * SHELVES_PER_M[1], hash);
         let low = (0.7 - at.v * 0.5).clamp(0.0, 1.0);
         return COOL * (window.z * (1.3 - THINGS * low * (0.4 + shelves)));
     }

@@ -7,7 +7,7 @@ use super::curves::{average_r11, average_r40};
 use super::matching::FirstPass;
 use super::metric::{Metric, Settings};
 use super::objects::FramePair;
-use super::prepared::Prepared;
+use super::prepared::{Prepared, Task};
 use crate::error::Error;
 use crate::parallel;
 
@@ -50,8 +50,8 @@ pub fn evaluate_draws<E: From<Error> + Send>(
     }
     parallel::run(|| {
         let prepared = Prepared::new(frames, settings);
-        let drawn = |&(class, metric, level): &(usize, Metric, usize)| {
-            let contest = prepared.contest(class, metric, level);
+        let drawn = |task: &Task| {
+            let (contest, Task { class, metric, level }) = (prepared.contest(task), *task);
             let passes = prepared.first_passes(&contest, class);
             let has_heading = prepared.has_heading(metric);
             let values: Vec<([f64; 2], [f64; 2])> = draws

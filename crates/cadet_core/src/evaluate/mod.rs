@@ -37,7 +37,7 @@ pub use sight::{Sight, sight};
 
 use crate::error::Result;
 use crate::parallel;
-use prepared::Prepared;
+use prepared::{Prepared, Task};
 
 /// The result for one class, metric and level.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,8 +97,8 @@ pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>>
 fn curves_of(frames: &[FramePair], settings: &Settings) -> Vec<Curve> {
     let prepared = Prepared::new(frames, settings);
     let indices: Vec<u32> = (0..frames.len() as u32).collect();
-    let curve = |&(class, metric, level): &(usize, Metric, usize)| {
-        let contest = prepared.contest(class, metric, level);
+    let curve = |task: &Task| {
+        let (contest, Task { class, metric, level }) = (prepared.contest(task), *task);
         let found = prepared.first_pass(&contest, class);
         let num_valid = found.num_valid;
         let (thresholds, tally) = prepared.second_pass(&contest, class, &indices, found);

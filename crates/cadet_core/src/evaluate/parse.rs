@@ -54,7 +54,7 @@ impl<T> Default for Parsed<T> {
 pub fn parse_truths(text: &[u8], file: &str) -> Result<Parsed<Truth>> {
     let mut parsed = Parsed::default();
     for line in lines(text, file)? {
-        let (name, n) = line.columns::<15>(true)?;
+        let (name, n) = line.columns::<15>(Rest::PassedOver)?;
         let (box_img, box_cam) = boxes(&n);
         let occlusion_level = n[OCCLUDED];
         if occlusion_level.fract() != 0.0 {
@@ -76,7 +76,7 @@ pub fn parse_truths(text: &[u8], file: &str) -> Result<Parsed<Truth>> {
 pub fn parse_detections(text: &[u8], file: &str) -> Result<Parsed<Detection>> {
     let mut parsed = Parsed::default();
     for line in lines(text, file)? {
-        let (name, n) = line.columns::<16>(false)?;
+        let (name, n) = line.columns::<16>(Rest::Refused)?;
         let kind = ObjectType::from_name(name);
         parsed.other_names.count(kind, name);
         let (box_img, box_cam) = boxes(&n);
@@ -93,6 +93,13 @@ fn boxes(n: &[f64]) -> (BoxImg, RotatedBox) {
     (box_img, RotatedBox::from_array([n[11], n[12], n[13], n[10], n[9], n[8], n[14]]))
 }
 
+/// What becomes of what follows the columns of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rest {
+    PassedOver,
+    Refused,
+}
+
 struct Line<'a> {
     file: &'a str,
     number: usize,
@@ -106,7 +113,7 @@ fn lines<'a>(bytes: &'a [u8], file: &'a str) -> Result<impl Iterator<Item = Line
 
 impl<'a> Line<'a> {
     /// The type, and the other columns at their own places.
-    fn columns<const N: usize>(&self, has_more: bool) -> Result<(&'a str, [f64; N])> {
+    fn columns<const N: usize>(&self, rest: Rest) -> Result<(&'a str, [f64; N])> {
         let mut numbers = [0.0; N];
         let mut parts = self.text.split_ascii_whitespace();
         let kind = parts.next().unwrap_or_default();
@@ -118,7 +125,7 @@ impl<'a> Line<'a> {
             let count = || format!("expected {N} columns, got {column}{remedy}");
             *number = self.number(column, parts.next().ok_or_else(|| self.error(column, count()))?)?;
         }
-        let num_more = if has_more { 0 } else { parts.count() };
+        let num_more = if rest == Rest::PassedOver { 0 } else { parts.count() };
         if num_more > 0 {
             return Err(self.error(N, format!("expected {N} columns, got {}", N + num_more)));
         }

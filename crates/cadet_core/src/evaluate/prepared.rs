@@ -17,6 +17,16 @@ const UNKNOWN_PLACE: f64 = -1000.0;
 /// The fewest frames that are worth a thread.
 const FRAMES_A_TASK: usize = 256;
 
+/// A curve that is to be computed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Task {
+    /// Index of the class in the settings.
+    pub class: usize,
+    pub metric: Metric,
+    /// Index of the level in the settings.
+    pub level: usize,
+}
+
 /// Results that are computed once for all classes, metrics and levels.
 #[derive(Debug)]
 pub(super) struct Prepared<'a> {
@@ -38,20 +48,20 @@ impl<'a> Prepared<'a> {
         Self { frames, settings, overlaps, rosters, has_alpha }
     }
 
-    /// Class, metric and level of each curve; a class without a detection that is usable in a metric has none there.
-    pub(super) fn tasks(&self) -> Vec<(usize, Metric, usize)> {
+    /// Lists the curves; a class without a detection that is usable in a metric has none there.
+    pub(super) fn tasks(&self) -> Vec<Task> {
         let mut tasks = Vec::new();
         for (class, limits) in self.settings.classes.iter().enumerate() {
             for metric in Metric::ALL {
                 if is_measured(self.frames, limits, metric) {
-                    tasks.extend((0..self.settings.levels.len()).map(|level| (class, metric, level)));
+                    tasks.extend((0..self.settings.levels.len()).map(|level| Task { class, metric, level }));
                 }
             }
         }
         tasks
     }
 
-    pub(super) fn contest(&self, class: usize, metric: Metric, level: usize) -> Contest<'a> {
+    pub(super) fn contest(&self, &Task { class, metric, level }: &Task) -> Contest<'a> {
         let limits = &self.settings.classes[class];
         Contest {
             kinds: &limits.kinds,

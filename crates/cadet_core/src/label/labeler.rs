@@ -8,7 +8,7 @@ use crate::sense::{PosedScene, VisibilityBuffer};
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::sighting::{Placed, Sighting};
-use super::silhouette::{ActorInstances, SAMPLES_PER_PIXEL, silhouette};
+use super::silhouette::{ActorInstances, Hidden, SAMPLES_PER_PIXEL, silhouette};
 
 /// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
 #[must_use]
@@ -52,13 +52,13 @@ pub fn sightings(
     let cam_from_world = world_from_cam.inverse();
     let mut found = Vec::new();
     // By default what is hidden altogether gets nothing.
-    let even_if_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
+    let is_wanted_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
+    let hidden = if is_wanted_hidden { Hidden::Drawn } else { Hidden::Skipped };
     let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some(placed) = Placed::new(actor, config.boxes, camera, &cam_from_world) else { continue };
-        let outline =
-            silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, even_if_hidden, &mut buffer);
+        let outline = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, hidden, &mut buffer);
         let uncovered_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         // Koschmieder: contrast falls exponentially with the way through the air.

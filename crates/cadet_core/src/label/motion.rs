@@ -35,7 +35,7 @@ impl TakenView {
     pub fn object_has_moved(&self, sightings: &[Sighting], image_width: usize) -> bool {
         let least_px = Self::OBJECT_MOVED_SHARE * image_width as f64;
         sightings.iter().filter(|s| s.is_labeled).any(|s| {
-            let before = self.objects.iter().find(|o| o.0 == s.actor_id);
+            let before = self.objects.iter().find(|(id, _)| *id == s.actor_id);
             before.is_none_or(|(_, before)| {
                 let (a, b) = (before, &s.bbox);
                 let sides =

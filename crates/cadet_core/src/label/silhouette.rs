@@ -21,6 +21,15 @@ pub(super) struct Silhouette {
     pub bounds: Option<Rect>,
 }
 
+/// What becomes of actors of which nothing is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hidden {
+    /// Their outlines are drawn.
+    Drawn,
+    /// They are taken to have none.
+    Skipped,
+}
+
 /// The instances of every actor, by the actor's id.
 pub(super) struct ActorInstances(Vec<(i32, usize)>);
 
@@ -40,7 +49,7 @@ impl ActorInstances {
 }
 
 /// Draws the actor alone over the part of the camera's samples that its bounds cover; of an actor of which nothing is
-/// seen only if `even_if_hidden`.
+/// seen only if `hidden` says so.
 pub(super) fn silhouette(
     scene: &PosedScene,
     instances: &ActorInstances,
@@ -48,7 +57,7 @@ pub(super) fn silhouette(
     camera: &CameraModel,
     world_from_cam: &DPose3,
     seen: &Visibility,
-    even_if_hidden: bool,
+    hidden: Hidden,
     buffer: &mut VisibilityBuffer,
 ) -> Silhouette {
     let mut found = Silhouette { samples: 0, visible_samples: 0, bounds: None };
@@ -65,7 +74,7 @@ pub(super) fn silhouette(
         return found;
     }
     found.visible_samples = seen.samples_of_actor(actor_id, r1..r2, c1..c2);
-    if found.visible_samples == 0 && !even_if_hidden {
+    if found.visible_samples == 0 && hidden == Hidden::Skipped {
         return found;
     }
     let (rows, columns) = (r2 - r1, c2 - c1);
@@ -107,7 +116,7 @@ pub fn pixels_of_actors(
     let mut buffer = VisibilityBuffer::default();
     let pixels = |samples: usize| samples as f64 / SAMPLES_PER_PIXEL as f64;
     let of = |actor: &ActorState| {
-        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, true, &mut buffer);
+        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, Hidden::Drawn, &mut buffer);
         [pixels(found.samples), pixels(found.visible_samples)]
     };
     actors.iter().map(of).collect()

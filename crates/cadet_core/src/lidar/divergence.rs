@@ -85,15 +85,23 @@ impl DivergentBeams {
         for ring in 0..hits.rows as u32 {
             line.clear();
             line.extend(ring * columns..(ring + 1) * columns);
-            edges.look_along(&line, true, self.reach[0].min(line.len() / 2));
+            edges.look_along(&line, Ends::Joined, self.reach[0].min(line.len() / 2));
         }
         for column in 0..columns {
             line.clear();
             line.extend(self.rings_upwards.iter().map(|ring| ring * columns + column));
-            edges.look_along(&line, false, self.reach[1]);
+            edges.look_along(&line, Ends::Apart, self.reach[1]);
         }
         edges.is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
     }
+}
+
+/// How the ends of a line of beams lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ends {
+    /// Side by side, as in a ring.
+    Joined,
+    Apart,
 }
 
 /// Marks the beams whose spots may reach over a jump in range, and lists them, rising.
@@ -104,8 +112,8 @@ struct DepthEdges<'a> {
 
 impl DepthEdges<'_> {
     /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
-    fn look_along(&mut self, line: &[u32], is_closed: bool, reach: usize) {
-        let n = line.len();
+    fn look_along(&mut self, line: &[u32], ends: Ends, reach: usize) {
+        let (n, is_closed) = (line.len(), ends == Ends::Joined);
         let range = |i: usize| self.hits.depth_m[line[i % n] as usize].min(FAR_M);
         let num_steps = if is_closed { n } else { n.saturating_sub(1) };
         for i in 0..num_steps {

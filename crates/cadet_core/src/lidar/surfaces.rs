@@ -12,13 +12,14 @@ pub(super) struct SurfaceLookup<'a, C> {
     casting: &'a C,
     /// Share of level surfaces under snow.
     snow_cover: f64,
-    last: (u32, u32),
+    /// Instance and face.
+    last: [u32; 2],
     normal_world: DVec3,
 }
 
 impl<'a, C: Casting> SurfaceLookup<'a, C> {
     pub(super) fn new(casting: &'a C, snow_cover: f64) -> Self {
-        Self { casting, snow_cover, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
+        Self { casting, snow_cover, last: [NO_HIT; 2], normal_world: DVec3::ZERO }
     }
 
     /// The surface that a beam of a column met in a direction.
@@ -35,13 +36,13 @@ impl<'a, C: Casting> SurfaceLookup<'a, C> {
         }
         let (instance, face) = (hit.instance, hit.face);
         let posed = &self.casting.scene().instances[instance as usize];
-        if self.last != (instance, face) {
+        if self.last != [instance, face] {
             let [a, b, c] = posed.mesh.faces[face as usize];
             let corner = |i: u32| posed.mesh.vertices[i as usize].as_dvec3();
             let a = corner(a);
             let normal_local = (corner(b) - a).cross(corner(c) - a).normalize_or_zero();
             self.normal_world = posed.placement.rotation * normal_local;
-            self.last = (instance, face);
+            self.last = [instance, face];
         }
         let direction_world = self.casting.direction_world(column, instance, direction_velo);
         let range_m = f64::from(hit.range_m);

@@ -60,7 +60,8 @@ impl Turning {
     pub(super) fn firings(&self, spec: &LidarSpec) -> Firings<'_> {
         let at = |azimuth: &f64| {
             let time_s = firing_time_s(*azimuth);
-            (self.caster.at(time_s), self.sensor.displacement(time_s) * self.world_from_velo)
+            let world_from_velo = self.sensor.displacement(time_s) * self.world_from_velo;
+            ColumnFiring { moment: self.caster.at(time_s), world_from_velo }
         };
         Firings { scene: self.caster.scene(), columns: spec.azimuths_rad().iter().map(at).collect() }
     }
@@ -69,8 +70,13 @@ impl Turning {
 /// One turn, column by column.
 pub(super) struct Firings<'a> {
     scene: &'a PosedScene,
-    /// The world and the sensor's pose at the column's moment.
-    columns: Vec<(Moment<'a>, DPose3)>,
+    columns: Vec<ColumnFiring<'a>>,
+}
+
+/// The world and the sensor's pose at the moment at which a column fires.
+struct ColumnFiring<'a> {
+    moment: Moment<'a>,
+    world_from_velo: DPose3,
 }
 
 impl Casting for Firings<'_> {
@@ -83,9 +89,8 @@ impl Casting for Firings<'_> {
         let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, (heading, (moment, world_from_velo))) in
-                spec.headings(ring).iter().zip(&self.columns).enumerate()
-            {
+            for (column, (heading, firing)) in spec.headings(ring).iter().zip(&self.columns).enumerate() {
+                let ColumnFiring { moment, world_from_velo } = firing;
                 let origin = world_from_velo.transform_point(laser.origin_velo(*heading));
                 let direction = world_from_velo.rotation * DVec3::new(cos * heading[0], cos * heading[1], sin);
                 let found = moment.cast(origin, direction);
@@ -101,7 +106,7 @@ impl Casting for Firings<'_> {
         let columns = spec.azimuths_rad().len();
         let cast = |beam: &u32| {
             let (ring, column) = (*beam as usize / columns, *beam as usize % columns);
-            let (moment, world_from_velo) = &self.columns[column];
+            let ColumnFiring { moment, world_from_velo } = &self.columns[column];
             let origin_velo = spec.rings()[ring].origin_velo(spec.headings(ring)[column]);
             let origin = world_from_velo.transform_point(origin_velo);
             divergent.directions_velo(*beam).map(|direction_velo| {
@@ -118,13 +123,13 @@ impl Casting for Firings<'_> {
 
     #[inline]
     fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3 {
-        let (moment, world_from_velo) = &self.columns[column];
+        let ColumnFiring { moment, world_from_velo } = &self.columns[column];
         moment.direction_now(instance, world_from_velo.rotation * direction_velo)
     }
 
     #[inline]
     fn place_world(&self, column: usize, place_velo: DVec3) -> DVec3 {
-        self.columns[column].1.transform_point(place_velo)
+        self.columns[column].world_from_velo.transform_point(place_velo)
     }
 }
 

@@ -46,6 +46,15 @@ pub struct Image {
     pub rendered: Rendered,
 }
 
+/// A scan with the name of its LIDAR.
+#[derive(Debug, Clone)]
+pub struct NamedScan {
+    /// The LIDAR's name.
+    pub name: String,
+    /// Its returns.
+    pub scan: Scan,
+}
+
 /// Everything that was asked for at one instant.
 #[derive(Debug, Clone)]
 pub struct Frame {
@@ -69,8 +78,8 @@ pub struct Frame {
     pub plane_cam: [f64; 4],
     /// The first camera's image, then the others in the order in which they were asked for.
     pub images: Vec<Image>,
-    /// The first LIDAR's scan, then the others with their names.
-    pub scans: Vec<(String, Scan)>,
+    /// The first LIDAR's scan, then the others in the order in which they were asked for.
+    pub scans: Vec<NamedScan>,
 }
 
 /// What the first camera looks at, before light and color.
@@ -99,7 +108,7 @@ impl Scene {
     /// As [`Scene::capture`].
     pub fn capture_labeled(&mut self, request: &CaptureRequest) -> Result<Option<Frame>> {
         self.check(request)?;
-        let (_, world_from_cam) = self.sensor_poses();
+        let world_from_cam = self.world_from_cam();
         let sensed = self.sensed();
         let actors = Arc::clone(&sensed.snapshot);
         if !may_label(&self.label, &actors.actors, self.rig.camera(), &world_from_cam) {
@@ -142,7 +151,7 @@ impl Scene {
     }
 
     fn look(&mut self) -> Result<Looked> {
-        let (_, world_from_cam) = self.sensor_poses();
+        let world_from_cam = self.world_from_cam();
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let camera = self.rig.camera();
         let view = View::new(camera, &world_from_cam);
@@ -173,9 +182,10 @@ impl Scene {
         }
         let mut scans = Vec::with_capacity(1 + request.lidars.len());
         for index in std::iter::once(0).chain(request.lidars.iter().copied()) {
-            scans.push((self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?));
+            let (name, scan) = (self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?);
+            scans.push(NamedScan { name, scan });
         }
-        add_points(&self.label, &mut sightings, &scans[0].1.actor_id);
+        add_points(&self.label, &mut sightings, &scans[0].scan.actor_id);
         let labeled: Vec<i32> = sightings.iter().filter(|s| s.is_labeled).map(|s| s.actor_id).collect();
         self.world.note_labeled(&labeled);
         Ok(Frame {
@@ -240,7 +250,7 @@ impl Scene {
     }
 
     fn plane(&mut self) -> Result<[f64; 4]> {
-        let (_, world_from_cam) = self.sensor_poses();
+        let world_from_cam = self.world_from_cam();
         let ground = &self.world.town().ground;
         road_plane_cam(
             &world_from_cam,

@@ -39,7 +39,7 @@ pub use laser_ring::LaserRing;
 pub use motion::RigidMotion;
 pub use moving::{Moment, MovingCaster, SurfaceHits};
 pub use pinhole::PinholeGrid;
-pub use posed::{Placement, PosedInstance, PosedScene};
+pub use posed::{Placement, PosedInstance, PosedLamp, PosedScene};
 pub use rasterization::{rasterize, rasterize_instances};
 pub use raycast::{RayCaster, RayHit};
 pub use spinning_grid::SpinningGrid;

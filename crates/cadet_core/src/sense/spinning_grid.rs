@@ -196,13 +196,15 @@ impl BeamGrid for SpinningGrid {
         if let Some(rows_of_bin) = &table.rows_of_bin {
             for i in 0..LANES {
                 let [first, end] = rows_of_bin[bin[i] as usize];
-                out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
+                let (first_tick, end_tick) = ticks[i];
+                out[i] = [first, u16::MAX - end, first_tick, u16::MAX - end_tick];
             }
             return;
         }
         for i in 0..LANES {
             let [first, end] = table.rows_of_place(1.0 / rho[i], bin[i]);
-            out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
+            let (first_tick, end_tick) = ticks[i];
+            out[i] = [first, u16::MAX - end, first_tick, u16::MAX - end_tick];
         }
     }
 

@@ -1,5 +1,7 @@
 //! The tables of a spinning LIDAR's beams: which rows and columns may pass through a point or a triangle.
 
+use std::ops::Range;
+
 use super::azimuth_ticks::{AZIMUTH_MARGIN_RAD, HALF_TURN_RAD, TURN_RAD, Ticks, azimuth_rad_of};
 use super::grid::Window;
 use super::laser_ring::LaserRing;
@@ -136,7 +138,7 @@ impl SpinningTable {
     /// The rows that may pass through a point at distance `rho_m` from the axis and height `z_m`: those before the range
     /// pass above it, those after it below.
     #[inline]
-    pub(super) fn rows_at(&self, rho_m: f32, z_m: f32) -> (usize, usize) {
+    pub(super) fn rows_at(&self, rho_m: f32, z_m: f32) -> Range<usize> {
         let middle = self.middle_height_m();
         self.rows_from_guess(rho_m, z_m, self.row_of_tangent.guess((middle - z_m) / rho_m))
     }
@@ -157,7 +159,7 @@ impl SpinningTable {
 
     /// [`SpinningTable::rows_at`], from a first guess of the row.
     #[inline]
-    pub(super) fn rows_from_guess(&self, rho_m: f32, z_m: f32, guess: usize) -> (usize, usize) {
+    pub(super) fn rows_from_guess(&self, rho_m: f32, z_m: f32, guess: usize) -> Range<usize> {
         let slack = (BULGE_SHARE + 4e-4 * f32::from(self.most_left_m > 0.0)) * (z_m - self.middle_height_m()).abs()
             + 2e-6 * rho_m
             + 1e-6;
@@ -174,12 +176,12 @@ impl SpinningTable {
         while end < self.envelope.len() && height(&self.envelope[end], 2) >= below {
             end += 1;
         }
-        (first, end)
+        first..end
     }
 
     /// The rows whose tangents lie between two, about.
     #[inline]
-    pub(super) fn rows_between_tangents(&self, lo_tangent: f32, hi_tangent: f32) -> std::ops::Range<usize> {
+    pub(super) fn rows_between_tangents(&self, lo_tangent: f32, hi_tangent: f32) -> Range<usize> {
         let slack = |t: f32| 1e-5 * (1.0 + t.abs().min(1e3));
         let (lo, hi) = (lo_tangent.max(-1e4) - slack(lo_tangent), hi_tangent.min(1e4) + slack(hi_tangent));
         let mut first = self.row_of_tangent.guess(-hi);
@@ -197,7 +199,7 @@ impl SpinningTable {
     }
 
     /// The columns any ring of which fires from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
-    pub(super) fn columns_between(&self, lo_rad: f32, hi_rad: f32) -> [std::ops::Range<usize>; 2] {
+    pub(super) fn columns_between(&self, lo_rad: f32, hi_rad: f32) -> [Range<usize>; 2] {
         let n = self.azimuths_rad.len();
         let (lo, hi) = (lo_rad - AZIMUTH_MARGIN_RAD - self.max_offset_rad, hi_rad + AZIMUTH_MARGIN_RAD);
         let columns = |lo: f32, hi: f32| {
@@ -235,30 +237,30 @@ impl SpinningTable {
             let rows = self.rows_of_polar(corners, rho);
             return [Window { rows, columns: 0..n_columns }, Window::default()];
         }
-        let mut rows = (self.rows.len(), 0);
+        let mut rows = self.rows.len()..0;
         if shrink <= 0.1 {
-            rows = (0, self.rows.len());
+            rows = 0..self.rows.len();
         } else {
             for i in 0..4 {
                 for r in [rho[i], rho[i] * shrink] {
-                    let (first, end) = self.rows_at(r, corners[i].z);
-                    rows = (rows.0.min(first), rows.1.max(end));
+                    let found = self.rows_at(r, corners[i].z);
+                    rows = rows.start.min(found.start)..rows.end.max(found.end);
                 }
             }
         }
         let aside = if self.most_left_m > 0.0 { 1.001 * self.most_left_m / (nearest_corner * shrink) } else { 0.0 };
-        self.columns_between(lo - aside, hi + aside).map(|columns| Window { rows: rows.0..rows.1, columns })
+        self.columns_between(lo - aside, hi + aside).map(|columns| Window { rows: rows.clone(), columns })
     }
 
     /// Rows of a piece around or near the axis: all of it may be above or below the sensor.
-    pub(super) fn rows_of_polar(&self, corners: [Vec3; 4], rho_m: [f32; 4]) -> std::ops::Range<usize> {
+    pub(super) fn rows_of_polar(&self, corners: [Vec3; 4], rho_m: [f32; 4]) -> Range<usize> {
         let farthest = most(&rho_m) * 1.0001 + 1e-6;
         let heights = corners.map(|p| p.z);
         let (low, high) = (least(&heights), most(&heights));
         if low > self.height_span_m[1] {
-            0..self.rows_at(farthest, low).1
+            0..self.rows_at(farthest, low).end
         } else if high < self.height_span_m[0] {
-            self.rows_at(farthest, high).0..self.rows.len()
+            self.rows_at(farthest, high).start..self.rows.len()
         } else {
             0..self.rows.len()
         }

@@ -5,8 +5,8 @@ use macro_rules_attribute::apply;
 use super::super::ambient_cache::{AmbientTerms, PER_BLOCK};
 use super::super::face::{ShaderVariant, ShadingFace};
 use super::super::shading_queue::{
-    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, REGISTER,
-    ShadingQueue,
+    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, QueuedGroup,
+    REGISTER, ShadingQueue,
 };
 use super::batch::{BatchVector, GroupValues, IncidentLight, SurfaceInputs};
 use crate::material::Pattern;
@@ -38,7 +38,7 @@ fn run3(values: &mut BatchVector, start: usize, value: Vec3) {
 /// What pairs share with their group.
 #[apply(for_wide_registers)]
 pub fn gather_groups(queue: &ShadingQueue, n: usize, out: &mut GroupValues) {
-    for (number, (_, group)) in queue.groups.iter().enumerate() {
+    for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
         for i in queue.pairs_of(number, n).step_by(RUN) {
             run(&mut out.group, i, number as u32);
             run(&mut out.target, i, group.target);
@@ -100,7 +100,7 @@ pub fn gather_faces(
 ) {
     let (has_coat, is_leaf) = (variant.is_glossy || variant.is_transparent, variant.pattern == Pattern::Leaves);
     let has_axes = variant.pattern != Pattern::Plain && !is_leaf;
-    for (number, (_, group)) in queue.groups.iter().enumerate() {
+    for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
         let face = &faces[group.face as usize];
         for i in queue.pairs_of(number, n).step_by(RUN) {
             run3(&mut out.face_normal, i, face.face_normal);
@@ -150,7 +150,7 @@ pub fn gather_ambient(
     out: &mut IncidentLight,
 ) {
     if variant.pattern == Pattern::Leaves {
-        for (number, (_, group)) in queue.groups.iter().enumerate() {
+        for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
             let of_group = ambient[group.ambient as usize];
             for i in queue.pairs_of(number, n).step_by(RUN) {
                 for (values, o) in out.sky_visibility.iter_mut().zip(of_group) {
@@ -161,7 +161,7 @@ pub fn gather_ambient(
         return;
     }
     let mirrors = variant.is_glossy || variant.is_transparent;
-    for (number, (_, group)) in queue.groups.iter().enumerate() {
+    for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
         let Some(of_block) = ambient[group.ambient as usize..].first_chunk::<PER_BLOCK>() else { continue };
         for i in queue.pairs_of(number, n).step_by(RUN) {
             let (Some(across), Some(down)) = (inputs.across[i..].first_chunk(), inputs.down[i..].first_chunk()) else {

@@ -54,8 +54,8 @@ pub fn place_surfaces(
             let (least, most) = (inputs.least_weight[i], 1.0 - inputs.least_weight[i]);
             let wb = (point.dot(get(&inputs.to_b, i)) + inputs.weights_at_eye[0][i]).max(least).min(most);
             let wc = (point.dot(get(&inputs.to_c, i)) + inputs.weights_at_eye[1][i]).max(least).min(most - wb);
-            let changes = (get(&inputs.normal_ab, i), get(&inputs.normal_ac, i));
-            let normal = get(&inputs.corner_normal, i) + changes.0 * wb + changes.1 * wc;
+            let normal =
+                get(&inputs.corner_normal, i) + get(&inputs.normal_ab, i) * wb + get(&inputs.normal_ac, i) * wc;
             let scale = 1.0 / normal.dot(normal).max(LEAST_SQUARE).sqrt();
             put(&mut out.normal, i, normal * scale);
         }

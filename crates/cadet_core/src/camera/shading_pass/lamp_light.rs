@@ -6,7 +6,7 @@ use super::super::face::{Flags, ShaderVariant};
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};
-use super::lighting::{lamp_coat, wet_share};
+use super::lighting::{Coat, lamp_coat, wet_share};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -16,8 +16,11 @@ pub fn add_lamp_light(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
-    (n, variant): (usize, ShaderVariant),
-    (night, wetness, eye): (&NightLights, f32, Vec3),
+    n: usize,
+    variant: ShaderVariant,
+    night: &NightLights,
+    wetness: f32,
+    eye: Vec3,
     irradiance: &mut BatchVector,
     mirrored: &mut BatchVector,
 ) {
@@ -45,11 +48,12 @@ pub fn add_lamp_light(
         if s.is_glossy {
             for i in 0..WIDE {
                 let at = first + i;
-                let place = (geometry.point[0][at] + eye.x, geometry.point[1][at] + eye.y);
+                let place = [geometry.point[0][at] + eye.x, geometry.point[1][at] + eye.y];
                 let is_ground = inputs.flags[at] & Flags::GROUND > 0;
-                let own = (inputs.f0[at], inputs.roughness[at]);
+                let own = Coat { f0: inputs.f0[at], roughness: inputs.roughness[at] };
                 let rise = geometry.normal[2][at];
-                [s.f0[i], s.roughness[i], s.mirror[i]] = lamp_coat(is_ground, rise, place, wetness, own);
+                let (coat, mirror) = lamp_coat(is_ground, rise, place, wetness, own);
+                (s.f0[i], s.roughness[i], s.mirror[i]) = (coat.f0, coat.roughness, mirror);
             }
         }
         let cells: [u32; WIDE] = std::array::from_fn(|i| cells[first + i]);

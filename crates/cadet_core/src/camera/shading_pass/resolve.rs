@@ -2,6 +2,7 @@
 
 use macro_rules_attribute::apply;
 
+use super::super::face::ShaderVariant;
 use super::super::light::{Light, transmittance};
 use super::super::shading_queue::BATCH_SIZE;
 use super::batch::{BatchVector, OutgoingLight, SurfaceGeometry, SurfaceInputs, get, put};
@@ -18,7 +19,8 @@ pub fn through_air(
     geometry: &SurfaceGeometry,
     outgoing: &OutgoingLight,
     m: usize,
-    (light, is_transparent): (&Light, bool),
+    light: &Light,
+    variant: ShaderVariant,
     out: &mut OutgoingLight,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
@@ -26,7 +28,7 @@ pub fn through_air(
         let diffuse = get(&outgoing.diffuse, i);
         let air = light.in_scattered(get(&geometry.view, i)) * (1.0 - clear);
         let (diffuse, air) =
-            if is_transparent { (diffuse, air * (Vec3::ONE - diffuse)) } else { (diffuse * clear, air) };
+            if variant.is_transparent { (diffuse, air * (Vec3::ONE - diffuse)) } else { (diffuse * clear, air) };
         put(&mut out.diffuse, i, diffuse);
         put(&mut out.specular, i, get(&outgoing.specular, i) * clear + air);
     }

@@ -62,7 +62,7 @@ impl FaceSetup {
             (middle[0][i], middle[1][i]) = (left + 0.5, top + 0.5);
             let (to_x, to_y) = (middle[0][i] - ax[i], middle[1][i] - ay[i]);
             (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * to_x + z_y * to_y), z_x, z_y);
-            out.highest_steps[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST_STEPS);
+            out.highest_steps[i] = least(most(most(az[i], bz[i]), most(cz[i], dz[i])), HIGHEST_STEPS);
         }
         for (k, edge) in out.edges.iter_mut().enumerate() {
             let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % EDGES]);
