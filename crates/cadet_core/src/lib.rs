@@ -15,6 +15,7 @@
 
 #[macro_use]
 mod wide_registers;
+mod zeros;
 
 pub mod actor;
 pub mod assets;

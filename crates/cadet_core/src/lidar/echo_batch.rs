@@ -1,6 +1,6 @@
 //! The receiver, 64 arrivals of a ring together: what it detects of them and reports, and the points that are written.
 
-use macro_rules_attribute::apply;
+use macro_rules_attribute::{apply, derive};
 
 use super::draws::Draws;
 use super::intensity::{intensity, saturated};
@@ -8,6 +8,7 @@ use super::returned_points::Scan;
 use super::returns::Arrival;
 use super::ring_receiver::RingReceiver;
 use crate::material::Semantic;
+use crate::zeros::DefaultZeros;
 
 /// Echoes that are received together.
 const BATCH_SIZE: usize = 64;
@@ -24,6 +25,7 @@ pub(super) struct EchoBatch {
     written: Written,
 }
 
+#[derive(DefaultZeros!)]
 struct Echoes {
     range_m: PerEcho,
     /// Reflectance / range^2 at the receiver.
@@ -41,6 +43,7 @@ struct Echoes {
 }
 
 /// What comes out.
+#[derive(DefaultZeros!)]
 struct Written {
     point_velo: [[f32; BATCH_SIZE]; 3],
     intensity: [f32; BATCH_SIZE],
@@ -50,31 +53,13 @@ struct Written {
 
 impl EchoBatch {
     pub(super) fn new() -> Box<Self> {
-        let none = [0.0; BATCH_SIZE];
         Box::new(Self {
             n: 0,
             column: [0; BATCH_SIZE],
             actor_id: [0; BATCH_SIZE],
             semantic: [Semantic::Sky; BATCH_SIZE],
-            echo: Echoes {
-                range_m: none,
-                power: none,
-                detected_power: none,
-                saturates: [false; BATCH_SIZE],
-                peak_share: none,
-                reading_noise: none,
-                detection: none,
-                saturation: none,
-                range_normal: none,
-                direction_velo: [none; 3],
-                origin_velo: [none; 3],
-            },
-            written: Written {
-                point_velo: [[0.0; BATCH_SIZE]; 3],
-                intensity: [0.0; BATCH_SIZE],
-                range_m: none,
-                is_kept: [false; BATCH_SIZE],
-            },
+            echo: Echoes::default(),
+            written: Written::default(),
         })
     }
 

@@ -3,7 +3,7 @@
 //! On KITTI's scans hardly a beam is lost at random on a surface that goes on (0.1 % on the ground up to 20 m, 1-2 %
 //! anywhere up to 50 m): detection is a threshold, not a chance that fades.
 
-use crate::error::{Error, Result, finite};
+use crate::error::{Result, within};
 
 /// The widest cone of a beam.
 pub const MAX_DIVERGENCE_RAD: f64 = 0.02;
@@ -42,7 +42,7 @@ impl Receiver {
     /// Checks the fields, which anyone may have set.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`], naming the field.
+    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`], naming the field.
     pub fn check(&self) -> Result<()> {
         for (what, value, least, most) in [
             ("pulse_s", self.pulse_s, 1e-10, 1e-7),
@@ -50,10 +50,7 @@ impl Receiver {
             ("threshold", self.threshold, 1e-9, 1.0),
             ("range_noise_m", self.range_noise_m, 0.0, 10.0),
         ] {
-            if !(least..=most).contains(&finite(what, value)?) {
-                let expected = format!("{least} to {most}");
-                return Err(Error::OutOfRange { what, value: value.to_string(), expected });
-            }
+            let _ = within(what, value, least..=most)?;
         }
         Ok(())
     }

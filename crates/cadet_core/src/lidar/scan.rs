@@ -17,7 +17,7 @@ use super::surfaces::SurfaceLookup;
 use super::turning::Turning;
 use crate::error::Result;
 use crate::material::Semantic;
-use crate::math::{self, DPose3, DVec3};
+use crate::math::{DPose3, DVec3};
 use crate::rng::Stream;
 use crate::sense::{Hits, PosedScene, SurfaceFilter, cast};
 use crate::spray::Spray;
@@ -56,11 +56,10 @@ impl IdealScan {
         let columns = spec.azimuths_rad().len();
         assert_eq!(self.range_m.len(), spec.num_beams(), "as many ranges as beams");
         for ((ring, laser), ranges_m) in spec.rings().iter().enumerate().zip(self.range_m.chunks_exact(columns)) {
-            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            let direction_velo = laser.directions_velo();
             let point = |(heading, range_m): (&[f64; 2], &f32)| {
                 let range = f64::from(*range_m);
-                let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
-                let p = laser.origin_velo(*heading) + direction_velo * range;
+                let p = laser.origin_velo(*heading) + direction_velo(*heading) * range;
                 if *range_m < f32::INFINITY { [p.x as f32, p.y as f32, p.z as f32, 0.0] } else { [f32::NAN; 4] }
             };
             points.extend(spec.headings(ring).iter().zip(ranges_m).map(point));
@@ -169,7 +168,7 @@ fn scan_by<C: Casting>(
     let mut batch = EchoBatch::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
-        let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+        let direction_of = laser.directions_velo();
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
         let receiver = &spec.ring_receiver(ring);
@@ -180,7 +179,7 @@ fn scan_by<C: Casting>(
             if is_blind[column] {
                 continue;
             }
-            let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
+            let direction_velo = direction_of(*heading);
             let origin_velo = laser.origin_velo(*heading);
             let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
             let echo = if let Some((_, quarters)) = quarters {

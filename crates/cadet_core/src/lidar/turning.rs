@@ -88,11 +88,11 @@ impl Casting for Firings<'_> {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
         let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
-            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            let direction_velo = laser.directions_velo();
             for (column, (heading, firing)) in spec.headings(ring).iter().zip(&self.columns).enumerate() {
                 let ColumnFiring { moment, world_from_velo } = firing;
                 let origin = world_from_velo.transform_point(laser.origin_velo(*heading));
-                let direction = world_from_velo.rotation * DVec3::new(cos * heading[0], cos * heading[1], sin);
+                let direction = world_from_velo.rotation * direction_velo(*heading);
                 let found = moment.cast(origin, direction);
                 let at = ring * columns + column;
                 put(&mut opaque, at, found.opaque);

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use macro_rules_attribute::apply;
+use macro_rules_attribute::{apply, derive};
 
 use super::block_rasterization::{ExactBlock, FaceOnImage};
 use super::cluster_culling::{VisibleCluster, sort_by_depth, visible_clusters};
@@ -18,6 +18,7 @@ use super::to_grid::ToGrid;
 use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
 use crate::geometry::{CLUSTER_VERTICES, Cluster, LANES};
 use crate::math::DVec3;
+use crate::zeros::DefaultZeros;
 
 /// [`rasterize_instances`], of every instance.
 pub fn rasterize(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffer) {
@@ -55,6 +56,7 @@ pub fn rasterize_instances(
 const SLACK: f32 = 1e-6;
 
 /// The vertices of the cluster at hand, axis by axis.
+#[derive(DefaultZeros!)]
 struct VerticesOnImage {
     cam: [[f64; CLUSTER_VERTICES]; 3],
     /// Clamped to just outside of the image; NaN where a vertex is not clearly in front.
@@ -62,13 +64,6 @@ struct VerticesOnImage {
     row: [f32; CLUSTER_VERTICES],
     /// A little less than z.
     z_m: [f32; CLUSTER_VERTICES],
-}
-
-impl Default for VerticesOnImage {
-    fn default() -> Self {
-        let none = [0.0; CLUSTER_VERTICES];
-        Self { cam: [[0.0; CLUSTER_VERTICES]; 3], column: none, row: none, z_m: none }
-    }
 }
 
 struct Rasterizer<'a> {

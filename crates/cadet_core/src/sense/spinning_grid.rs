@@ -13,7 +13,7 @@ use super::row_planes::{EIGHT, RowPlanes};
 use super::spinning_table::{POLAR_SHARE, SpinningTable};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
-use crate::math::{self, DPose3, DVec3, TAU, Vec3};
+use crate::math::{DPose3, DVec3, TAU, Vec3};
 
 /// Columns that a wide window is searched by.
 const SEARCH_COLUMNS: usize = 32;
@@ -126,11 +126,9 @@ impl BeamGrid for SpinningGrid {
     fn beam(&self, row: usize, column: usize) -> Beam {
         let ring = self.table.rings[row];
         let heading = self.table.headings(row)[column];
-        let (cos, sin) = (math::cos(ring.elevation_rad), math::sin(ring.elevation_rad));
-        let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
         Beam {
             origin_world: self.world_from_velo.transform_point(ring.origin_velo(heading)),
-            direction_world: self.world_from_velo.rotation * direction_velo,
+            direction_world: self.world_from_velo.rotation * ring.directions_velo()(heading),
         }
     }
 
