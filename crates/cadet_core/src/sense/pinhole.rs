@@ -21,9 +21,9 @@ pub struct PinholeGrid {
     rows_y: Vec<f64>,
     /// Column = x / z * scale + offset, and the same for rows.
     pub(super) column_scale: f64,
-    pub(super) column_offset: f64,
+    pub(super) offset_columns: f64,
     pub(super) row_scale: f64,
-    pub(super) row_offset: f64,
+    pub(super) offset_rows: f64,
     /// Columns by which the samples of odd rows lie further to the right: 0 or 1/2.
     pub(super) odd_shift_columns: f64,
 }
@@ -69,9 +69,9 @@ impl PinholeGrid {
             columns_x: [columns_x.clone(), columns_x],
             rows_y: (0..rows).map(|r| (v0 + r as f64 * dv - cy) / fy).collect(),
             column_scale: fx / du,
-            column_offset: (cx - u0) / du,
+            offset_columns: (cx - u0) / du,
             row_scale: fy / dv,
-            row_offset: (cy - v0) / dv,
+            offset_rows: (cy - v0) / dv,
             odd_shift_columns: 0.0,
         })
     }
@@ -157,8 +157,8 @@ impl BeamGrid for PinholeGrid {
             let (lo, hi) = (lo * scale as f32 + offset as f32, hi * scale as f32 + offset as f32);
             (lo - 1.0).max(0.0) as usize..((hi + 2.0).max(0.0) as usize).min(n)
         };
-        let columns = range(c.x, self.column_scale, self.column_offset, self.columns());
-        let rows = range(c.y, self.row_scale, self.row_offset, self.rows());
+        let columns = range(c.x, self.column_scale, self.offset_columns, self.columns());
+        let rows = range(c.y, self.row_scale, self.offset_rows, self.rows());
         ([Window { rows, columns }, Window::default()], c.z - radius_m)
     }
 
@@ -259,8 +259,8 @@ impl PinholeGrid {
     /// As [`BeamGrid::footprints`], columns and rows apart.
     #[inline(always)]
     pub(super) fn footprint_lanes(&self, [x, y, z]: &Lanes, columns: &mut [f32; LANES], rows: &mut [f32; LANES]) {
-        let (cs, co) = (self.column_scale as f32, self.column_offset as f32);
-        let (rs, ro) = (self.row_scale as f32, self.row_offset as f32);
+        let (cs, co) = (self.column_scale as f32, self.offset_columns as f32);
+        let (rs, ro) = (self.row_scale as f32, self.offset_rows as f32);
         let (last_column, last_row) = (self.columns() as f32, self.rows() as f32);
         for i in 0..LANES {
             let in_front = (z[i] > 0.01 * (x[i].abs() + y[i].abs())) & (z[i] > 1e-4);
@@ -335,7 +335,7 @@ impl PinholeGrid {
     pub(super) fn padded_columns_x(&self, block: usize) -> [Vec<f64>; 2] {
         [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift_columns)].map(|(columns_x, shift)| {
             let n = columns_x.len();
-            let at = |i: usize| (i as f64 + shift - self.column_offset) / self.column_scale;
+            let at = |i: usize| (i as f64 + shift - self.offset_columns) / self.column_scale;
             columns_x.iter().copied().chain((n..n.next_multiple_of(block)).map(at)).collect()
         })
     }
@@ -343,7 +343,7 @@ impl PinholeGrid {
     /// y / z of every row, and of those that would follow up to a multiple of `block`.
     pub(super) fn padded_rows_y(&self, block: usize) -> Vec<f64> {
         let n = self.rows_y.len();
-        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.row_offset) / self.row_scale);
+        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.offset_rows) / self.row_scale);
         self.rows_y.iter().copied().chain(beyond).collect()
     }
 
@@ -352,7 +352,7 @@ impl PinholeGrid {
     #[inline]
     fn narrow(&self, row: usize, columns: &mut Range<usize>, slope: f64, rest: f64) {
         // Wide enough for odd rows.
-        let root = (-rest / slope) * self.column_scale + self.column_offset;
+        let root = (-rest / slope) * self.column_scale + self.offset_columns;
         let columns_x = self.columns_x(row);
         let is_in = |column: usize| slope * columns_x[column] + rest >= 0.0;
         if slope > 0.0 {

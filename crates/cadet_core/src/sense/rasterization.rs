@@ -261,7 +261,7 @@ impl Rasterizer<'_> {
     fn block_columns(&self, on_image: &FaceOnImage, window: &Window, y: f64) -> Range<usize> {
         let (mut first, mut end) = (window.columns.start / BLOCK, (window.columns.end - 1) / BLOCK + 1);
         if end - first > WIDE {
-            let column = |x: f64| (x * self.grid.column_scale + self.grid.column_offset) / BLOCK as f64;
+            let column = |x: f64| (x * self.grid.column_scale + self.grid.offset_columns) / BLOCK as f64;
             let [from, to] = on_image.span(y);
             // The middle of a block lies less than one block right of its first column.
             first = first.max(column(from).max(1.0) as usize - 1);
