@@ -2,7 +2,7 @@
 
 mod capture;
 
-pub use capture::{CaptureRequest, Frame, Image, NamedScan};
+pub use capture::{CaptureRequest, CapturedFrame, Image, NamedScan};
 
 use std::sync::Arc;
 

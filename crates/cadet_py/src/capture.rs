@@ -34,7 +34,7 @@ impl Request {
 /// Everything that was asked for at one instant.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct Capture {
-    frame: core::Frame,
+    frame: core::CapturedFrame,
     map: String,
     map_offset_m: [f64; 2],
     weather: String,
@@ -124,7 +124,7 @@ fn corners(rect: &Rect) -> Corners {
 }
 
 impl Capture {
-    pub(crate) fn new(frame: core::Frame, scene: &core::Scene) -> Self {
+    pub(crate) fn new(frame: core::CapturedFrame, scene: &core::Scene) -> Self {
         let weather = scene.weather();
         Self {
             frame,

@@ -2,7 +2,7 @@
 
 use macro_rules_attribute::apply;
 
-use crate::sense::{BLOCK, Block, bits_by_column};
+use crate::sense::{BLOCK, Block, ROW_BITS, bits_by_column};
 
 /// The samples of a block of 8 x 4 pixels, two a pixel, a bit each: column by column, from the top; the first of a pixel, which
 /// lies on its center, comes before the second.
@@ -29,8 +29,6 @@ pub type Numbers = [u32; BLOCK * BLOCK];
 
 /// A row and the next: a register.
 const TWO_ROWS: usize = 2 * BLOCK;
-/// Their bits, before they are shifted to the row.
-const ROW_BITS: [u32; TWO_ROWS] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// The mask of some pixel rows and columns from a block's first on.
 #[inline]

@@ -22,7 +22,7 @@ use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
 use self::geometry::place_surfaces;
 use self::lamp_light::add_lamp_light;
 #[cfg(test)]
-pub(super) use self::lighting::{Coat, lamp_coat};
+pub(super) use self::lighting::{SurfaceCoat, lamp_coat};
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};

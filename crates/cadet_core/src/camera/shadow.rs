@@ -6,11 +6,11 @@ mod rasterization;
 
 use macro_rules_attribute::apply;
 
-use self::map::{EMPTY, HIGHEST_STEPS, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
+use self::map::{EMPTY, HIGHEST_STEPS, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, steps};
 use self::rasterization::rasterize_casters;
 use super::value_noise::split;
 use crate::geometry::LANES;
-use crate::math::{DMat3, DVec3, Vec3};
+use crate::math::{DMat3, DVec3, Vec3, greater, lesser};
 use crate::sense::PosedScene;
 
 /// (distance ahead of the camera of the middle, half the side), meters: near, far.
@@ -307,7 +307,7 @@ fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], 
                 };
                 // At a border it may be the neighbor: those around a marked one are drawn as well.
                 let tile = |texel: f32| {
-                    split(least(most(texel, 0.0), SIZE as f32) * (1.0 / TILE as f32)).0.clamp(0, TILES as i32 - 1)
+                    split(lesser(greater(texel, 0.0), SIZE as f32) * (1.0 / TILE as f32)).0.clamp(0, TILES as i32 - 1)
                 };
                 let (column, row) = (tile(u), tile(v));
                 let is_marked = within(0.0) & !is_finer[i];
@@ -322,7 +322,7 @@ fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], 
             }
             for (tile, height) in tiles[..points.len()].iter().zip(heights) {
                 let lowest = &mut lowest[*tile as usize];
-                *lowest = least(*lowest, height);
+                *lowest = lesser(*lowest, height);
             }
         }
     }

@@ -57,7 +57,7 @@ pub struct NamedScan {
 
 /// Everything that was asked for at one instant.
 #[derive(Debug, Clone)]
-pub struct Frame {
+pub struct CapturedFrame {
     /// Seconds since the scene's start.
     pub time_s: f64,
     /// The ego's pose.
@@ -94,7 +94,7 @@ impl Scene {
     ///
     /// # Errors
     /// A sensor that the rig lacks; [`Error::Scene`] where no ground lies ahead of the first camera.
-    pub fn capture(&mut self, request: &CaptureRequest) -> Result<Frame> {
+    pub fn capture(&mut self, request: &CaptureRequest) -> Result<CapturedFrame> {
         self.check(request)?;
         let looked = self.look()?;
         self.finish(request, looked)
@@ -106,7 +106,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::capture`].
-    pub fn capture_labeled(&mut self, request: &CaptureRequest) -> Result<Option<Frame>> {
+    pub fn capture_labeled(&mut self, request: &CaptureRequest) -> Result<Option<CapturedFrame>> {
         self.check(request)?;
         let world_from_cam = self.world_from_cam();
         let sensed = self.sensed();
@@ -162,7 +162,7 @@ impl Scene {
         Ok(Looked { view, seen, sightings })
     }
 
-    fn finish(&mut self, request: &CaptureRequest, looked: Looked) -> Result<Frame> {
+    fn finish(&mut self, request: &CaptureRequest, looked: Looked) -> Result<CapturedFrame> {
         let snapshot = Arc::clone(&self.sensed().snapshot);
         let Looked { view, seen, mut sightings } = looked;
         let mut images = vec![self.image(0, request, &view, &seen)?];
@@ -188,7 +188,7 @@ impl Scene {
         add_points(&self.label, &mut sightings, &scans[0].scan.actor_id);
         let labeled: Vec<i32> = sightings.iter().filter(|s| s.is_labeled).map(|s| s.actor_id).collect();
         self.world.note_labeled(&labeled);
-        Ok(Frame {
+        Ok(CapturedFrame {
             time_s: snapshot.time_s,
             world_from_ego: snapshot.ego.world_from_ego,
             ego_velocity_world: snapshot.ego.velocity_world,

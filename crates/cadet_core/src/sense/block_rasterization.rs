@@ -12,7 +12,7 @@ use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
 use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
-use crate::math::DVec3;
+use crate::math::{DVec3, greater, lesser};
 
 /// The most edges.
 const EDGES: usize = 4;
@@ -156,7 +156,7 @@ impl FaceOnImage {
     fn is_flat(&self, at: &AffineValues) -> bool {
         let (inverse_depth, reach) = (at.inverse_depth, self.reach.inverse_depth);
         let least = inverse_depth - reach;
-        let least = if least > self.least_inverse_depth { least } else { self.least_inverse_depth };
+        let least = greater(least, self.least_inverse_depth);
         inverse_depth.abs() + reach < STEEP * least
     }
 
@@ -172,9 +172,9 @@ impl FaceOnImage {
                 let least = least - 1e-6 * (1.0 + least.abs());
                 let cut = least / self.by_x[k];
                 if self.by_x[k] > 0.0 {
-                    from = if cut > from { cut } else { from };
+                    from = greater(cut, from);
                 } else if self.by_x[k] < 0.0 {
-                    to = if cut < to { cut } else { to };
+                    to = lesser(cut, to);
                 }
             }
         }
@@ -314,7 +314,7 @@ fn draw_within<const EDGES: usize>(
         for i in 0..2 * BLOCK {
             let mut least = f32::INFINITY;
             for (inside, _) in &edges {
-                least = if least < inside[i] { least } else { inside[i] };
+                least = lesser(least, inside[i]);
             }
             bits[i] = mask(least >= DOUBT) & value[i].to_bits();
             doubt[i] |= mask(least.abs() < DOUBT) & (ROW_BITS[i] << row);

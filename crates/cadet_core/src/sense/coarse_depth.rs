@@ -1,6 +1,7 @@
 //! A coarse map of how far beams have come, which tells what is hidden.
 
 use super::grid::{BeamGrid, Window};
+use crate::math::greater;
 
 /// Beams of a row that share a bound.
 const BOUND_COLUMNS: usize = 16;
@@ -53,14 +54,13 @@ impl CoarseDepth {
 
 #[inline(always)]
 fn farthest(depths: &[f32]) -> f32 {
-    let larger = |a: f32, b: f32| if a > b { a } else { b };
     if let Ok(block) = <&[f32; BOUND_COLUMNS]>::try_from(depths) {
         let mut most = [0.0_f32; 8];
         for i in 0..8 {
-            most[i] = larger(block[i], block[i + 8]);
+            most[i] = greater(block[i], block[i + 8]);
         }
-        let four: [f32; 4] = std::array::from_fn(|i| larger(most[i], most[i + 4]));
-        return larger(larger(four[0], four[2]), larger(four[1], four[3]));
+        let four: [f32; 4] = std::array::from_fn(|i| greater(most[i], most[i + 4]));
+        return greater(greater(four[0], four[2]), greater(four[1], four[3]));
     }
-    depths.iter().copied().fold(0.0, larger)
+    depths.iter().copied().fold(0.0, greater)
 }

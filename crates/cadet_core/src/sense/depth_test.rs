@@ -3,7 +3,7 @@
 use super::visibility_buffer::{BLOCK, Block};
 
 /// The bits of a row and the next, before they are shifted to the row.
-pub(super) const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
+pub const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// Keeps what is nearer in an even row and the next: `bits` are those of positive numbers, or 0.
 ///

@@ -27,7 +27,7 @@ mod spinning_table;
 mod to_grid;
 mod visibility_buffer;
 
-pub use depth_test::bits_by_column;
+pub use depth_test::{ROW_BITS, bits_by_column};
 pub use detail::Resolution;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;

@@ -1,7 +1,7 @@
 //! A flat convex polygon as planes through the camera: triangles, and quadrilaterals that are drawn as one.
 
 use super::edges::EdgePlanes;
-use crate::math::DVec3;
+use crate::math::{DVec3, greater, lesser};
 
 /// The edges of a polygon with three or four corners, and its plane; see [`EdgePlanes`].
 #[derive(Debug, Clone, Copy)]
@@ -33,8 +33,8 @@ impl FacePlanes {
         // Six times the volumes of the tetrahedra of three corners in a row and the camera: all of one sign, or it is
         // seen dented.
         let volumes = [edges[0].dot(c), edges[1].dot(d), edges[2].dot(a), edges[3].dot(b)];
-        let least = volumes.into_iter().fold(f64::INFINITY, |a, b| if b < a { b } else { a });
-        let most = volumes.into_iter().fold(f64::NEG_INFINITY, |a, b| if b > a { b } else { a });
+        let least = volumes.into_iter().fold(f64::INFINITY, |least, volume| lesser(volume, least));
+        let most = volumes.into_iter().fold(f64::NEG_INFINITY, |most, volume| greater(volume, most));
         let out = Self { edges, is_quad: true, normal, sixfold_volume_m3: volume };
         ((least > 0.0) & (out.sixfold_volume_m3 > 0.0) | (most < 0.0) & (out.sixfold_volume_m3 < 0.0)).then_some(out)
     }

@@ -6,7 +6,7 @@ use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
-use crate::math::{DPose3, DVec3, Vec3};
+use crate::math::{DPose3, DVec3, Vec3, greater, lesser};
 
 /// Samples of an image: row r, column c lies at `u = u0 + c * du`, `v = v0 + r * dv`, where the beam's direction is
 /// `((u - cx) / fx, (v - cy) / fy, 1)` in the camera's frame. Depth is z along the optical axis.
@@ -289,17 +289,17 @@ impl PinholeGrid {
         let bounds = |corners: [&[f32; LANES]; N], i: usize| {
             let (mut low, mut high) = (corners[0][i], corners[0][i]);
             for corner in &corners[1..] {
-                low = if corner[i] < low { corner[i] } else { low };
-                high = if corner[i] > high { corner[i] } else { high };
+                low = lesser(corner[i], low);
+                high = greater(corner[i], high);
             }
             [low, high]
         };
         // Not where a bound is NaN, which is told below.
         let window = |[low, high]: [f32; 2], count: u32| {
-            let low = if low > 0.0 { low } else { 0.0 };
-            let high = if high + 1.0 > 0.0 { high + 1.0 } else { 0.0 };
+            let low = greater(low, 0.0);
+            let high = greater(high + 1.0, 0.0);
             let (start, end) = (ceil_and_floor(low)[0], ceil_and_floor(high)[1]);
-            [start, if end < count { end } else { count }]
+            [start, lesser(end, count)]
         };
         for i in 0..LANES {
             let [low, high] = bounds(rows, i);

@@ -17,7 +17,7 @@ use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
 use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
 use crate::geometry::{CLUSTER_VERTICES, Cluster, LANES};
-use crate::math::DVec3;
+use crate::math::{DVec3, greater, lesser};
 use crate::zeros::DefaultZeros;
 
 /// [`rasterize_instances`], of every instance.
@@ -279,12 +279,8 @@ const WIDE: usize = 3;
 fn z_bounds(corners: &[[[f32; LANES]; 3]; 4]) -> [[f32; LANES]; 2] {
     let (mut least, mut most) = (corners[0][2], corners[0][2]);
     for corner in &corners[1..] {
-        for i in 0..LANES {
-            least[i] = if corner[2][i] < least[i] { corner[2][i] } else { least[i] };
-        }
-        for i in 0..LANES {
-            most[i] = if corner[2][i] > most[i] { corner[2][i] } else { most[i] };
-        }
+        least = std::array::from_fn(|i| lesser(corner[2][i], least[i]));
+        most = std::array::from_fn(|i| greater(corner[2][i], most[i]));
     }
     [least, most]
 }

@@ -13,7 +13,7 @@ use super::row_planes::{EIGHT, RowPlanes};
 use super::spinning_table::{POLAR_SHARE, SpinningTable};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
-use crate::math::{DPose3, DVec3, TAU, Vec3};
+use crate::math::{DPose3, DVec3, TAU, Vec3, greater, lesser};
 
 /// Columns that a wide window is searched by.
 const SEARCH_COLUMNS: usize = 32;
@@ -228,12 +228,13 @@ impl BeamGrid for SpinningGrid {
         let [lowest, highest] = self.table.height_span_m.map(f64::from);
         let middle = DVec3::new(0.0, 0.0, 0.5 * (lowest + highest));
         let [a, b, c, d] = corners_grid.map(|p| p - middle);
-        let less = |x: f64, y: f64| if x < y { x } else { y };
-        let more = |x: f64, y: f64| if x > y { x } else { y };
-        let corner = less(less(a.length_squared(), b.length_squared()), less(c.length_squared(), d.length_squared()));
-        let sides = more((b - a).length_squared(), (c - b).length_squared());
-        let edge =
-            more(more(sides, (a - c).length_squared()), more((d - c).length_squared(), (a - d).length_squared()));
+        let corner =
+            lesser(lesser(a.length_squared(), b.length_squared()), lesser(c.length_squared(), d.length_squared()));
+        let sides = greater((b - a).length_squared(), (c - b).length_squared());
+        let edge = greater(
+            greater(sides, (a - c).length_squared()),
+            greater((d - c).length_squared(), (a - d).length_squared()),
+        );
         // Of both triangles: no point is farther from all corners than the longest edge / sqrt 3, the nearest point to the
         // origin included; and seen from there the corners lie beyond it or at a right angle.
         let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();

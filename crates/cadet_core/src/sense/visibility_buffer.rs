@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::grid::Window;
+use crate::math::lesser;
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
@@ -193,12 +194,10 @@ impl VisibilityBuffer {
         }
         let mut least = [f32::INFINITY; BLOCK];
         for row in &self.opaque[block].inverse_depth_per_m {
-            for i in 0..BLOCK {
-                least[i] = if row[i] < least[i] { row[i] } else { least[i] };
-            }
+            least = std::array::from_fn(|i| lesser(row[i], least[i]));
         }
         state.is_stale = false;
-        state.least_inverse_depth_per_m = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        state.least_inverse_depth_per_m = least.into_iter().fold(f32::INFINITY, |least, value| lesser(value, least));
         state.least_inverse_depth_per_m * z_m > CLEARLY_NEARER_RATIO
     }
 

@@ -6,7 +6,7 @@ use super::super::face::{Flags, ShaderVariant};
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};
-use super::lighting::{Coat, lamp_coat, wet_share};
+use super::lighting::{SurfaceCoat, lamp_coat, wet_share};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -50,7 +50,7 @@ pub fn add_lamp_light(
                 let at = first + i;
                 let place = [geometry.point[0][at] + eye.x, geometry.point[1][at] + eye.y];
                 let is_ground = inputs.flags[at] & Flags::GROUND > 0;
-                let own = Coat { f0: inputs.f0[at], roughness: inputs.roughness[at] };
+                let own = SurfaceCoat { f0: inputs.f0[at], roughness: inputs.roughness[at] };
                 let rise = geometry.normal[2][at];
                 let (coat, mirror) = lamp_coat(is_ground, rise, place, wetness, own);
                 (s.f0[i], s.roughness[i], s.mirror[i]) = (coat.f0, coat.roughness, mirror);

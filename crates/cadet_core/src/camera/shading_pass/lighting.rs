@@ -97,7 +97,7 @@ pub fn diffuse(
 
 /// The face of a surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Coat {
+pub struct SurfaceCoat {
     /// Reflectance at normal incidence.
     pub f0: f32,
     pub roughness: f32,
@@ -105,11 +105,11 @@ pub struct Coat {
 
 /// A surface's own coat, or the film of water on it.
 #[inline(always)]
-pub fn coat(is_ground: bool, rise: f32, [x, y]: [f32; 2], wetness: f32, own: Coat) -> Coat {
+pub fn coat(is_ground: bool, rise: f32, [x, y]: [f32; 2], wetness: f32, own: SurfaceCoat) -> SurfaceCoat {
     let film = film(is_ground, rise, [x, y], wetness);
     let f0 = if film > 0.0 { WATER_F0 } else { own.f0 };
     let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { own.roughness };
-    Coat { f0, roughness }
+    SurfaceCoat { f0, roughness }
 }
 
 /// Share of a surface that is under a film of water.
@@ -123,11 +123,11 @@ fn film(is_ground: bool, rise: f32, [x, y]: [f32; 2], wetness: f32) -> f32 {
 /// As [`coat`] for the mirror images of lamps, and the share of the surface that is a mirror. What
 /// stands out of the film is left out of it, so that it is smoother than for the sky.
 #[inline(always)]
-pub fn lamp_coat(is_ground: bool, rise: f32, place: [f32; 2], wetness: f32, own: Coat) -> (Coat, f32) {
+pub fn lamp_coat(is_ground: bool, rise: f32, place: [f32; 2], wetness: f32, own: SurfaceCoat) -> (SurfaceCoat, f32) {
     let film = film(is_ground, rise, place, wetness);
     if film > 0.0 {
         let roughness = FILM_ROUGHNESS - SMOOTHER_BY_LAMP_FILM * film;
-        (Coat { f0: WATER_F0, roughness }, FILM_MIRROR * film)
+        (SurfaceCoat { f0: WATER_F0, roughness }, FILM_MIRROR * film)
     } else {
         (own, (1.0 - own.roughness) * (1.0 - own.roughness))
     }
@@ -156,8 +156,8 @@ pub fn specular(
         let (view, normal) = (get(&geometry.view, i), get(&geometry.normal, i));
         let (x, y) = (geometry.point[0][i] + eye.x, geometry.point[1][i] + eye.y);
         let is_ground = inputs.flags[i] & Flags::GROUND > 0;
-        let own = Coat { f0: inputs.f0[i], roughness: inputs.roughness[i] };
-        let Coat { f0, roughness } = coat(is_ground, normal.z, [x, y], wetness, own);
+        let own = SurfaceCoat { f0: inputs.f0[i], roughness: inputs.roughness[i] };
+        let SurfaceCoat { f0, roughness } = coat(is_ground, normal.z, [x, y], wetness, own);
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         let smooth = (1.0 - roughness) * (1.0 - roughness);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;

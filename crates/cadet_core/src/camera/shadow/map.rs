@@ -1,5 +1,7 @@
 //! A shadow map, and which of its tiles the camera sees.
 
+use crate::math::lesser;
+
 /// Texels along a side of each map.
 pub(super) const SIZE: usize = 1536;
 /// Texels along a side of a tile: what shades no tile that the camera sees is not drawn.
@@ -95,7 +97,7 @@ fn joined(lowest: &[f32], by: usize) -> Vec<f32> {
 /// Lowers numbers to others, as far as there are any.
 fn lower(out: &mut [f32], to: &[f32]) {
     for (out, to) in out.iter_mut().zip(to) {
-        *out = least(*out, *to);
+        *out = lesser(*out, *to);
     }
 }
 
@@ -107,16 +109,4 @@ pub(super) const HIGHEST_STEPS: f32 = 32_000.0;
 pub(super) fn steps(z: f32) -> i32 {
     const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23, whose own lower half is 0
     (z + LARGE).to_bits() as i32
-}
-
-/// The smaller of two numbers, as vector registers compare them.
-#[inline(always)]
-pub(super) fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The larger of two numbers.
-#[inline(always)]
-pub(super) fn most(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

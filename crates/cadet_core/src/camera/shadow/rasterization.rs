@@ -5,10 +5,10 @@ use std::ops::Range;
 use macro_rules_attribute::apply;
 
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
-use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, least, most, steps};
+use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, steps};
 use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use crate::material::Material;
-use crate::math::{DMat3, Mat3, Vec3};
+use crate::math::{DMat3, Mat3, Vec3, greater, lesser};
 use crate::sense::{PosedInstance, PosedScene};
 
 /// Draws all that may shade what the camera sees.
@@ -224,10 +224,10 @@ impl Map {
                         // A triangle's third edge has no length.
                         let mut inside = f32::INFINITY;
                         for [start, by_x, by_y] in edges {
-                            inside = least(inside, start + by_x * x + by_y * y);
+                            inside = lesser(inside, start + by_x * x + by_y * y);
                         }
                         // Rounding may not lead beyond sixteen bits.
-                        let z = most(least(z + zx * x + zy * y, highest), -HIGHEST_STEPS);
+                        let z = greater(lesser(z + zx * x + zy * y, highest), -HIGHEST_STEPS);
                         *height = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
                     raise(&mut self.height[(y0 + row) * STRIDE + first..], &heights);
@@ -256,11 +256,11 @@ impl Map {
                 // slope * dx + first + down * dy >= 0
                 if slope > 0.0 {
                     for k in 0..LANES {
-                        lo[k] = most((first + down * dy[k]) * inverse, lo[k]);
+                        lo[k] = greater((first + down * dy[k]) * inverse, lo[k]);
                     }
                 } else if slope < 0.0 {
                     for k in 0..LANES {
-                        hi[k] = least((first + down * dy[k]) * inverse, hi[k]);
+                        hi[k] = lesser((first + down * dy[k]) * inverse, hi[k]);
                     }
                 } else {
                     for k in 0..LANES {
@@ -271,7 +271,7 @@ impl Map {
             let (mut first, mut end) = ([0_i32; LANES], [0_i32; LANES]);
             for k in 0..LANES {
                 // The first at or after `lo`, and the one after the last at or before `hi`.
-                let (start, start_f) = rounded(least(lo[k], width));
+                let (start, start_f) = rounded(lesser(lo[k], width));
                 first[k] = start + i32::from(start_f < lo[k]);
                 let (stop, stop_f) = rounded(hi[k] + 1.0);
                 end[k] = stop - i32::from(stop_f > hi[k] + 1.0);
@@ -300,7 +300,7 @@ fn raise_span(row: &mut [i16], span: Range<usize>, first: f32, step: f32) {
         let mut heights = [0; WIDE];
         for (i, height) in heights.iter_mut().enumerate() {
             let i = i as i32 as f32;
-            let z = least(most(first + step * i, -HIGHEST_STEPS), HIGHEST_STEPS);
+            let z = lesser(greater(first + step * i, -HIGHEST_STEPS), HIGHEST_STEPS);
             *height = if i < left { steps(z) } else { EMPTY.into() };
         }
         raise(&mut row[start..], &heights);

@@ -5,7 +5,7 @@ use super::shading::{Point, Surface};
 use crate::camera::night_lights::{
     LEAF_DIRECT_SHARE, LEAF_SCATTERED_SHARE, LEAST_LAMP_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO_REFLECTANCE, RETRO_SINE,
 };
-use crate::camera::shading_pass::{Coat, lamp_coat};
+use crate::camera::shading_pass::{SurfaceCoat, lamp_coat};
 use crate::lamp::{LightDistribution, fade};
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -21,9 +21,9 @@ impl Reference {
         is_ground: bool,
     ) -> [Vec3; 2] {
         let Some(night) = &self.light.night else { return [Vec3::ZERO; 2] };
-        let own = Coat { f0: s.material.specular, roughness: s.material.roughness };
+        let own = SurfaceCoat { f0: s.material.specular, roughness: s.material.roughness };
         let place = [at.world.x, at.world.y];
-        let (Coat { f0, roughness }, mirror) = lamp_coat(is_ground, normal.z, place, self.light.wetness, own);
+        let (SurfaceCoat { f0, roughness }, mirror) = lamp_coat(is_ground, normal.z, place, self.light.wetness, own);
         let point = at.view * at.distance_m;
         let (mut irradiance, mut mirrored) = (Vec3::ZERO, Vec3::ZERO);
         let throws_back = s.material.lidar.retro || s.material.pattern == Pattern::Reflector;
