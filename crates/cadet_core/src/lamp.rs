@@ -9,7 +9,7 @@ pub const CD_PER_INTENSITY: f32 = 100.0;
 
 /// How light leaves a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LightDistribution {
+pub enum LampBeam {
     /// A street lamp that shines down: full above the second cosine to the nadir, nothing below the first.
     Luminaire {
         /// Cosine of the angle to the nadir at which the light ends.
@@ -27,7 +27,7 @@ pub enum LightDistribution {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
     /// Its distribution.
-    pub distribution: LightDistribution,
+    pub beam: LampBeam,
     /// Where it is.
     pub at: Vec3,
     /// Unit vector: the axis of a beam, down for luminaires.
@@ -74,15 +74,15 @@ impl Lamp {
     #[inline(always)]
     #[must_use]
     pub fn share(&self, to: Vec3, distance_m: f32) -> f32 {
-        match self.distribution {
-            LightDistribution::Luminaire { cos_ends: ends, cos_full: full } => {
+        match self.beam {
+            LampBeam::Luminaire { cos_ends: ends, cos_full: full } => {
                 luminaire(to.dot(self.ahead) / distance_m, ends, full)
             }
-            LightDistribution::LowBeam => {
+            LampBeam::LowBeam => {
                 let up = self.ahead.cross(self.left);
                 low_beam(to.dot(self.ahead), to.dot(self.left), to.dot(up))
             }
-            LightDistribution::Lens => lens(to.dot(self.ahead) / distance_m),
+            LampBeam::Lens => lens(to.dot(self.ahead) / distance_m),
         }
     }
 }
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn a_placed_lamp_shines_where_its_frame_turns() {
         let lamp = Lamp {
-            distribution: LightDistribution::LowBeam,
+            beam: LampBeam::LowBeam,
             at: Vec3::new(2.0, 0.0, 0.6),
             ahead: Vec3::X,
             left: Vec3::Y,

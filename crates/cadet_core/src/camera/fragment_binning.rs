@@ -242,7 +242,7 @@ impl<'a> FragmentBinner<'a> {
     fn group(&mut self, tile: &Tile, covered: &CoveredFace, target: &Target) -> (u32, FragmentGroup) {
         let (face, variant) = self.faces.made(covered.face);
         let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
-        let inverse_depth = self.faces.inverse_depth_per_m_at(face, u, v);
+        let inverse_depth_per_m = self.faces.inverse_depth_per_m_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
         let columns = [
             covered.coverage.trailing_zeros() / ROWS_OF_SAMPLES,
@@ -251,24 +251,14 @@ impl<'a> FragmentBinner<'a> {
         let middle = (columns[0] + columns[1]) / 2 * ROWS_OF_SAMPLES;
         let middle = middle + (covered.coverage >> middle).trailing_zeros();
         let (column, row) = ((middle / ROWS_OF_SAMPLES) as f32, (middle % ROWS_OF_SAMPLES / 2) as f32);
-        let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
+        let there = inverse_depth_per_m[0] + inverse_depth_per_m[1] * column + inverse_depth_per_m[2] * row;
         let is_lone = covered.coverage.count_ones() <= LONE;
         let point = SurfacePoint { u: u + column, v: v + row, inverse_depth_per_m: there, is_lone };
-        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth, point);
+        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth_per_m, point);
         let &Target { first, stride, weight } = target;
         (
             variant,
-            FragmentGroup {
-                face,
-                ambient,
-                target: first,
-                stride,
-                background: 0,
-                u,
-                v,
-                inverse_depth_per_m: inverse_depth,
-                weight,
-            },
+            FragmentGroup { face, ambient, target: first, stride, background: 0, u, v, inverse_depth_per_m, weight },
         )
     }
 

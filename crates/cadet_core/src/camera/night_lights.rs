@@ -1,7 +1,7 @@
 //! The lamps of a night: a grid tells which of them reach a place, so that a point sums few of them.
 
 use super::face::Flags;
-use crate::lamp::{Lamp, LightDistribution, fade, lens, low_beam, luminaire};
+use crate::lamp::{Lamp, LampBeam, fade, lens, low_beam, luminaire};
 use crate::math::{DVec3, Vec3};
 use crate::sense::{PosedLamp, PosedScene};
 
@@ -66,9 +66,9 @@ impl NightLights {
             .lamps
             .iter()
             .map(|PosedLamp { lamp, actor_id }| {
-                let reach_m = match lamp.distribution {
-                    LightDistribution::Lens if !is_wet => DRY_LENS_M,
-                    LightDistribution::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,
+                let reach_m = match lamp.beam {
+                    LampBeam::Lens if !is_wet => DRY_LENS_M,
+                    LampBeam::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,
                     _ => lamp.reach_m,
                 };
                 let lamp = Lamp { at: lamp.at - origin, reach_m, ..*lamp };
@@ -134,8 +134,7 @@ impl NightLights {
 fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
     let within = |radius_m: f32| {
         let near = |l: &&NightLamp| {
-            matches!(l.lamp.distribution, LightDistribution::Luminaire { .. })
-                && l.lamp.at.truncate().length() < radius_m
+            matches!(l.lamp.beam, LampBeam::Luminaire { .. }) && l.lamp.at.truncate().length() < radius_m
         };
         let sum: Vec3 = lamps.iter().filter(near).map(|l| Vec3::from(l.lamp.intensity)).sum();
         sum * (LUMINAIRE_SR / (std::f32::consts::PI * radius_m * radius_m))
@@ -145,7 +144,7 @@ fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
 
 /// Whether a lamp's light may reach a cell, by the vector to its middle in the plane.
 fn may_shine_into(lamp: &NightLamp, to: Vec3) -> bool {
-    if lamp.lamp.distribution != LightDistribution::LowBeam {
+    if lamp.lamp.beam != LampBeam::LowBeam {
         return true;
     }
     let (ahead, left) = (lamp.lamp.ahead.dot(to), lamp.lamp.left.dot(to).abs());
@@ -198,20 +197,20 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
         distance[i] = square[i].sqrt();
     }
     let mut strength = [0.0; WIDE];
-    match lamp.distribution {
-        LightDistribution::Luminaire { cos_ends: ends, cos_full: full } => {
+    match lamp.beam {
+        LampBeam::Luminaire { cos_ends: ends, cos_full: full } => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = luminaire(d.dot(lamp.ahead) / distance[i], ends, full) * s.contact[i];
             }
         }
-        LightDistribution::LowBeam => {
+        LampBeam::LowBeam => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = low_beam(d.dot(lamp.ahead), d.dot(lamp.left), d.dot(*up));
             }
         }
-        LightDistribution::Lens => {
+        LampBeam::Lens => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = lens(d.dot(lamp.ahead) / distance[i]);

@@ -7,7 +7,7 @@ use super::fragment_binning::FragmentBinner;
 use super::light::Light;
 use super::shading_pass::ShadingCamera;
 use super::shading_queue::ShadingQueue;
-use super::visibility_pass::{ImageRays, SampleBuffer, View};
+use super::visibility_pass::{ImageRays, Samples, View};
 use crate::sense::{BLOCK, PosedScene};
 
 /// Values that [`radiance_pass`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and
@@ -22,7 +22,7 @@ pub fn radiance_pass(
     view: &View,
     rays: &ImageRays,
     light: &Light,
-    samples: &SampleBuffer,
+    samples: &Samples,
     rgb: &mut [f32],
 ) {
     let (width, height) = (view.width, view.height);

@@ -52,7 +52,7 @@ impl View {
 #[derive(Debug)]
 pub struct Visibility {
     /// Two samples a pixel, in a quincunx: one on its center, one half a pixel to the right and below.
-    pub(super) samples: SampleBuffer,
+    pub(super) samples: Samples,
     grid: PinholeGrid,
     /// Of the scene's instances.
     actor_ids: Vec<i32>,
@@ -154,14 +154,14 @@ impl Visibility {
 
 /// What the samples of all pixels see.
 #[derive(Debug)]
-pub(super) struct SampleBuffer(pub VisibilityBuffer);
+pub(super) struct Samples(pub VisibilityBuffer);
 
 thread_local! {
     /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
     static SPARE: RefCell<VisibilityBuffer> = RefCell::default();
 }
 
-impl Drop for SampleBuffer {
+impl Drop for Samples {
     fn drop(&mut self) {
         // Without the thread's storage, as at its end, there is no next frame either.
         let _ = SPARE.try_with(|spare| spare.replace(std::mem::take(&mut self.0)));
@@ -178,7 +178,7 @@ pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let mut buffer = SPARE.take();
     rasterize(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
-    Ok(Visibility { samples: SampleBuffer(buffer), grid, actor_ids })
+    Ok(Visibility { samples: Samples(buffer), grid, actor_ids })
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.
@@ -217,7 +217,7 @@ impl ImageRays {
 const POINT_ROWS: [usize; 4] = [0, 4, 2, 6];
 
 /// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
-pub(super) fn visible_points(rays: &ImageRays, samples: &SampleBuffer, out: &mut Vec<Vec3>) {
+pub(super) fn visible_points(rays: &ImageRays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
     let across = buffer.blocks_across.max(1);

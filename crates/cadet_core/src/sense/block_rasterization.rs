@@ -49,7 +49,7 @@ pub(super) struct FaceOnImage {
     is_quad: bool,
     /// Turned towards the camera, and volume: inverse depth = normal · (x, y, 1) / volume.
     normal: DVec3,
-    volume: f64,
+    volume6_m3: f64,
     /// Of the edges, by x / z, by y / z, and the rest.
     by_x: [f64; EDGES],
     by_y: [f64; EDGES],
@@ -75,13 +75,13 @@ impl FaceOnImage {
     /// `most_z_m`: the largest z of its corners, to a thousandth.
     #[inline(always)]
     pub(super) fn new(outline: &FacePlanes, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
-        if outline.sixfold_volume_m3 == 0.0 {
+        if outline.volume6_m3 == 0.0 {
             return None;
         }
-        let sign = if outline.sixfold_volume_m3 > 0.0 { 1.0 } else { -1.0 };
+        let sign = if outline.volume6_m3 > 0.0 { 1.0 } else { -1.0 };
         let edges = outline.edges.map(|n| n * sign);
         let normal = outline.normal * sign;
-        let volume = outline.sixfold_volume_m3.abs();
+        let volume = outline.volume6_m3.abs();
         let [a, b, c, d] = edges;
         let (mut by_x, mut by_y) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
         let mut rest = [a.z, b.z, c.z, d.z];
@@ -109,7 +109,7 @@ impl FaceOnImage {
             edges,
             is_quad: outline.is_quad,
             normal,
-            volume,
+            volume6_m3: volume,
             by_x,
             by_y,
             rest,
@@ -125,13 +125,7 @@ impl FaceOnImage {
 
     /// The record that is kept of a drawn face.
     pub(super) fn drawn(&self, [instance, face]: [u32; 2]) -> DrawnFace {
-        DrawnFace {
-            instance,
-            face,
-            is_quad: self.is_quad,
-            normal: self.normal.to_array(),
-            sixfold_volume_m3: self.volume,
-        }
+        DrawnFace { instance, face, is_quad: self.is_quad, normal: self.normal.to_array(), volume6_m3: self.volume6_m3 }
     }
 
     /// The functions at the middle of a block, given by x / z and y / z.
@@ -271,7 +265,7 @@ impl FaceOnImage {
     #[inline(never)]
     fn draw_exactly(&self, block: &mut Block, id: u32, mask: u64, exact: &ExactBlock<'_>) -> u64 {
         let mut nearer = 0;
-        let inverse = 1.0 / self.volume;
+        let inverse = 1.0 / self.volume6_m3;
         for (row, y) in exact.rows_y.iter().enumerate() {
             let rests = self.edges.map(|e| e.y * y + e.z);
             let facing = self.normal.y * y + self.normal.z;

@@ -113,12 +113,12 @@ impl<F> VerticesOnGrid<F> {
 }
 
 impl<G: BeamGrid> Caster<'_, G> {
-    /// True if all beams of the windows have met something nearer than `near_depth`.
+    /// True if all beams of the windows have met something nearer than `near_m`.
     #[inline(always)]
-    fn is_hidden(&mut self, windows: &[Window; 2], near_depth: f32) -> bool {
+    fn is_hidden(&mut self, windows: &[Window; 2], near_m: f32) -> bool {
         let [a, b] = windows;
-        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, a, near_depth))
-            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, b, near_depth))
+        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, a, near_m))
+            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, b, near_m))
     }
 
     /// True if every beam starts behind one of a cluster's faces.

@@ -12,31 +12,30 @@ pub(super) struct FacePlanes {
     /// (b - a) x (c - a).
     pub normal: DVec3,
     /// a · normal.
-    pub sixfold_volume_m3: f64,
+    pub volume6_m3: f64,
 }
 
 impl FacePlanes {
     /// Of a triangle in the camera's frame.
     #[inline(always)]
     pub fn triangle(corners: [DVec3; 3]) -> Self {
-        let EdgePlanes { cross: [first, second, last], normal, sixfold_volume_m3: volume, .. } =
-            EdgePlanes::new(corners);
-        Self { edges: [first, second, last, last], is_quad: false, normal, sixfold_volume_m3: volume }
+        let EdgePlanes { cross: [first, second, last], normal, volume6_m3: volume, .. } = EdgePlanes::new(corners);
+        Self { edges: [first, second, last, last], is_quad: false, normal, volume6_m3: volume }
     }
 
     /// Of a quadrilateral that was flat and convex before its corners were rounded to single precision; `None` where it is
     /// not any more, as the camera sees it: so nearly from the side that its halves must be drawn by themselves.
     #[inline(always)]
     pub fn quad([a, b, c, d]: [DVec3; 4]) -> Option<Self> {
-        let Self { edges: [first, second, ..], normal, sixfold_volume_m3: volume, .. } = Self::triangle([a, b, c]);
+        let Self { edges: [first, second, ..], normal, volume6_m3: volume, .. } = Self::triangle([a, b, c]);
         let edges = [first, second, c.cross(d), d.cross(a)];
         // Six times the volumes of the tetrahedra of three corners in a row and the camera: all of one sign, or it is
         // seen dented.
         let volumes = [edges[0].dot(c), edges[1].dot(d), edges[2].dot(a), edges[3].dot(b)];
         let least = volumes.into_iter().fold(f64::INFINITY, |least, volume| lesser(volume, least));
         let most = volumes.into_iter().fold(f64::NEG_INFINITY, |most, volume| greater(volume, most));
-        let out = Self { edges, is_quad: true, normal, sixfold_volume_m3: volume };
-        ((least > 0.0) & (out.sixfold_volume_m3 > 0.0) | (most < 0.0) & (out.sixfold_volume_m3 < 0.0)).then_some(out)
+        let out = Self { edges, is_quad: true, normal, volume6_m3: volume };
+        ((least > 0.0) & (out.volume6_m3 > 0.0) | (most < 0.0) & (out.volume6_m3 < 0.0)).then_some(out)
     }
 }
 
@@ -61,9 +60,9 @@ mod tests {
             let [a, b, c, d] = square(middle, k, k * 0.37);
             let quad = FacePlanes::quad([a, b, c, d]).expect("seen from a side");
             let halves = [[a, b, c], [a, c, d]].map(FacePlanes::triangle);
-            assert!(halves.iter().all(|half| half.sixfold_volume_m3.signum() == quad.sixfold_volume_m3.signum()));
+            assert!(halves.iter().all(|half| half.volume6_m3.signum() == quad.volume6_m3.signum()));
             let is_in =
-                |o: &FacePlanes, beam: DVec3| o.edges.iter().all(|e| e.dot(beam) * o.sixfold_volume_m3.signum() >= 0.0);
+                |o: &FacePlanes, beam: DVec3| o.edges.iter().all(|e| e.dot(beam) * o.volume6_m3.signum() >= 0.0);
             for i in 0..400 {
                 let beam = middle + DVec3::new(f64::from(i % 20) * 0.1 - 1.0, f64::from(i / 20) * 0.1 - 1.0, 0.0);
                 assert_eq!(is_in(&quad, beam), halves.iter().any(|half| is_in(half, beam)), "{k} {i}");

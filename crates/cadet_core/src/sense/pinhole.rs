@@ -181,11 +181,11 @@ impl BeamGrid for PinholeGrid {
 
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
-        let volume = triangle.sixfold_volume_m3.abs();
+        let volume = triangle.volume6_m3.abs();
         if volume == 0.0 {
             return;
         }
-        let sign = if triangle.sixfold_volume_m3 > 0.0 { 1.0 } else { -1.0 };
+        let sign = if triangle.volume6_m3 > 0.0 { 1.0 } else { -1.0 };
         let [e0, e1, e2] = triangle.cross.map(|n| n * sign);
         let n = triangle.normal * sign;
         for row in window.rows.clone() {

@@ -213,7 +213,7 @@ impl Rasterizer<'_> {
 
     #[inline(always)]
     fn draw_face(&mut self, candidate: &FaceCandidate, outline: &FacePlanes) {
-        if outline.sixfold_volume_m3 > 0.0 && candidate.has_one_side {
+        if outline.volume6_m3 > 0.0 && candidate.has_one_side {
             return;
         }
         let Some(on_image) = FaceOnImage::new(outline, self.grid, candidate.most_z_m) else {

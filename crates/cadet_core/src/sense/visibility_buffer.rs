@@ -22,7 +22,7 @@ pub struct DrawnFace {
     pub is_quad: bool,
     /// Its plane in the camera's frame, turned towards the camera: z = volume / (normal · (x, y, 1)).
     pub(super) normal: [f64; 3],
-    pub(super) sixfold_volume_m3: f64,
+    pub(super) volume6_m3: f64,
 }
 
 impl DrawnFace {
@@ -31,13 +31,13 @@ impl DrawnFace {
     #[must_use]
     pub fn depth_m_at(&self, x: f64, y: f64) -> f32 {
         let [a, b, c] = self.normal;
-        (self.sixfold_volume_m3 / (a * x + (b * y + c))) as f32
+        (self.volume6_m3 / (a * x + (b * y + c))) as f32
     }
 
     /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.
     #[must_use]
     pub fn inverse_depth_per_m_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
-        let inverse = 1.0 / self.sixfold_volume_m3;
+        let inverse = 1.0 / self.volume6_m3;
         let (by_column, by_row) = (self.normal[0] * inverse / fx, self.normal[1] * inverse / fy);
         [self.normal[2] * inverse - by_column * cx - by_row * cy, by_column, by_row]
     }

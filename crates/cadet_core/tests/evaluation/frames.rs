@@ -83,19 +83,11 @@ fn draw_detection_at_random(rng: &mut Stream) -> Detection {
 }
 
 fn draw_truth(rng: &mut Stream, kind: ObjectType, sizes: [f64; 3]) -> Truth {
-    let [length, width, height] = sizes.map(|size| hundredths(size * rng.range(0.9, 1.1)));
+    let [length_m, width_m, height_m] = sizes.map(|size| hundredths(size * rng.range(0.9, 1.1)));
     let z = hundredths(rng.range(6.0, 40.0) + rng.range(0.0, 30.0) * rng.unit());
     let x = hundredths(rng.range(-0.8, 0.8) * z);
     let rotation_y = hundredths(rng.range(-PI, PI));
-    let box_cam = RotatedBox {
-        x,
-        y: hundredths(rng.range(1.4, 1.9)),
-        z,
-        length_m: length,
-        width_m: width,
-        height_m: height,
-        rotation_y,
-    };
+    let box_cam = RotatedBox { x, y: hundredths(rng.range(1.4, 1.9)), z, length_m, width_m, height_m, rotation_y };
     let mut box_img = project(&box_cam);
     if rng.chance(0.1) {
         box_img.bottom_px = box_img.top_px + [25.0, 40.0, 24.99, 25.01, 39.99, 40.01][rng.below(6)];

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 use super::draw::{CREASE_RAD, block, disc, path_tube, tube};
 use super::{Detail, SceneryModel};
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
-use crate::lamp::{CD_PER_INTENSITY, Lamp, LightDistribution};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, PI, Vec3, cosf, sinf};
 
@@ -161,7 +161,7 @@ fn head_palette(lit: [bool; 3]) -> Palette {
     let visor = sign([0.016, 0.017, 0.017], 0.08);
     let board = sign([0.018, 0.018, 0.019], 0.09);
     let lamps = (0..3).filter(|k| lit[*k]).map(|k| Lamp {
-        distribution: LightDistribution::Lens,
+        beam: LampBeam::Lens,
         at: v(FRONT + 0.02, 0.0, CHAMBER * (2.5 - k as f32)),
         ahead: Vec3::X,
         left: Vec3::Y,

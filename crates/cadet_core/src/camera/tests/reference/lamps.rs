@@ -6,7 +6,7 @@ use crate::camera::night_lights::{
     LEAF_DIRECT_SHARE, LEAF_SCATTERED_SHARE, LEAST_LAMP_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO_REFLECTANCE, RETRO_SINE,
 };
 use crate::camera::shading_pass::{SurfaceCoat, lamp_coat};
-use crate::lamp::{LightDistribution, fade};
+use crate::lamp::{LampBeam, fade};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -32,8 +32,7 @@ impl Reference {
             let from_lamp = point - lamp.at;
             let distance_m = from_lamp.length().max(LEAST_SQUARE_M2.sqrt());
             let to_lamp = -from_lamp / distance_m;
-            let from_above =
-                if matches!(lamp.distribution, LightDistribution::Luminaire { .. }) { contact } else { 1.0 };
+            let from_above = if matches!(lamp.beam, LampBeam::Luminaire { .. }) { contact } else { 1.0 };
             let square = distance_m * distance_m;
             let strength = Vec3::from(lamp.intensity)
                 * (lamp.share(from_lamp, distance_m) * from_above * fade(square, lamp.reach_m * lamp.reach_m) / square);
