@@ -1,14 +1,10 @@
 //! Arbitrary rays, by parry's bounding volume hierarchies.
 
-use std::cell::Cell;
 use std::sync::Arc;
 
-use parry3d::bounding_volume::{Aabb, BoundingVolume};
-use parry3d::partitioning::{Bvh, BvhBuildStrategy};
-use parry3d::query::Ray;
-
-use super::face_trees::{FaceTrees, LOOSE_M};
-use super::instance_tree::{FaceHit, InstanceTree, outward};
+use super::face_trees::FaceTrees;
+use super::motion::RigidMotion;
+use super::moving::{FaceHit, MovingCaster};
 use super::posed::PosedScene;
 use crate::error::{Error, Result, finite};
 use crate::material::Material;
@@ -31,33 +27,20 @@ pub struct RayHit {
     pub material: Material,
 }
 
-/// Casts single rays into a scene: a tree over the instances, and below it a tree over each mesh's faces, in the mesh's
-/// own frame and shared by its instances. The triangles themselves are tested in double precision.
-pub struct RayCaster {
-    scene: Arc<PosedScene>,
-    over_instances: Bvh,
-    instances: Vec<InstanceTree>,
-}
+/// Casts single rays into a scene, by the trees of a [`MovingCaster`] in which nothing moves.
+pub struct RayCaster(MovingCaster);
 
 impl RayCaster {
     /// Builds the trees.
     #[must_use]
     pub fn new(scene: Arc<PosedScene>) -> Self {
-        let mut trees = FaceTrees::default();
-        let mut instances = Vec::with_capacity(scene.instances.len());
-        let mut boxes = Vec::with_capacity(scene.instances.len());
-        for posed in &scene.instances {
-            instances.push(InstanceTree::new(posed, &mut trees));
-            boxes.push(Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M));
-        }
-        let over_instances = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        Self { scene, over_instances, instances }
+        Self(MovingCaster::new(scene, &mut FaceTrees::default(), |_| RigidMotion::default(), 0.0, |_| true))
     }
 
     /// The scene that the rays meet.
     #[must_use]
     pub fn scene(&self) -> &Arc<PosedScene> {
-        &self.scene
+        self.0.scene()
     }
 
     /// The first triangle, of either side and of glass too, on the ray from `origin_world` along `direction_world`,
@@ -82,9 +65,10 @@ impl RayCaster {
             });
         }
         let direction_world = (direction_world / largest).normalize();
-        Ok(self.nearest(origin_world, direction_world).map(|FaceHit { range_m, instance, face }| {
-            let posed = &self.scene.instances[instance as usize];
-            let [a, b, c] = self.scene.corners(instance, face).map(|p| p.as_dvec3());
+        let first = self.0.at(0.0).first(origin_world, direction_world);
+        Ok(first.map(|FaceHit { range_m, instance, face }| {
+            let posed = &self.scene().instances[instance as usize];
+            let [a, b, c] = self.scene().corners(instance, face).map(|p| p.as_dvec3());
             let normal = (b - a).cross(c - a).normalize_or_zero();
             RayHit {
                 range_m,
@@ -95,22 +79,5 @@ impl RayCaster {
                 material: *posed.material(face),
             }
         }))
-    }
-
-    fn nearest(&self, origin_world: DVec3, direction_world: DVec3) -> Option<FaceHit> {
-        let ray_world = Ray::new(origin_world.as_vec3(), direction_world.as_vec3());
-        let nearest = Cell::new(None::<FaceHit>);
-        let _ = self.over_instances.cast_ray(&ray_world, f32::MAX, |instance, _| {
-            let limit_m = nearest.get().map_or(f32::MAX, |n| outward(n.range_m));
-            let tree = &self.instances[instance as usize];
-            tree.cast(&self.scene, instance, [origin_world, direction_world], limit_m, |hit| {
-                if nearest.get().is_none_or(|n| hit.is_before(&n)) {
-                    nearest.set(Some(hit));
-                }
-                Some(outward(hit.range_m))
-            });
-            nearest.get().filter(|n| n.instance == instance).map(|n| outward(n.range_m))
-        });
-        nearest.get()
     }
 }
