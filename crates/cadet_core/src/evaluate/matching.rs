@@ -5,16 +5,16 @@
 //! overlaps. The second is not run once a threshold: its answer changes only where a detection that overlaps something
 //! comes in, so it is run there and the differences are noted.
 
+use super::class_records::{ClassDetection, ClassObject};
 use super::curves::{MAX_THRESHOLDS, Tally};
 use super::metric::{Level, Metric};
 use super::objects::{Detection, FramePair, ObjectTypes, Truth};
 use super::overlaps::FrameOverlaps;
-use super::roster::{ClassDetection, ClassObject};
 use crate::math;
 
 /// A class at a level in a metric.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Contest<'a> {
+pub(super) struct Criteria<'a> {
     pub kinds: &'a ObjectTypes,
     pub level: &'a Level,
     pub metric: Metric,
@@ -39,7 +39,7 @@ enum Mark {
     Ignored,
 }
 
-impl Contest<'_> {
+impl Criteria<'_> {
     fn mark(&self, class_object: &ClassObject) -> Mark {
         let level = self.level;
         let height = class_object.height_px;
@@ -119,10 +119,10 @@ struct Outcome {
 
 impl Matcher {
     /// Adds a frame to the first pass.
-    pub(super) fn collect_scores(&mut self, contest: &Contest<'_>, view: &ClassFrame<'_>, found: &mut FirstPass) {
-        let is_valid = |class_object: &&ClassObject| contest.mark(class_object) == Mark::Valid;
+    pub(super) fn collect_scores(&mut self, criteria: &Criteria<'_>, view: &ClassFrame<'_>, found: &mut FirstPass) {
+        let is_valid = |class_object: &&ClassObject| criteria.mark(class_object) == Mark::Valid;
         found.num_valid += view.class_objects.iter().filter(is_valid).count() as u64;
-        self.gather(contest, view, &[]);
+        self.gather(criteria, view, &[]);
         for object in &self.objects {
             let mut best: Option<&MatchCandidate> = None;
             for candidate in &self.candidates[object.start..object.end] {
@@ -142,14 +142,14 @@ impl Matcher {
     /// Adds a frame to the second pass at all thresholds, which fall.
     pub(super) fn count(
         &mut self,
-        contest: &Contest<'_>,
+        criteria: &Criteria<'_>,
         view: &ClassFrame<'_>,
         thresholds: &[f64],
         tally: &mut Tally,
     ) {
         for class_detection in view.class_detections {
-            if !contest.is_small(class_detection.height_px)
-                && class_detection.covered_share[contest.metric as usize] <= contest.min_overlap
+            if !criteria.is_small(class_detection.height_px)
+                && class_detection.covered_share[criteria.metric as usize] <= criteria.min_overlap
             {
                 let enters = first_threshold(thresholds, class_detection.score);
                 if enters < thresholds.len() {
@@ -157,7 +157,7 @@ impl Matcher {
                 }
             }
         }
-        self.gather(contest, view, thresholds);
+        self.gather(criteria, view, thresholds);
         self.steps.clear();
         self.steps.extend(self.candidates.iter().map(|candidate| candidate.enters));
         self.steps.sort_unstable();
@@ -168,7 +168,7 @@ impl Matcher {
             if threshold >= thresholds.len() {
                 break;
             }
-            let now = self.match_at(contest, view, threshold);
+            let now = self.match_at(criteria, view, threshold);
             tally.num_tp[threshold] += now.num_tp - before.num_tp;
             tally.num_fp[threshold] -= now.num_spared - before.num_spared;
             tally.similarity[threshold] += now.similarity - before.similarity;
@@ -177,18 +177,18 @@ impl Matcher {
     }
 
     /// Lists the objects that may be found and the detections that may find them.
-    fn gather(&mut self, contest: &Contest<'_>, view: &ClassFrame<'_>, thresholds: &[f64]) {
+    fn gather(&mut self, criteria: &Criteria<'_>, view: &ClassFrame<'_>, thresholds: &[f64]) {
         self.objects.clear();
         self.candidates.clear();
         for class_object in view.class_objects {
             let start = self.candidates.len();
-            for overlap in view.overlaps.of(contest.metric, class_object.truth as usize) {
-                if overlap.iou <= contest.min_overlap {
+            for overlap in view.overlaps.of(criteria.metric, class_object.truth as usize) {
+                if overlap.iou <= criteria.min_overlap {
                     continue;
                 }
                 let detection = &view.frame.detections[overlap.detection as usize];
-                let is_small = contest.is_small(detection.height_px());
-                if is_small || contest.kinds.contains(detection.kind) {
+                let is_small = criteria.is_small(detection.height_px());
+                if is_small || criteria.kinds.contains(detection.kind) {
                     self.candidates.push(MatchCandidate {
                         detection: overlap.detection as usize,
                         iou: overlap.iou,
@@ -200,7 +200,7 @@ impl Matcher {
             }
             let end = self.candidates.len();
             if end > start {
-                let is_valid = contest.mark(class_object) == Mark::Valid;
+                let is_valid = criteria.mark(class_object) == Mark::Valid;
                 self.objects.push(Object { truth: class_object.truth as usize, is_valid, start, end });
             }
         }
@@ -210,7 +210,7 @@ impl Matcher {
         }
     }
 
-    fn match_at(&mut self, contest: &Contest<'_>, view: &ClassFrame<'_>, threshold: usize) -> Outcome {
+    fn match_at(&mut self, criteria: &Criteria<'_>, view: &ClassFrame<'_>, threshold: usize) -> Outcome {
         let mut outcome = Outcome::default();
         self.is_taken.fill(false);
         for object in &self.objects {
@@ -233,12 +233,12 @@ impl Matcher {
             if !chosen.is_active {
                 continue;
             }
-            let is_stuff = view.overlaps.covered_share(contest.metric, chosen.detection) > contest.min_overlap;
+            let is_stuff = view.overlaps.covered_share(criteria.metric, chosen.detection) > criteria.min_overlap;
             outcome.num_spared += i64::from(!is_stuff);
             if object.is_valid {
                 outcome.num_tp += 1;
                 let (truth, detection) = (&view.frame.truths[object.truth], &view.frame.detections[chosen.detection]);
-                outcome.similarity += Tally::fixed_point(contest.similarity(truth, detection));
+                outcome.similarity += Tally::fixed_point(criteria.similarity(truth, detection));
             }
         }
         outcome

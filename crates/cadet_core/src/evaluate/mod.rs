@@ -8,6 +8,7 @@
 //! Nothing depends on the number of threads or the order of frames, to the last bit: what is summed over frames are
 //! whole numbers. Within a frame the order of lines breaks ties, as in KITTI's program.
 
+mod class_records;
 mod curves;
 mod draws;
 mod files;
@@ -18,7 +19,6 @@ mod objects;
 mod overlaps;
 mod parse;
 mod prepared;
-mod roster;
 mod rotated_iou;
 mod sight;
 mod text;
@@ -98,10 +98,10 @@ fn curves_of(frames: &[FramePair], settings: &Settings) -> Vec<Curve> {
     let prepared = Prepared::new(frames, settings);
     let indices: Vec<u32> = (0..frames.len() as u32).collect();
     let curve = |task: &Task| {
-        let (contest, Task { class, metric, level }) = (prepared.contest(task), *task);
-        let found = prepared.first_pass(&contest, class);
+        let (criteria, Task { class, metric, level }) = (prepared.criteria(task), *task);
+        let found = prepared.first_pass(&criteria, class);
         let num_valid = found.num_valid;
-        let (thresholds, tally) = prepared.second_pass(&contest, class, &indices, found);
+        let (thresholds, tally) = prepared.second_pass(&criteria, class, &indices, found);
         let count = thresholds.len();
         Curve {
             class,

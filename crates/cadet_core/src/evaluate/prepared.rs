@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::class_records::ClassRecords;
 use super::curves::{Tally, choose_thresholds};
-use super::matching::{ClassFrame, Contest, FirstPass, Matcher};
+use super::matching::{ClassFrame, Criteria, FirstPass, Matcher};
 use super::metric::{ClassLimits, Metric, Settings};
 use super::objects::FramePair;
 use super::overlaps::FrameOverlaps;
-use super::roster::Roster;
 
 /// The mark of an observation angle that a detector does not estimate.
 const UNKNOWN_ALPHA: f64 = -10.0;
@@ -33,7 +33,7 @@ pub(super) struct Prepared<'a> {
     frames: &'a [FramePair],
     settings: &'a Settings,
     overlaps: Vec<FrameOverlaps>,
-    rosters: Vec<Roster>,
+    records_of_classes: Vec<ClassRecords>,
     has_alpha: bool,
 }
 
@@ -43,9 +43,9 @@ impl<'a> Prepared<'a> {
         let overlaps: Vec<FrameOverlaps> =
             frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
         let has_alpha = frames.iter().flat_map(|frame| &frame.detections).all(|d| d.alpha != UNKNOWN_ALPHA);
-        let rosters: Vec<Roster> =
-            settings.classes.par_iter().map(|limits| Roster::new(limits, frames, &overlaps)).collect();
-        Self { frames, settings, overlaps, rosters, has_alpha }
+        let records_of_classes: Vec<ClassRecords> =
+            settings.classes.par_iter().map(|limits| ClassRecords::new(limits, frames, &overlaps)).collect();
+        Self { frames, settings, overlaps, records_of_classes, has_alpha }
     }
 
     /// Lists the curves; a class without a detection that is usable in a metric has none there.
@@ -61,9 +61,9 @@ impl<'a> Prepared<'a> {
         tasks
     }
 
-    pub(super) fn contest(&self, &Task { class, metric, level }: &Task) -> Contest<'a> {
+    pub(super) fn criteria(&self, &Task { class, metric, level }: &Task) -> Criteria<'a> {
         let limits = &self.settings.classes[class];
-        Contest {
+        Criteria {
             kinds: &limits.kinds,
             level: &self.settings.levels[level],
             metric,
@@ -77,12 +77,12 @@ impl<'a> Prepared<'a> {
     }
 
     /// The first pass over all frames.
-    pub(super) fn first_pass(&self, contest: &Contest<'_>, class: usize) -> FirstPass {
+    pub(super) fn first_pass(&self, criteria: &Criteria<'_>, class: usize) -> FirstPass {
         (0..self.frames.len())
             .into_par_iter()
             .with_min_len(FRAMES_A_TASK)
             .fold(Default::default, |(mut matcher, mut found): (Matcher, FirstPass), index| {
-                matcher.collect_scores(contest, &self.view(class, index), &mut found);
+                matcher.collect_scores(criteria, &self.view(class, index), &mut found);
                 (matcher, found)
             })
             .map(|(_, found)| found)
@@ -90,10 +90,10 @@ impl<'a> Prepared<'a> {
     }
 
     /// The first pass, frame by frame.
-    pub(super) fn first_passes(&self, contest: &Contest<'_>, class: usize) -> Vec<FirstPass> {
+    pub(super) fn first_passes(&self, criteria: &Criteria<'_>, class: usize) -> Vec<FirstPass> {
         let pass = |matcher: &mut Matcher, index: usize| {
             let mut found = FirstPass::default();
-            matcher.collect_scores(contest, &self.view(class, index), &mut found);
+            matcher.collect_scores(criteria, &self.view(class, index), &mut found);
             found
         };
         (0..self.frames.len()).into_par_iter().with_min_len(FRAMES_A_TASK).map_init(Matcher::default, pass).collect()
@@ -102,7 +102,7 @@ impl<'a> Prepared<'a> {
     /// Chooses thresholds and counts at each of them, over frames that may come more than once.
     pub(super) fn second_pass(
         &self,
-        contest: &Contest<'_>,
+        criteria: &Criteria<'_>,
         class: usize,
         indices: &[u32],
         mut found: FirstPass,
@@ -113,7 +113,7 @@ impl<'a> Prepared<'a> {
             .par_iter()
             .with_min_len(FRAMES_A_TASK)
             .fold(Default::default, |(mut matcher, mut tally): (Matcher, Tally), &index| {
-                matcher.count(contest, &self.view(class, index as usize), &thresholds, &mut tally);
+                matcher.count(criteria, &self.view(class, index as usize), &thresholds, &mut tally);
                 (matcher, tally)
             })
             .map(|(_, tally)| tally)
@@ -126,8 +126,8 @@ impl<'a> Prepared<'a> {
         ClassFrame {
             frame: &self.frames[index],
             overlaps: &self.overlaps[index],
-            class_objects: self.rosters[class].class_objects(index),
-            class_detections: self.rosters[class].class_detections(index),
+            class_objects: self.records_of_classes[class].class_objects(index),
+            class_detections: self.records_of_classes[class].class_detections(index),
         }
     }
 }

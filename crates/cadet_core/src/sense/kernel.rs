@@ -71,7 +71,7 @@ struct Caster<'a, G: BeamGrid> {
     grid: &'a G,
     to_grid: ToGrid,
     filter: SurfaceFilter,
-    /// The bits of the material slots that the layer notices, for each instance.
+    /// The bits of the material slots that the beams notice, for each instance.
     slots: Vec<u64>,
     farthest: CoarseDepth,
     scratch: Box<VerticesOnGrid<G::Footprint>>,
@@ -197,7 +197,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     }
 }
 
-/// The bits of the material slots that belong to a layer.
+/// The bits of the material slots that a filter lets beams notice.
 fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
     match filter {
         SurfaceFilter::All => u64::MAX,

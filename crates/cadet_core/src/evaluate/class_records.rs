@@ -51,12 +51,12 @@ impl<T> Rows<T> {
 
 /// A class in all frames.
 #[derive(Debug)]
-pub(super) struct Roster {
+pub(super) struct ClassRecords {
     class_objects: Rows<ClassObject>,
     class_detections: Rows<ClassDetection>,
 }
 
-impl Roster {
+impl ClassRecords {
     pub(super) fn new(class: &ClassLimits, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> Self {
         let class_objects = Rows::collect(frames.iter().map(|frame| {
             let all = frame.truths.iter().enumerate();
