@@ -78,7 +78,7 @@ struct Sensed {
 /// # use cadet_core::nalgebra::Matrix3x4;
 /// # use cadet_core::rig::{Mount, Mounted, Rig};
 /// use cadet_core::actor::ObjectClass;
-/// use cadet_core::scene::{Request, Scene, SceneConfig, TownSource};
+/// use cadet_core::scene::{CaptureRequest, Scene, SceneConfig, TownSource};
 /// use cadet_core::weather::Weather;
 /// use cadet_core::world::{Course, ModelChoice, Overlap};
 ///
@@ -96,7 +96,7 @@ struct Sensed {
 /// let place = Course::Stand { x_m: 20.0, y_m: 0.0, yaw_rad: 0.0 };
 /// let car = scene.add(ObjectClass::Car, ModelChoice::Seed(3), &place, Overlap::Refuse)?;
 ///
-/// let frame = scene.capture(&Request::default())?;
+/// let frame = scene.capture(&CaptureRequest::default())?;
 /// assert_eq!((frame.images.len(), frame.scans.len()), (1, 1));
 /// assert_eq!(frame.sightings[0].actor_id, car);
 /// # Ok::<_, cadet_core::Error>(())

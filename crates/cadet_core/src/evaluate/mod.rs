@@ -79,7 +79,7 @@ pub struct Curve {
 /// let frames = [FramePair { truths: truths.objects, detections: found.objects }];
 ///
 /// let class = ClassLimits::of(ObjectType::Car, [0.7; 3]);
-/// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion: 0.0, max_truncation: 0.15 };
+/// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion_level: 0.0, max_truncation: 0.15 };
 /// let curves = evaluate(&frames, &Settings { classes: vec![class], levels: vec![easy] })?;
 /// // In the image, from above, and in 3D.
 /// assert_eq!(curves.len(), 3);
