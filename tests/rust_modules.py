@@ -100,36 +100,3 @@ class Modules:
         if rest and depth < 8 and rest[0] in self._re_exports.get(here, {}):
             return self._resolved(here, self._re_exports[here][rest[0]], depth + 1) or here
         return here
-
-
-def circles(modules: Modules) -> list[list[str]]:
-    """Return the groups of modules that use each other in a circle (strongly connected components), by name."""
-    graph = {module: modules.uses(module) & set(modules.files) for module in modules.files}
-    index: dict[tuple[str, ...], int] = {}
-    low: dict[tuple[str, ...], int] = {}
-    stack: list[tuple[str, ...]] = []
-    found: list[list[str]] = []
-
-    def visit(module: tuple[str, ...]) -> None:
-        index[module] = low[module] = len(index)
-        stack.append(module)
-        for used in sorted(graph[module]):
-            if used not in index:
-                visit(used)
-                low[module] = min(low[module], low[used])
-            elif used in stack:
-                low[module] = min(low[module], index[used])
-        if low[module] == index[module]:
-            group = []
-            while True:
-                member = stack.pop()
-                group.append("::".join(member) or "lib")
-                if member == module:
-                    break
-            if len(group) > 1:
-                found.append(sorted(group))
-
-    for module in sorted(graph):
-        if module not in index:
-            visit(module)
-    return sorted(found)

@@ -10,7 +10,7 @@ import pytest
 import cadet
 from cadet import kitti
 from cadet.beam_table import ListedFiring
-from cadet.evaluation.report import Curve
+from cadet.evaluation.curve import Curve
 from evaluation_helpers import detected
 from obj_meshes import assets_folder
 from synthetic import make_frame

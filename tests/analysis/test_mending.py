@@ -12,8 +12,8 @@ import pytest
 import cadet
 from analysis_helpers import car, found, moved, set_of_cars
 from cadet.analysis.box_errors import differences
+from cadet.analysis.class_errors import ClassErrors
 from cadet.analysis.mending import mend_boxes
-from cadet.analysis.result import ClassErrors
 from cadet.kitti import Label
 
 pytestmark = pytest.mark.usefixtures("core")

@@ -58,7 +58,7 @@ fn images(c: &mut Criterion) {
     let scene = street();
     let axes = DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X);
     let view = View {
-        intrinsics: [721.5377, 721.5377, 609.5593, 172.854],
+        intrinsics_px: [721.5377, 721.5377, 609.5593, 172.854],
         width: 1242,
         height: 375,
         world_from_cam: DPose3 { rotation: DQuat::from_mat3(&axes), translation: EYE },

@@ -9,7 +9,7 @@ use cadet_core::camera::png::encode_rgb8;
 use cadet_core::camera::{render, visibility_pass};
 use cadet_core::lidar::LidarSpec;
 use cadet_core::rng::StreamKey;
-use cadet_core::scene::Request;
+use cadet_core::scene::CaptureRequest;
 use criterion::{Criterion, criterion_group, criterion_main};
 
 use suburbs::{VIEWS, place, suburb};
@@ -37,14 +37,14 @@ fn bench(c: &mut Criterion) {
         });
         let _ = group.bench_function("scan with returns", |b| b.iter(|| black_box(scene.scan(None, 0))));
         let _ = group.bench_function("capture: image, scan, labels", |b| {
-            b.iter(|| black_box(scene.capture(&Request::default())))
+            b.iter(|| black_box(scene.capture(&CaptureRequest::default())))
         });
-        let image = scene.capture(&Request::default()).expect("a frame").images.remove(0).rendered.image;
+        let image = scene.capture(&CaptureRequest::default()).expect("a frame").images.remove(0).rendered.image;
         let _ = group.bench_function("encode the image", |b| b.iter(|| black_box(encode_rgb8(1242, 375, &image))));
         let _ = group.bench_function("whole sample: drive 10 m, capture, encode", |b| {
             b.iter(|| {
                 scene.drive(10.0, 2.0).expect("a road");
-                let frame = scene.capture(&Request::default()).expect("a frame");
+                let frame = scene.capture(&CaptureRequest::default()).expect("a frame");
                 black_box((encode_rgb8(1242, 375, &frame.images[0].rendered.image), frame.scans, frame.sightings))
             });
         });

@@ -10,7 +10,7 @@ use cadet_core::lidar::{LidarSpec, ideal_scan, scan};
 use cadet_core::material::{Material, Palette, Pattern, Semantic};
 use cadet_core::math::{self, DPose3, DQuat, DVec3, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{Hits, Layer, PinholeGrid, PosedScene, RayCaster, cast};
+use cadet_core::sense::{Hits, PinholeGrid, PosedScene, RayCaster, SurfaceFilter, cast};
 use cadet_core::weather::Weather;
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -97,7 +97,7 @@ fn benches(c: &mut Criterion) {
     let _ = group.bench_function("pinhole, 1242 x 375", |b| {
         b.iter(|| {
             hits.clear();
-            cast(black_box(&scene), &grid, Layer::All, |_| true, &mut hits);
+            cast(black_box(&scene), &grid, SurfaceFilter::All, |_| true, &mut hits);
         });
     });
     let _ = group.bench_function("parry, build", |b| b.iter(|| RayCaster::new(Arc::clone(&scene))));

@@ -80,14 +80,14 @@ pub struct AnnotatedBox {
 
 /// An end of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum BodyEnd {
     /// Where it heads.
     Front,
     /// The other one.
     Rear,
 }
 
-impl End {
+impl BodyEnd {
     /// The end that is nearer to an eye.
     #[must_use]
     pub fn nearer(world_from_box: &DPose3, eye_world: DVec3) -> Self {

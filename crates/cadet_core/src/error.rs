@@ -1,5 +1,7 @@
 //! One error type for the core: every variant names the offending value and its limit.
 
+use std::ops::RangeInclusive;
+
 /// The core's result.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -113,6 +115,18 @@ pub enum Error {
         /// What the system says.
         reason: String,
     },
+}
+
+/// Refuses numbers that are not finite or not in a range.
+///
+/// # Errors
+/// [`Error::NotFinite`] or [`Error::OutOfRange`], naming `what`.
+pub fn within(what: &'static str, value: f64, range: RangeInclusive<f64>) -> Result<f64> {
+    if range.contains(&finite(what, value)?) {
+        return Ok(value);
+    }
+    let expected = format!("{:?} to {:?}", range.start(), range.end());
+    Err(Error::OutOfRange { what, value: value.to_string(), expected })
 }
 
 /// Refuses NaN and infinity.

@@ -1,5 +1,7 @@
 //! The road's plane ahead of the camera, estimated from a LIDAR scan.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result};
@@ -7,13 +9,14 @@ use crate::math;
 use crate::rng::Stream;
 
 /// Where the ground is looked for, in the frame of camera 0, meters: ahead, to either side, below the camera.
-const AHEAD_M: (f64, f64) = (2.0, 50.0);
+const AHEAD_M: Range<f64> = 2.0..50.0;
 const ASIDE_M: f64 = 8.0;
-const BELOW_M: (f64, f64) = (0.3, 4.5);
+const LEAST_BELOW_M: f64 = 0.3;
+const MOST_BELOW_M: f64 = 4.5;
 /// Side of the square cells of ground that count once each, however many returns they hold, meters.
 const CELL_M: f64 = 0.5;
 const NUM_COLUMNS: usize = (2.0 * ASIDE_M / CELL_M) as usize;
-const NUM_ROWS: usize = (AHEAD_M.1 / CELL_M) as usize;
+const NUM_ROWS: usize = (AHEAD_M.end / CELL_M) as usize;
 /// The height of a cell is this quantile of its returns, counted from the lowest: above the outliers, below what stands
 /// on the ground.
 const QUANTILE: f64 = 0.25;
@@ -22,16 +25,18 @@ const STREET_M: f64 = 4.0;
 const MIN_POINTS: usize = 30;
 
 const HYPOTHESES: usize = 300;
-/// A hypothesis' slopes and its height under the camera.
+/// The steepest slopes of a hypothesis, and its least and greatest height under the camera, meters.
 const MAX_SLOPE: f64 = 0.15;
-const HEIGHT_M: (f64, f64) = (0.5, 3.5);
+const LEAST_HEIGHT_M: f64 = 0.5;
+const MOST_HEIGHT_M: f64 = 3.5;
 /// Within this of a hypothesis a cell supports it, at the camera; `WIDENS_PER_M` with depth.
 const SUPPORT_M: f64 = 0.06;
 const WIDENS_PER_M: f64 = 0.0125;
 
-/// Reweighted least squares: the width of the weight falls from the first to the second, meters; below the plane it is
-/// twice as wide, since what stands on the ground is above it.
-const WIDTH_M: (f64, f64) = (0.08, 0.03);
+/// Reweighted least squares: the width of the weight at first and at last, and how it falls from step to step, meters; below
+/// the plane it is twice as wide, since what stands on the ground is above it.
+const FIRST_WIDTH_M: f64 = 0.08;
+const LAST_WIDTH_M: f64 = 0.03;
 const WIDTH_STEP_M: f64 = 0.008;
 const ITERATIONS: usize = 8;
 /// Prior, known before a scan is seen: slopes of the ground to the side and ahead in the camera's frame, mean and
@@ -74,7 +79,7 @@ pub fn estimate_ground_plane(points_cam: impl Iterator<Item = [f64; 3]>, seed: u
     let mut slopes = best_hypothesis(&cells, seed)
         .ok_or_else(|| Error::Ground { reason: "no plane that a car could stand on ahead of the camera".to_owned() })?;
     for k in 0..ITERATIONS {
-        let width_m = (WIDTH_M.0 - WIDTH_STEP_M * k as f64).max(WIDTH_M.1);
+        let width_m = (FIRST_WIDTH_M - WIDTH_STEP_M * k as f64).max(LAST_WIDTH_M);
         slopes = refine(&cells, &slopes, width_m);
     }
     let length = (slopes.y * slopes.y + slopes.z * slopes.z + 1.0).sqrt();
@@ -86,15 +91,15 @@ fn ground_cells(points_cam: impl Iterator<Item = [f64; 3]>) -> Result<Vec<Ground
     let mut by_cell: Vec<Vec<[f64; 3]>> = vec![Vec::new(); NUM_COLUMNS * NUM_ROWS];
     let mut num_points = 0;
     for [x, y, z] in points_cam {
-        let is_ahead = (AHEAD_M.0..AHEAD_M.1).contains(&z) && (-ASIDE_M..ASIDE_M).contains(&x);
-        if is_ahead && y > BELOW_M.0 && y < BELOW_M.1 {
+        let is_ahead = AHEAD_M.contains(&z) && (-ASIDE_M..ASIDE_M).contains(&x);
+        if is_ahead && y > LEAST_BELOW_M && y < MOST_BELOW_M {
             let (row, column) = ((z / CELL_M) as usize, ((x + ASIDE_M) / CELL_M) as usize);
             by_cell[row * NUM_COLUMNS + column].push([x, y, z]);
             num_points += 1;
         }
     }
     if num_points < MIN_POINTS {
-        let (near, far) = AHEAD_M;
+        let Range { start: near, end: far } = AHEAD_M;
         return Err(Error::Ground {
             reason: format!(
                 "expected at least {MIN_POINTS} points of the ground {near} to {far} m ahead of the camera, \
@@ -145,7 +150,7 @@ fn through(a: &GroundCell, b: &GroundCell, c: &GroundCell) -> Option<Slopes> {
         .flatten()
         .map(|inverse| inverse * Vector3::new(a.y_m, b.y_m, c.y_m))?;
     let is_level = slopes.y.abs() < MAX_SLOPE && slopes.z.abs() < MAX_SLOPE;
-    (is_level && slopes.x > HEIGHT_M.0 && slopes.x < HEIGHT_M.1).then_some(slopes)
+    (is_level && slopes.x > LEAST_HEIGHT_M && slopes.x < MOST_HEIGHT_M).then_some(slopes)
 }
 
 /// One step of reweighted least squares with Tukey's weights and the prior.

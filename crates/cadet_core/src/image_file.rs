@@ -23,7 +23,7 @@ const MAX_JPEG_SIDE: usize = 65_535;
 
 /// Samples of one depth, row-major, channel by channel within a pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Samples {
+pub enum PixelValues {
     /// 8 bits each.
     Eight(Vec<u8>),
     /// 16 bits each.
@@ -40,7 +40,7 @@ pub struct Picture {
     /// 1 is gray, 2 gray and opacity, 3 RGB, 4 RGB and opacity.
     pub channels: usize,
     /// `height * width * channels` of them.
-    pub samples: Samples,
+    pub samples: PixelValues,
     /// The format's name.
     pub format: &'static str,
     /// Whether the file holds numbers of colors; they have become RGB.
@@ -103,9 +103,9 @@ fn decode_png(data: &[u8], max_pixels: u64) -> std::result::Result<Picture, Stri
         reader.finish().map_err(refused)?;
     }
     let samples = if depth == BitDepth::Sixteen {
-        Samples::Sixteen(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect())
+        PixelValues::Sixteen(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect())
     } else {
-        Samples::Eight(bytes)
+        PixelValues::Eight(bytes)
     };
     Ok(Picture { width, height, channels: color.samples(), samples, format: "PNG", is_palette, is_animation })
 }
@@ -137,7 +137,7 @@ fn decode_jpeg(data: &[u8], max_pixels: u64) -> std::result::Result<Picture, Str
         width: width as u32,
         height: height as u32,
         channels,
-        samples: Samples::Eight(bytes),
+        samples: PixelValues::Eight(bytes),
         format: "JPEG",
         is_palette: false,
         is_animation: false,
@@ -162,7 +162,7 @@ fn decode_webp(data: &[u8], max_pixels: u64) -> std::result::Result<Picture, Str
         width,
         height,
         channels: if decoder.has_alpha() { 4 } else { 3 },
-        samples: Samples::Eight(bytes),
+        samples: PixelValues::Eight(bytes),
         format: "WebP",
         is_palette: false,
         is_animation: decoder.is_animated(),

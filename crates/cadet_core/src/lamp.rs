@@ -5,17 +5,17 @@ use crate::math::{DPose3, Vec3};
 /// Candela that a lamp sends along its strongest direction, per unit of [`Lamp::intensity`].
 ///
 /// An irradiance of 1 is 100 lx at night, so an intensity of 1 makes it at 1 m.
-pub const CANDELA: f32 = 100.0;
+pub const CD_PER_INTENSITY: f32 = 100.0;
 
 /// How light leaves a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Beam {
+pub enum LampBeam {
     /// A street lamp that shines down: full above the second cosine to the nadir, nothing below the first.
     Luminaire {
         /// Cosine of the angle to the nadir at which the light ends.
-        ends: f32,
+        cos_ends: f32,
         /// Cosine from which on it is full.
-        full: f32,
+        cos_full: f32,
     },
     /// A low beam for traffic that keeps to the right.
     LowBeam,
@@ -27,21 +27,21 @@ pub enum Beam {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
     /// Its distribution.
-    pub beam: Beam,
+    pub beam: LampBeam,
     /// Where it is.
     pub at: Vec3,
     /// Unit vector: the axis of a beam, down for luminaires.
     pub ahead: Vec3,
     /// Unit vector to the left of it.
     pub left: Vec3,
-    /// R, G, B along the strongest direction, in [`CANDELA`].
+    /// R, G, B along the strongest direction, in [`CD_PER_INTENSITY`].
     pub intensity: [f32; 3],
     /// Its light ends here: beyond 0.7 of it, it is faded out.
     pub reach_m: f32,
 }
 
 /// Low beams are aimed so far below the horizon, a tangent.
-pub const CUT_OFF: f32 = -0.01;
+pub const CUT_OFF_TANGENT: f32 = -0.01;
 /// The cut-off rises to the right of the axis, by the tangent of 15 degrees, and so far.
 const RISE: f32 = 0.268;
 const RISE_TO: f32 = 0.04;
@@ -75,12 +75,14 @@ impl Lamp {
     #[must_use]
     pub fn share(&self, to: Vec3, distance_m: f32) -> f32 {
         match self.beam {
-            Beam::Luminaire { ends, full } => luminaire(to.dot(self.ahead) / distance_m, ends, full),
-            Beam::LowBeam => {
+            LampBeam::Luminaire { cos_ends: ends, cos_full: full } => {
+                luminaire(to.dot(self.ahead) / distance_m, ends, full)
+            }
+            LampBeam::LowBeam => {
                 let up = self.ahead.cross(self.left);
                 low_beam(to.dot(self.ahead), to.dot(self.left), to.dot(up))
             }
-            Beam::Lens => lens(to.dot(self.ahead) / distance_m),
+            LampBeam::Lens => lens(to.dot(self.ahead) / distance_m),
         }
     }
 }
@@ -88,8 +90,8 @@ impl Lamp {
 /// A luminaire's share by the cosine to its nadir.
 #[inline(always)]
 #[must_use]
-pub fn luminaire(cos_nadir: f32, ends: f32, full: f32) -> f32 {
-    ((cos_nadir - ends) / (full - ends)).clamp(0.0, 1.0) * (1.0 + BATWING - BATWING * cos_nadir)
+pub fn luminaire(cos_nadir: f32, cos_ends: f32, cos_full: f32) -> f32 {
+    ((cos_nadir - cos_ends) / (cos_full - cos_ends)).clamp(0.0, 1.0) * (1.0 + BATWING - BATWING * cos_nadir)
 }
 
 /// A low beam's share, by meters ahead, to the left, and up.
@@ -98,7 +100,7 @@ pub fn luminaire(cos_nadir: f32, ends: f32, full: f32) -> f32 {
 pub fn low_beam(ahead_m: f32, left_m: f32, up_m: f32) -> f32 {
     let per_ahead = 1.0 / ahead_m.max(LEAST_AHEAD_M);
     let (aside, up) = (left_m * per_ahead, up_m * per_ahead);
-    let over = up - CUT_OFF - RISE * (-aside).clamp(0.0, RISE_TO);
+    let over = up - CUT_OFF_TANGENT - RISE * (-aside).clamp(0.0, RISE_TO);
     let below = (over / FALL_BELOW).min(0.0);
     let beam = (0.5 - over / EDGE).clamp(0.0, 1.0) / (1.0 + below * below);
     let (off_spot, above) = ((aside - HOT_SPOT) / FALL_ASIDE, up / FALL_ABOVE);
@@ -159,7 +161,7 @@ mod tests {
     #[test]
     fn a_placed_lamp_shines_where_its_frame_turns() {
         let lamp = Lamp {
-            beam: Beam::LowBeam,
+            beam: LampBeam::LowBeam,
             at: Vec3::new(2.0, 0.0, 0.6),
             ahead: Vec3::X,
             left: Vec3::Y,

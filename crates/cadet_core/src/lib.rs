@@ -13,6 +13,10 @@
 //! No clock, no hash-map order, no platform `sin`: everything is a function of the seed. [`math`] holds the
 //! transcendental functions, [`rng`] the random streams; clippy refuses the others.
 
+#[macro_use]
+mod wide_registers;
+mod zeros;
+
 pub mod actor;
 pub mod assets;
 pub mod bev;

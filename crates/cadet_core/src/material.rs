@@ -80,7 +80,7 @@ pub struct LidarMaterial {
 
 impl LidarMaterial {
     /// Refractive index of lacquer, enamel and glass at 905 nm.
-    pub const LACQUER: f32 = 1.5;
+    pub const LACQUER_INDEX: f32 = 1.5;
 
     /// A Lambertian surface of the given reflectance.
     #[must_use]

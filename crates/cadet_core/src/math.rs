@@ -64,6 +64,20 @@ pub fn hypot(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
+/// The smaller of two numbers as vector registers compare them: `b` where one of them is NaN.
+#[inline(always)]
+#[must_use]
+pub fn lesser<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers, as [`lesser`].
+#[inline(always)]
+#[must_use]
+pub fn greater<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
 /// Wraps an angle to [-pi, pi).
 #[inline]
 #[must_use]

@@ -2,7 +2,7 @@
 
 mod capture;
 
-pub use capture::{Frame, Image, Request};
+pub use capture::{CaptureRequest, CapturedFrame, Image, NamedScan};
 
 use std::sync::Arc;
 
@@ -78,7 +78,7 @@ struct Sensed {
 /// # use cadet_core::nalgebra::Matrix3x4;
 /// # use cadet_core::rig::{Mount, Mounted, Rig};
 /// use cadet_core::actor::ObjectClass;
-/// use cadet_core::scene::{Request, Scene, SceneConfig, TownSource};
+/// use cadet_core::scene::{CaptureRequest, Scene, SceneConfig, TownSource};
 /// use cadet_core::weather::Weather;
 /// use cadet_core::world::{Course, ModelChoice, Overlap};
 ///
@@ -96,7 +96,7 @@ struct Sensed {
 /// let place = Course::Stand { x_m: 20.0, y_m: 0.0, yaw_rad: 0.0 };
 /// let car = scene.add(ObjectClass::Car, ModelChoice::Seed(3), &place, Overlap::Refuse)?;
 ///
-/// let frame = scene.capture(&Request::default())?;
+/// let frame = scene.capture(&CaptureRequest::default())?;
 /// assert_eq!((frame.images.len(), frame.scans.len()), (1, 1));
 /// assert_eq!(frame.sightings[0].actor_id, car);
 /// # Ok::<_, cadet_core::Error>(())
@@ -225,9 +225,9 @@ impl Scene {
     ///
     /// # Errors
     /// A place that is not finite, off the ground, or where somebody stands.
-    pub fn move_ego(&mut self, x: f64, y: f64, yaw: f64, overlap: Overlap) -> Result<()> {
+    pub fn move_ego(&mut self, x: f64, y: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
         self.sensed = None;
-        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, overlap)
+        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw_rad)?, overlap)
     }
 
     /// Drives the ego by command from the next step on; `None` lets its driver drive.
@@ -242,8 +242,8 @@ impl Scene {
     ///
     /// # Errors
     /// A time that is negative, not finite or longer than an hour.
-    pub fn step(&mut self, seconds: f64) -> Result<()> {
-        self.step_until(seconds, AtRoadEnd::Stand, || Ok(()))
+    pub fn step(&mut self, duration_s: f64) -> Result<()> {
+        self.step_until(duration_s, AtRoadEnd::Stand, || Ok(()))
     }
 
     /// Lets physics run; `pause` is called after each simulated second and may end it there.
@@ -252,11 +252,11 @@ impl Scene {
     /// As [`Self::step`], and what `pause` returns.
     pub fn step_until<E: From<Error>>(
         &mut self,
-        seconds: f64,
+        duration_s: f64,
         at_road_end: AtRoadEnd,
         mut pause: impl FnMut() -> std::result::Result<(), E>,
     ) -> std::result::Result<(), E> {
-        let seconds = in_range("seconds", seconds, 0.0, MAX_STEP_S)?;
+        let seconds = in_range("seconds", duration_s, 0.0, MAX_STEP_S)?;
         self.sensed = None;
         let mut steps = (seconds * STEPS_PER_S).round() as u32;
         while steps > 0 {
@@ -318,15 +318,21 @@ impl Scene {
         Arc::clone(&self.sensed().posed)
     }
 
-    /// The poses of the first LIDAR and of the first camera's frame.
-    pub fn sensor_poses(&mut self) -> (DPose3, DPose3) {
+    /// The pose of the first LIDAR.
+    pub fn world_from_velo(&mut self) -> DPose3 {
         let world_from_ego = self.snapshot().ego.world_from_ego;
-        (self.rig.world_from_velo(&world_from_ego), self.rig.world_from_cam(&world_from_ego))
+        self.rig.world_from_velo(&world_from_ego)
+    }
+
+    /// The pose of the first camera's frame.
+    pub fn world_from_cam(&mut self) -> DPose3 {
+        let world_from_ego = self.snapshot().ego.world_from_ego;
+        self.rig.world_from_cam(&world_from_ego)
     }
 
     /// One row for each of the LIDAR's rays: every triangle opaque, nothing dropped.
     pub fn ideal_scan(&mut self, lidar: Option<&LidarSpec>) -> IdealScan {
-        let (world_from_velo, _) = self.sensor_poses();
+        let world_from_velo = self.world_from_velo();
         let posed = self.triangles();
         ideal_scan(&posed, &world_from_velo, lidar.unwrap_or(self.rig.lidar()))
     }
@@ -352,7 +358,7 @@ fn in_range(what: &'static str, value: f64, lo: f64, hi: f64) -> Result<f64> {
 
 /// The finest angle between a rig's pixels or beams.
 fn resolution(rig: &Rig) -> Resolution {
-    let focal_px = rig.cameras().iter().map(|c| c.sensor.intrinsics()[0]).fold(1.0, f64::max);
+    let focal_px = rig.cameras().iter().map(|c| c.sensor.intrinsics_px()[0]).fold(1.0, f64::max);
     let beams_per_turn = rig.lidars().iter().map(|l| beams_per_turn(&l.sensor)).max().unwrap_or(1);
     Resolution::of(focal_px, beams_per_turn)
 }

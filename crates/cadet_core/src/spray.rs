@@ -1,5 +1,7 @@
 //! Spray: the water that wheels throw up from wet roads, a plume behind each vehicle that drives fast; one for all sensors.
 
+use std::ops::Range;
+
 use crate::actor::{ActorState, ObjectClass};
 use crate::math::{DPose3, DVec3, Vec3};
 use crate::rng::{CounterRng, Stream};
@@ -20,10 +22,11 @@ const HEIGHTS: [(f64, f64); 2] = [(1.5, 0.80), (3.0, 1.0)];
 /// Way behind the bumper over which a plume grows dense.
 const RISE_M: f32 = 1.5;
 /// Width at the bumper and at the end over the vehicle's, height at the bumper over that at the end.
-const WIDTHS: (f32, f32) = (1.0, 1.5);
+const FIRST_WIDTH: f32 = 1.0;
+const LAST_WIDTH: f32 = 1.5;
 const FIRST_HEIGHT: f32 = 0.55;
-/// Spray is lumpy: density at the corners of cells, over the mean.
-const LUMPS: (f64, f64) = (0.1, 1.9);
+/// Spray is lumpy: least and greatest density at the corners of cells, over the mean.
+const LUMPS: Range<f64> = 0.1..1.9;
 const CELLS: [usize; 3] = [12, 5, 3];
 const CORNERS: usize = (CELLS[0] + 1) * (CELLS[1] + 1) * (CELLS[2] + 1);
 
@@ -58,7 +61,7 @@ impl Spray {
         let seed = stream.next_u64();
         let lumps = |id: i32| {
             let mut rng = CounterRng::new(CounterRng::key(seed, [id as u64, 0, 0]));
-            std::array::from_fn(|_| (LUMPS.0 + (LUMPS.1 - LUMPS.0) * rng.unit()) as f32)
+            std::array::from_fn(|_| (LUMPS.start + (LUMPS.end - LUMPS.start) * rng.unit()) as f32)
         };
         Self { plumes: actors.iter().filter_map(|a| Plume::behind(a, weather.wetness, lumps)).collect() }
     }
@@ -123,7 +126,7 @@ impl Plume {
     /// The lowest and the highest corner of the box that it fills, in its frame.
     #[must_use]
     pub fn bounds(&self) -> [Vec3; 2] {
-        let half_m = WIDTHS.1 * self.half_width_m;
+        let half_m = LAST_WIDTH * self.half_width_m;
         [Vec3::new(-self.length_m, -half_m, 0.0), Vec3::new(0.0, half_m, self.height_m)]
     }
 
@@ -136,7 +139,7 @@ impl Plume {
             return 0.0;
         }
         let u = behind_m / self.length_m;
-        let aside = at.y / (self.half_width_m * (WIDTHS.0 + (WIDTHS.1 - WIDTHS.0) * u));
+        let aside = at.y / (self.half_width_m * (FIRST_WIDTH + (LAST_WIDTH - FIRST_WIDTH) * u));
         let up = at.z / (self.height_m * (FIRST_HEIGHT + (1.0 - FIRST_HEIGHT) * u * (2.0 - u)));
         let out2 = aside * aside + up * up;
         let edge = 1.0 - out2 * out2;
@@ -150,7 +153,7 @@ impl Plume {
     /// Its density over the mean, a share of its length behind the bumper.
     #[inline]
     fn lump(&self, u: f32, at: Vec3) -> f32 {
-        let half_m = WIDTHS.1 * self.half_width_m;
+        let half_m = LAST_WIDTH * self.half_width_m;
         let places = [u, (at.y + half_m) / (2.0 * half_m), at.z / self.height_m];
         let mut first = [0; 3];
         let mut share = [0.0; 3];
@@ -169,12 +172,12 @@ impl Plume {
         near + (far - near) * share[0]
     }
 
-    /// The part of a ray in its frame, `from + t direction` with 0 <= t < `end`, that is in the box which it fills.
+    /// The part of a ray in its frame, `from + t direction` with 0 <= t < `end_m`, that is in the box which it fills.
     #[inline]
     #[must_use]
-    pub fn crossing(&self, from: Vec3, direction: Vec3, end: f32) -> Option<[f32; 2]> {
+    pub fn crossing(&self, from: Vec3, direction: Vec3, end_m: f32) -> Option<[f32; 2]> {
         let [low, high] = self.bounds();
-        let (mut enters, mut leaves) = (0.0_f32, end);
+        let (mut enters, mut leaves) = (0.0_f32, end_m);
         for (from, direction, low, high) in [
             (from.x, direction.x, low.x, high.x),
             (from.y, direction.y, low.y, high.y),

@@ -83,14 +83,15 @@ const NIGHT_SUN_RAD: f64 = -20.0 * PI / 180.0;
 /// Share of the ground that is white once snow falls.
 const SNOW_COVER: f64 = 0.75;
 
-/// Snow begins to lie where a normal rises by the first number, and covers faster than its rise by the second.
-const SNOW_RISE: (f32, f32) = (0.4, 2.0);
+/// Snow begins to lie where a normal rises by this, and covers so much faster than its rise.
+const SNOW_FROM_RISE: f32 = 0.4;
+const SNOW_PER_RISE: f32 = 2.0;
 
 /// What snow covers of a surface whose normal rises so steeply, by what it covers of level ones.
 #[inline(always)]
 #[must_use]
 pub fn snow_share(rise: f32) -> f32 {
-    ((rise - SNOW_RISE.0) * SNOW_RISE.1).clamp(0.0, 1.0)
+    ((rise - SNOW_FROM_RISE) * SNOW_PER_RISE).clamp(0.0, 1.0)
 }
 
 /// (name, cloudiness, wetness, rain mm/h) of the seven skies of CARLA 0.8.
@@ -146,7 +147,7 @@ impl Weather {
             fog_alpha_per_m: 0.0,
         };
         let sky = name.strip_suffix("_noon").or_else(|| name.strip_suffix("_sunset"));
-        match (sky.and_then(|s| SKIES.iter().find(|k| k.0 == s)), name) {
+        match (sky.and_then(|s| SKIES.iter().find(|(sky, ..)| *sky == s)), name) {
             (Some((_, cloudiness, wetness, rain)), _) => {
                 weather.cloudiness = *cloudiness;
                 weather.wetness = *wetness;

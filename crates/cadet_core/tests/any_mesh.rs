@@ -9,7 +9,9 @@ use cadet_core::geometry::Mesh;
 use cadet_core::instance::Instance;
 use cadet_core::math::{DPose3, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{BeamGrid, Hits, LaserRing, Layer, NO_HIT, PinholeGrid, PosedScene, SpinningGrid, cast};
+use cadet_core::sense::{
+    BeamGrid, Hits, LaserRing, NO_HIT, PinholeGrid, PosedScene, SpinningGrid, SurfaceFilter, cast,
+};
 use proptest::prelude::*;
 
 /// Möller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), from either side: the distance, and
@@ -63,12 +65,12 @@ fn by_brute_force(scene: &PosedScene, origin: DVec3, direction: DVec3) -> Certai
 
 fn check<G: BeamGrid>(scene: &PosedScene, grid: &G) -> Result<usize, TestCaseError> {
     let mut hits = Hits::new(grid.rows(), grid.columns());
-    cast(scene, grid, Layer::All, |_| true, &mut hits);
+    cast(scene, grid, SurfaceFilter::All, |_| true, &mut hits);
     let mut surely = 0;
     for row in 0..grid.rows() {
         for column in 0..grid.columns() {
             let i = row * grid.columns() + column;
-            let depth = f64::from(hits.depth[i]);
+            let depth = f64::from(hits.depth_m[i]);
             prop_assert!(depth > 0.0, "depth {depth} at {row}, {column}");
             prop_assert_eq!(hits.instance[i] == NO_HIT, depth.is_infinite());
             prop_assert_eq!(hits.face[i] == NO_HIT, depth.is_infinite());
@@ -155,8 +157,8 @@ proptest! {
         let pose = DPose3 { rotation: random_rotation(&mut s), ..at(3.0, -2.0, 1.0) };
         let grid = spinning(pose, [0.0, 0.0]);
         let mut hits = Hits::new(grid.rows(), grid.columns());
-        cast(&scene, &grid, Layer::All, |_| true, &mut hits);
-        prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
+        cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
+        prop_assert!(hits.depth_m.iter().all(|d| d.is_finite()));
         let _ = check(&scene, &grid)?;
     }
 
@@ -190,7 +192,7 @@ fn columns_of_any_spacing_see_the_same_walls() {
         let rings = [0.3_f64, -0.2].map(|elevation_rad| LaserRing::on_axis(elevation_rad, 0.0));
         let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths).expect("valid");
         let mut hits = Hits::new(2, n);
-        cast(&scene, &grid, Layer::All, |_| true, &mut hits);
-        assert!(hits.depth.iter().all(|d| (19.9..20.001).contains(d)), "{n}: {:?}", hits.depth);
+        cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
+        assert!(hits.depth_m.iter().all(|d| (19.9..20.001).contains(d)), "{n}: {:?}", hits.depth_m);
     }
 }

@@ -1,7 +1,7 @@
 //! Properties of the intersection over union of rotated boxes.
 #![allow(missing_docs)]
 
-use cadet_core::evaluate::{RotatedBox, intersection_bev, iou_3d, iou_bev};
+use cadet_core::evaluate::{RotatedBox, intersection_bev_m2, iou_3d, iou_bev};
 use cadet_core::math::{PI, cos, sin};
 use proptest::prelude::*;
 
@@ -12,9 +12,9 @@ prop_compose! {
 prop_compose! {
     fn any_box()(
         x in -3.0..3.0_f64, y in -2.0..2.0_f64, z in -3.0..3.0_f64,
-        length in size(), width in size(), height in size(), rotation_y in heading(),
+        length_m in size(), width_m in size(), height_m in size(), rotation_y in heading(),
     ) -> RotatedBox {
-        RotatedBox { x, y, z, length, width, height, rotation_y }
+        RotatedBox { x, y, z, length_m, width_m, height_m, rotation_y }
     }
 }
 
@@ -39,7 +39,7 @@ fn moved(b: &RotatedBox, turn: f64, shift: [f64; 3]) -> RotatedBox {
 fn contains(b: &RotatedBox, x: f64, z: f64) -> bool {
     let (cos, sin) = (cos(b.rotation_y), sin(b.rotation_y));
     let (dx, dz) = (x - b.x, z - b.z);
-    (dx * cos - dz * sin).abs() <= 0.5 * b.length && (dx * sin + dz * cos).abs() <= 0.5 * b.width
+    (dx * cos - dz * sin).abs() <= 0.5 * b.length_m && (dx * sin + dz * cos).abs() <= 0.5 * b.width_m
 }
 
 /// The share of a grid over `a` that lies in `b`, as an area.
@@ -47,10 +47,10 @@ fn sampled_intersection(a: &RotatedBox, b: &RotatedBox, steps: usize) -> f64 {
     let (cos, sin) = (cos(a.rotation_y), sin(a.rotation_y));
     let at = |i: usize, side: f64| ((i as f64 + 0.5) / steps as f64 - 0.5) * side;
     let inside = (0..steps * steps).filter(|i| {
-        let (u, v) = (at(i % steps, a.length), at(i / steps, a.width));
+        let (u, v) = (at(i % steps, a.length_m), at(i / steps, a.width_m));
         contains(b, a.x + u * cos + v * sin, a.z - u * sin + v * cos)
     });
-    inside.count() as f64 / (steps * steps) as f64 * a.length * a.width
+    inside.count() as f64 / (steps * steps) as f64 * a.length_m * a.width_m
 }
 
 proptest! {
@@ -63,7 +63,7 @@ proptest! {
             prop_assert!((0.0..=1.0).contains(&value), "{value}");
             prop_assert_eq!(value.to_bits(), iou(&b, &a).to_bits());
         }
-        prop_assert!(intersection_bev(&a, &b) <= a.area_bev().min(b.area_bev()));
+        prop_assert!(intersection_bev_m2(&a, &b) <= a.area_bev_m2().min(b.area_bev_m2()));
     }
 
     #[test]
@@ -72,7 +72,7 @@ proptest! {
         let turned = RotatedBox { rotation_y: a.rotation_y + f64::from(half_turns) * PI, ..a };
         // The sides' ratio is at most 150, so a heading's last bit moves an end by little of the width.
         prop_assert!((iou_bev(&a, &turned) - 1.0).abs() < 1e-12);
-        let swapped = RotatedBox { length: a.width, width: a.length, rotation_y: a.rotation_y + 0.5 * PI, ..a };
+        let swapped = RotatedBox { length_m: a.width_m, width_m: a.length_m, rotation_y: a.rotation_y + 0.5 * PI, ..a };
         prop_assert!((iou_3d(&a, &swapped) - 1.0).abs() < 1e-12);
     }
 
@@ -103,9 +103,9 @@ proptest! {
         let steps = 200;
         let estimate = sampled_intersection(&a, &b, steps);
         // Only cells that one of the four edges crosses can be counted wrongly, at most 2 x 200 each.
-        let bound = 4.0 * 2.0 / steps as f64 * a.area_bev();
-        prop_assert!((intersection_bev(&a, &b) - estimate).abs() <= bound);
+        let bound = 4.0 * 2.0 / steps as f64 * a.area_bev_m2();
+        prop_assert!((intersection_bev_m2(&a, &b) - estimate).abs() <= bound);
         let other = sampled_intersection(&b, &a, steps);
-        prop_assert!((intersection_bev(&a, &b) - other).abs() <= 8.0 / steps as f64 * b.area_bev());
+        prop_assert!((intersection_bev_m2(&a, &b) - other).abs() <= 8.0 / steps as f64 * b.area_bev_m2());
     }
 }

@@ -24,7 +24,7 @@ fn crowded() -> Settings {
     let level = |height, is_inclusive| Level {
         min_height_px: height,
         is_inclusive,
-        max_occlusion: f64::INFINITY,
+        max_occlusion_level: f64::INFINITY,
         max_truncation: f64::INFINITY,
     };
     Settings {
@@ -44,9 +44,9 @@ fn crowd(frames: &mut [FramePair]) {
         for (cam, img) in boxes.chain(frame.detections.iter_mut().map(|d| (&mut d.box_cam, &mut d.box_img))) {
             cam.x *= 0.05;
             cam.z = 20.0 + 0.05 * cam.z;
-            let shift = 0.95 * (600.0 - img.x1);
-            img.x1 += shift;
-            img.x2 += shift;
+            let shift = 0.95 * (600.0 - img.left_px);
+            img.left_px += shift;
+            img.right_px += shift;
         }
     }
 }

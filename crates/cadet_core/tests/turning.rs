@@ -8,7 +8,7 @@ use std::sync::Arc;
 use cadet_core::lidar::{LidarSpec, Receiver, Scan, TURN_S, Turning, firing_time_s, scan, turning_scan};
 use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{FaceTrees, Motion, PosedScene};
+use cadet_core::sense::{FaceTrees, PosedScene, RigidMotion};
 use cadet_core::spray::Spray;
 use cadet_core::weather::Weather;
 use common::{at, cuboid, place, posed, random_scene};
@@ -25,14 +25,19 @@ fn clear() -> Weather {
     Weather::preset("clear_noon").expect("exists")
 }
 
-fn turn(scene: &Arc<PosedScene>, spec: &LidarSpec, sensor: Motion, motion_of: impl Fn(i32) -> Motion) -> Scan {
+fn turn(
+    scene: &Arc<PosedScene>,
+    spec: &LidarSpec,
+    sensor: RigidMotion,
+    motion_of: impl Fn(i32) -> RigidMotion,
+) -> Scan {
     let mut trees = FaceTrees::default();
     let turning = Turning::new(Arc::clone(scene), &mut trees, spec, DPose3::IDENTITY, sensor, motion_of);
     turning_scan(&turning, spec, (&clear(), &Spray::default()), &mut Stream::from_seed("scan", 0)).expect("valid")
 }
 
-fn moving(velocity_world: DVec3) -> Motion {
-    Motion { velocity_world, ..Motion::default() }
+fn moving(velocity_world: DVec3) -> RigidMotion {
+    RigidMotion { velocity_world, ..RigidMotion::default() }
 }
 
 /// Points of an actor with the times of their firings.
@@ -62,7 +67,7 @@ fn where_all_stands_still_a_turn_is_the_scan_of_an_instant() {
         let spec = if round % 2 == 0 { LidarSpec::hdl64e_kitti() } else { LidarSpec::cadet() };
         let spec = spec.with_divergence(if round < 2 { 0.0 } else { 3e-3 }).expect("valid");
         let still = scan(&scene, &DPose3::IDENTITY, &spec, &clear(), &mut Stream::from_seed("scan", 0)).expect("valid");
-        let turned = turn(&scene, &spec, Motion::default(), |_| Motion::default());
+        let turned = turn(&scene, &spec, RigidMotion::default(), |_| RigidMotion::default());
         // Beam by beam: the kernel and parry part on a beam in ten thousand at the edges of triangles.
         let by_beam = |s: &Scan| {
             let mut out = std::collections::BTreeMap::new();
@@ -96,7 +101,7 @@ fn a_wall_is_sheared_by_the_speed_of_the_car() {
     let scene = posed(&[place(wall(), at(20.5, 0.0, 0.0), 1), place(wall(), at(-20.5, 0.0, 0.0), 2)]);
     let spec = noiseless();
     let speed_mps = 13.9;
-    let scan = turn(&scene, &spec, moving(DVec3::new(speed_mps, 0.0, 0.0)), |_| Motion::default());
+    let scan = turn(&scene, &spec, moving(DVec3::new(speed_mps, 0.0, 0.0)), |_| RigidMotion::default());
     let ahead = points_of(&scan, &spec, 1);
     let behind = points_of(&scan, &spec, 2);
     assert!(ahead.len() > 5_000 && behind.len() > 5_000);
@@ -121,9 +126,9 @@ fn a_car_that_crosses_is_stretched_or_shortened() {
     let car = || place(cuboid(Vec3::new(0.9, 2.0, 0.75)), at(15.9, 0.0, -0.9), 7);
     let spec = noiseless();
     let width = |velocity: f64| {
-        let scan = turn(&posed(&[car()]), &spec, Motion::default(), |id| {
+        let scan = turn(&posed(&[car()]), &spec, RigidMotion::default(), |id| {
             assert_eq!(id, 7);
-            Motion { pivot_world: DVec3::new(15.9, 0.0, -1.6), ..moving(DVec3::new(0.0, velocity, 0.0)) }
+            RigidMotion { pivot_world: DVec3::new(15.9, 0.0, -1.6), ..moving(DVec3::new(0.0, velocity, 0.0)) }
         });
         let y: Vec<f64> = points_of(&scan, &spec, 7).iter().filter(|(_, p)| p.x < 15.01).map(|(_, p)| p.y).collect();
         assert!(y.len() > 200, "{}", y.len());
@@ -155,8 +160,8 @@ fn a_turning_car_sees_walls_where_its_heading_was() {
     let scene = posed(&[place(cuboid(Vec3::new(0.05, 0.05, 3.0)), at(0.0, 10.0, 0.0), 1)]);
     let spec = noiseless();
     let yaw_rate = 0.8;
-    let sensor = Motion { angular_velocity_world: DVec3::new(0.0, 0.0, yaw_rate), ..Motion::default() };
-    let points = points_of(&turn(&scene, &spec, sensor, |_| Motion::default()), &spec, 1);
+    let sensor = RigidMotion { angular_velocity_world: DVec3::new(0.0, 0.0, yaw_rate), ..RigidMotion::default() };
+    let points = points_of(&turn(&scene, &spec, sensor, |_| RigidMotion::default()), &spec, 1);
     assert!(points.len() > 50);
     // In the sensor's frame the post stands at the azimuth 90 deg - yaw, seen when the beam points there.
     let mut azimuth = PI / 2.0;
@@ -175,7 +180,7 @@ fn trees_are_kept_while_their_meshes_are() {
     let mut trees = FaceTrees::default();
     let spec = LidarSpec::cadet();
     let make = |scene: &Arc<PosedScene>, trees: &mut FaceTrees| {
-        let rest = Motion::default();
+        let rest = RigidMotion::default();
         let _ = Turning::new(Arc::clone(scene), trees, &spec, DPose3::IDENTITY, rest, |_| rest);
         trees.forget_unused();
         trees.len()

@@ -7,7 +7,7 @@ use common::{Agreement, compare, cuboid, place, posed, random_rotation, random_s
 
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{BeamGrid, Hits, LaserRing, Layer, NO_HIT, PinholeGrid, SpinningGrid, cast};
+use cadet_core::sense::{BeamGrid, Hits, LaserRing, NO_HIT, PinholeGrid, SpinningGrid, SurfaceFilter, cast};
 use proptest::prelude::*;
 
 /// Rings from `top` to `bottom` degrees with heights that fall as the HDL-64E's do.
@@ -104,18 +104,18 @@ proptest! {
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center + inside };
         let grid = spinning(pose, 60, 88.0, -88.0, [0.0, 0.0], 360);
         let mut hits = Hits::new(grid.rows(), grid.columns());
-        cast(&scene, &grid, Layer::All, |_| true, &mut hits);
-        prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
+        cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
+        prop_assert!(hits.depth_m.iter().all(|d| d.is_finite()));
         let grid = pinhole(pose);
-        cast(&scene, &grid, Layer::All, |_| true, &mut hits);
-        prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
+        cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
+        prop_assert!(hits.depth_m.iter().all(|d| d.is_finite()));
         // Corners lie on the sphere, so every hit lies between it and the sphere through the faces' middles.
         let pitch = math::PI / f64::from(rings);
         let least = f64::from(radius) * math::cos(pitch.min(1.0) / 1.2) * math::cos(pitch.min(1.0) / 1.2) - 1e-3;
         for row in 0..grid.rows() {
             for column in 0..grid.columns() {
                 let beam = grid.beam(row, column);
-                let depth = f64::from(hits.depth[row * grid.columns() + column]);
+                let depth = f64::from(hits.depth_m[row * grid.columns() + column]);
                 let r = (beam.origin_world + beam.direction_world * depth - center).length();
                 prop_assert!(r <= f64::from(radius) * (1.0 + 1e-6) + 1e-4, "{r} {radius}");
                 prop_assert!(r >= least, "{r} {least} {radius} {rings}");
@@ -131,14 +131,14 @@ fn ranges_to_a_plane_are_the_closed_form() {
     let scene = posed(&[ground]);
     let grid = spinning(DPose3::IDENTITY, 64, 2.0, -25.0, [0.2, 0.12], 720);
     let mut hits = Hits::new(grid.rows(), grid.columns());
-    cast(&scene, &grid, Layer::All, |_| true, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::All, |_| true, &mut hits);
     for row in 0..64 {
         let t = row as f64 / 63.0;
         let elevation = math::lerp(2.0, -25.0, t).to_radians();
         let h = if t < 0.5 { 0.2 } else { 0.12 };
         let expected = (f64::from(1.73_f32) + h) / -math::sin(elevation);
         for column in 0..720 {
-            let got = f64::from(hits.depth[row * 720 + column]);
+            let got = f64::from(hits.depth_m[row * 720 + column]);
             if elevation >= 0.0 {
                 assert!(got.is_infinite());
             } else if expected < 399.0 {
@@ -157,7 +157,7 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
     let pose = DPose3 { rotation: DQuat::from_mat3(&axes), translation: DVec3::ZERO };
     let grid = PinholeGrid::new(pose, [100.0, 100.0, 50.0, 50.0], [0.0, 0.0, 1.0, 1.0], 100, 100).expect("valid");
     let mut hits = Hits::new(100, 100);
-    cast(&scene, &grid, Layer::All, |i| i.actor_id == 7, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::All, |i| i.actor_id == 7, &mut hits);
     for row in 0..100 {
         for column in 0..100 {
             let (x, y) = ((column as f64 - 50.0) / 10.0, (row as f64 - 50.0) / 10.0);
@@ -165,16 +165,16 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
             let outside = !(-1.001..=2.001).contains(&x) || !(-3.001..=1.001).contains(&y);
             let i = row * 100 + column;
             if inside {
-                assert!((hits.depth[i] - 10.0).abs() < 1e-5 && hits.instance[i] == 0);
+                assert!((hits.depth_m[i] - 10.0).abs() < 1e-5 && hits.instance[i] == 0);
             } else if outside {
-                assert!(hits.depth[i].is_infinite() && hits.instance[i] == NO_HIT && hits.face[i] == NO_HIT);
+                assert!(hits.depth_m[i].is_infinite() && hits.instance[i] == NO_HIT && hits.face[i] == NO_HIT);
             }
         }
     }
     hits.clear();
-    cast(&scene, &grid, Layer::All, |i| i.actor_id != 7, &mut hits);
-    cast(&scene, &grid, Layer::Transparent, |_| true, &mut hits);
-    assert!(hits.depth.iter().all(|d| d.is_infinite()));
+    cast(&scene, &grid, SurfaceFilter::All, |i| i.actor_id != 7, &mut hits);
+    cast(&scene, &grid, SurfaceFilter::Transparent, |_| true, &mut hits);
+    assert!(hits.depth_m.iter().all(|d| d.is_infinite()));
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn equal_depths_go_to_the_earlier_instance() {
     let at = |id| place(cuboid(Vec3::splat(1.0)), common::at(10.0, 0.0, 0.0), id);
     let grid = spinning(DPose3::IDENTITY, 16, 5.0, -5.0, [0.0, 0.0], 720);
     let mut hits = Hits::new(16, 720);
-    cast(&posed(&[at(3), at(2), at(1)]), &grid, Layer::All, |_| true, &mut hits);
+    cast(&posed(&[at(3), at(2), at(1)]), &grid, SurfaceFilter::All, |_| true, &mut hits);
     assert!(hits.instance.contains(&0));
     assert!(hits.instance.iter().all(|i| *i == 0 || *i == NO_HIT));
 }

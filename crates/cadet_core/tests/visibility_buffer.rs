@@ -13,7 +13,7 @@ use cadet_core::material::Palette;
 use cadet_core::math::{DPose3, DVec3, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{
-    BLOCK, BeamGrid, DrawnFace, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, rasterize,
+    BLOCK, BeamGrid, DrawnFace, Hits, NO_HIT, PinholeGrid, PosedScene, SurfaceFilter, VisibilityBuffer, cast, rasterize,
 };
 use proptest::prelude::*;
 
@@ -57,19 +57,19 @@ fn tolerance(
 fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
     rasterize(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);
-    cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
+    cast(scene, grid, SurfaceFilter::Opaque, |_| true, &mut hits);
     let opaque = hits.clone();
-    cast(scene, grid, Layer::Transparent, |_| true, &mut hits);
+    cast(scene, grid, SurfaceFilter::Transparent, |_| true, &mut hits);
     for row in 0..rows {
         for column in 0..columns {
             let at = row * columns + column;
             let (seen, inverse_depth) =
                 buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, inverse_depth)| {
-                    let depth = face.depth_at(grid.columns_x(row)[column], grid.rows_y()[row]);
+                    let depth = face.depth_m_at(grid.columns_x(row)[column], grid.rows_y()[row]);
                     assert!((depth * inverse_depth - 1.0).abs() < 2e-6, "{depth} {inverse_depth}");
                     ((face.instance, face.face), inverse_depth)
                 });
-            let expected = 1.0 / f64::from(hits.depth[at]);
+            let expected = 1.0 / f64::from(hits.depth_m[at]);
             let front = buffer.front(row, column).map(|(face, _)| face);
             let tolerance = |face, expected| tolerance(scene, grid, face, (row, column), expected);
             let close = (f64::from(inverse_depth) - expected).abs() <= tolerance(front, expected);
@@ -79,9 +79,9 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
                 assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
             }
             let block = buffer.opaque(row / BLOCK * buffer.blocks_across + column / BLOCK);
-            let behind = block.inverse_depth[row % BLOCK][column % BLOCK];
+            let behind = block.inverse_depth_per_m[row % BLOCK][column % BLOCK];
             let face = (behind > 0.0).then(|| &buffer.faces[block.face[row % BLOCK][column % BLOCK] as usize]);
-            let expected = 1.0 / f64::from(opaque.depth[at]);
+            let expected = 1.0 / f64::from(opaque.depth_m[at]);
             assert!((f64::from(behind) - expected).abs() <= tolerance(face, expected), "{row} {column}: opaque");
         }
     }

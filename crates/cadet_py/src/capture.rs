@@ -20,7 +20,7 @@ type Corners = (f64, f64, f64, f64);
 /// Request for a capture.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct Request {
-    pub(crate) inner: core::Request,
+    pub(crate) inner: core::CaptureRequest,
 }
 
 #[pymethods]
@@ -28,14 +28,14 @@ impl Request {
     #[new]
     #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
     fn new(sample: u64, maps: bool, pixels: bool, cameras: Vec<usize>, lidars: Vec<usize>) -> Self {
-        Self { inner: core::Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars } }
+        Self { inner: core::CaptureRequest { sample, with_maps: maps, with_pixels: pixels, cameras, lidars } }
     }
 }
 
 /// Everything that was asked for at one instant.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct Capture {
-    frame: core::Frame,
+    frame: core::CapturedFrame,
     map: String,
     map_offset_m: [f64; 2],
     map_geo_reference: Option<GeoReference>,
@@ -105,10 +105,10 @@ impl From<&CoreSighting> for Sighting {
             is_labeled: s.is_labeled,
             truncation: s.truncation,
             occlusion_level: s.occlusion_level,
-            observation_angle: s.observation_angle,
+            observation_angle: s.observation_angle_rad,
             bbox: corners(&s.bbox),
             visible_fraction: s.visible_fraction,
-            visible_pixels: s.visible_pixels,
+            visible_pixels: s.visible_px,
             contrast: s.contrast,
             num_points: s.num_points,
             velocity_world: s.velocity_world.to_array(),
@@ -122,11 +122,11 @@ impl From<&CoreSighting> for Sighting {
 }
 
 fn corners(rect: &Rect) -> Corners {
-    (rect.u1, rect.v1, rect.u2, rect.v2)
+    (rect.left_px, rect.top_px, rect.right_px, rect.bottom_px)
 }
 
 impl Capture {
-    pub(crate) fn new(frame: core::Frame, scene: &core::Scene) -> Self {
+    pub(crate) fn new(frame: core::CapturedFrame, scene: &core::Scene) -> Self {
         let weather = scene.weather();
         Self {
             frame,
@@ -212,7 +212,7 @@ impl Capture {
 
     #[getter]
     fn plane<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.frame.plane)
+        PyArray1::from_slice(py, &self.frame.plane_cam)
     }
 
     #[getter]
@@ -229,7 +229,7 @@ impl Capture {
     #[getter]
     fn names(&self) -> (Vec<String>, Vec<String>) {
         let images = self.frame.images.iter().map(|i| i.name.clone()).collect();
-        (images, self.frame.scans.iter().map(|(name, _)| name.clone()).collect())
+        (images, self.frame.scans.iter().map(|s| s.name.clone()).collect())
     }
 
     fn image<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
@@ -250,14 +250,14 @@ impl Capture {
         let image = self.image_at(index)?;
         let Some(maps) = &image.rendered.maps else { return Ok(None) };
         let dict = PyDict::new(py);
-        dict.set_item("depth", arrays::plane(py, maps.depth.clone(), image.height, image.width))?;
+        dict.set_item("depth", arrays::plane(py, maps.depth_m.clone(), image.height, image.width))?;
         dict.set_item("instance", arrays::plane(py, maps.instance.clone(), image.height, image.width))?;
         dict.set_item("semantic", arrays::plane(py, maps.semantic.clone(), image.height, image.width))?;
         Ok(Some(dict))
     }
 
     fn scan<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
-        let (_, scan) = self.frame.scans.get(index).ok_or_else(|| PyIndexError::new_err(format!("no scan {index}")))?;
+        let scan = &self.frame.scans.get(index).ok_or_else(|| PyIndexError::new_err(format!("no scan {index}")))?.scan;
         scan_to_dict(py, scan.clone())
     }
 }

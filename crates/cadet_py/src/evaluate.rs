@@ -43,7 +43,7 @@ fn settings(classes: Classes, levels: Levels) -> core::Settings {
             .map(|(min_height_px, is_inclusive, max_occlusion, max_truncation)| core::Level {
                 min_height_px,
                 is_inclusive,
-                max_occlusion,
+                max_occlusion_level: max_occlusion,
                 max_truncation,
             })
             .collect(),
@@ -235,7 +235,7 @@ fn curve_dict<'py>(py: Python<'py>, curve: &core::Curve) -> PyResult<Bound<'py, 
 }
 
 /// The samples, and their means over 11 and 40 recall positions.
-fn samples<'py>(py: Python<'py>, samples: &core::Samples) -> PyResult<Bound<'py, PyDict>> {
+fn samples<'py>(py: Python<'py>, samples: &core::PrecisionByRecall) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("samples", samples.to_vec())?;
     dict.set_item("r11", core::average_r11(samples))?;
@@ -270,7 +270,7 @@ fn unpack<T, const N: usize>(
 }
 
 fn box_img(n: &[f64]) -> core::BoxImg {
-    core::BoxImg { x1: n[0], y1: n[1], x2: n[2], y2: n[3] }
+    core::BoxImg { left_px: n[0], top_px: n[1], right_px: n[2], bottom_px: n[3] }
 }
 
 fn box_cam(n: &[f64]) -> core::RotatedBox {
@@ -280,8 +280,8 @@ fn box_cam(n: &[f64]) -> core::RotatedBox {
 fn truth(kind: core::ObjectType, n: [f64; 15]) -> core::Truth {
     core::Truth {
         kind,
-        truncated: n[0],
-        occluded: n[1],
+        truncation: n[0],
+        occlusion_level: n[1],
         alpha: n[2],
         box_img: box_img(&n[3..7]),
         box_cam: box_cam(&n[7..14]),
@@ -290,13 +290,13 @@ fn truth(kind: core::ObjectType, n: [f64; 15]) -> core::Truth {
 }
 
 fn truth_row(t: &core::Truth) -> [f64; 15] {
-    let [x1, y1, x2, y2] = [t.box_img.x1, t.box_img.y1, t.box_img.x2, t.box_img.y2];
+    let [x1, y1, x2, y2] = [t.box_img.left_px, t.box_img.top_px, t.box_img.right_px, t.box_img.bottom_px];
     let [x, y, z, l, w, h, ry] = t.box_cam.to_array();
-    [t.truncated, t.occluded, t.alpha, x1, y1, x2, y2, x, y, z, l, w, h, ry, f64::from(u8::from(t.is_optional))]
+    [t.truncation, t.occlusion_level, t.alpha, x1, y1, x2, y2, x, y, z, l, w, h, ry, f64::from(u8::from(t.is_optional))]
 }
 
 fn detection_row(d: &core::Detection) -> [f64; 14] {
-    let [x1, y1, x2, y2] = [d.box_img.x1, d.box_img.y1, d.box_img.x2, d.box_img.y2];
+    let [x1, y1, x2, y2] = [d.box_img.left_px, d.box_img.top_px, d.box_img.right_px, d.box_img.bottom_px];
     let [x, y, z, l, w, h, ry] = d.box_cam.to_array();
     [d.alpha, x1, y1, x2, y2, x, y, z, l, w, h, ry, d.score, f64::from(u8::from(d.is_optional))]
 }

@@ -1,7 +1,7 @@
 //! Image files: PNG encoding, and decoding of what others write.
 
 use cadet_core::camera::png::{encode_gray8, encode_gray16, encode_rgb8, encode_rgba8};
-use cadet_core::image_file::{Samples, decode};
+use cadet_core::image_file::{PixelValues, decode};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -46,8 +46,8 @@ pub(crate) fn decode_image<'py>(
     let picture = guard::detached(py, || decode(data, max_pixels))?;
     let shape = [picture.height as usize, picture.width as usize, picture.channels];
     let pixels = match picture.samples {
-        Samples::Eight(samples) => PyArray1::from_vec(py, samples).reshape(shape)?.into_any(),
-        Samples::Sixteen(samples) => PyArray1::from_vec(py, samples).reshape(shape)?.into_any(),
+        PixelValues::Eight(samples) => PyArray1::from_vec(py, samples).reshape(shape)?.into_any(),
+        PixelValues::Sixteen(samples) => PyArray1::from_vec(py, samples).reshape(shape)?.into_any(),
     };
     Ok((pixels, picture.format, picture.is_palette, picture.is_animation))
 }

@@ -267,7 +267,7 @@ impl Scene {
     }
 
     fn sensor_poses<'py>(&self, py: Python<'py>) -> Result<Poses<'py>, BorderError> {
-        let (velo, cam) = self.with(py, |scene| Ok(scene.sensor_poses()))?;
+        let (velo, cam) = self.with(py, |scene| Ok((scene.world_from_velo(), scene.world_from_cam())))?;
         Ok((arrays::pose(py, &velo), arrays::pose(py, &cam)))
     }
 }

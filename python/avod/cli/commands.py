@@ -35,7 +35,6 @@ from avod.train.validation_log import read_validations
 from cadet import __version__
 from cadet.analysis import Analysis
 from cadet.analysis.result import PARTS
-from cadet.analysis.tables import sections
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.kitti import text_from_labels
@@ -183,7 +182,7 @@ def _show(analysis: Analysis, ablated: dict[str, Analysis], names: tuple[str, ..
     _print(table(analysis.report, names), title)
     if ablated:
         _print(ablation_table(ablated, names), "\nAP without a sensor")
-    for section in sections(analysis):
+    for section in analysis.sections():
         click.echo(f"\n{section.to_text()}")
     for warning in analysis.report.warnings:
         click.echo(f"Note: {warning}")

@@ -14,7 +14,7 @@ from avod.experiments.published import RULE
 from avod.experiments.scales import CLASSES, MAPS
 from avod.experiments.statistics import Mean
 from avod.experiments.table import FEW_RULE, TRAINED_TITLES, few_frame_groups, published
-from cadet.evaluation.report import METRIC_TITLES
+from cadet.evaluation.curve import METRIC_TITLES
 from cadet.view import style
 
 _LEVEL: Final = "Moderate"

@@ -10,7 +10,7 @@ from avod.experiments.means import Group
 from avod.experiments.outcome import LEVELS, METRICS, RULES
 from avod.experiments.published import RULE, published_ap
 from avod.experiments.scales import CLASSES, MAPS
-from cadet.evaluation.report import METRIC_TITLES
+from cadet.evaluation.curve import METRIC_TITLES
 
 TRAINED_TITLES: Final = {
     REAL: "real",

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from cadet.analysis.matching import X, Z
 from cadet.checks import as_tuple, check_number, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.evaluation.curve import ByLevel
 from cadet.evaluation.objects import is_optional
-from cadet.evaluation.report import ByLevel
 from cadet.evaluation.run import EvalSettings, report_of
 from cadet.evaluation.sources import Chosen
 

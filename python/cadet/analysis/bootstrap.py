@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.analysis.groups import Groups
+from cadet.evaluation.curve import METRIC_TITLES, ByLevel
 from cadet.evaluation.limits import HEADING, METRICS
-from cadet.evaluation.report import METRIC_TITLES, ByLevel, Report
+from cadet.evaluation.report import Report
 from cadet.evaluation.run import EvalSettings
 from cadet.evaluation.sources import Chosen
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from cadet.analysis.bootstrap import DrawnAp, middle
 from cadet.analysis.groups import Groups
-from cadet.evaluation.report import METRIC_TITLES, ByLevel, Report
+from cadet.evaluation.curve import METRIC_TITLES, ByLevel
+from cadet.evaluation.report import Report
 
 VERDICT_METRIC = "3d"
 

@@ -9,9 +9,9 @@ import numpy as np
 from cadet.analysis.centers import ranked_by_center
 from cadet.analysis.matching import REACH_M
 from cadet.evaluation.classes import EvalClass
+from cadet.evaluation.curve import Curve
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.packed import Packed
-from cadet.evaluation.report import Curve
 
 
 @dataclass(frozen=True)

@@ -3,40 +3,34 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from cadet.analysis.bins import BinAp
 from cadet.analysis.bootstrap import Bootstrap
-from cadet.analysis.box_errors import BandErrors
 from cadet.analysis.centers import CenterAp
-from cadet.analysis.comparison import Comparison
+from cadet.analysis.class_errors import ClassErrors
+from cadet.analysis.comparison import Comparison, main_level
 from cadet.analysis.confusion import Confusion
-from cadet.analysis.mending import MendedAp
 from cadet.analysis.operating import OperatingPoint
-from cadet.evaluation.report import ByLevel, Report
+from cadet.analysis.tables import (
+    Section,
+    bins_table,
+    boxes_table,
+    centers_table,
+    comparison_table,
+    confusion_table,
+    intervals_table,
+    mended_table,
+    operating_table,
+)
+from cadet.evaluation.curve import ByLevel
+from cadet.evaluation.report import Report
 from cadet.summary import summary
 
 PARTS: Final = ("operating", "errors", "confusion", "centers")
 """What can be asked for by name, in the order of reports."""
-
-
-@dataclass(frozen=True)
-class ClassErrors:
-    """Where a class loses AP.
-
-    Attributes:
-        mended: AP by what would be right.
-        operating_point: the best threshold where a center within 2 m is right; None if there is no such detection.
-        false_alarms_a_frame: detections of at least its score that are near no object; None without it.
-        boxes: the errors of boxes of at least its score, by distance; empty without it.
-    """
-
-    mended: MendedAp
-    operating_point: OperatingPoint | None
-    false_alarms_a_frame: float | None
-    boxes: tuple[BandErrors, ...]
 
 
 @dataclass(frozen=True)
@@ -90,17 +84,33 @@ class Analysis:
         """Return everything as JSON. Without a part it is the report's."""
         return json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n"
 
+    def sections(self) -> Iterator[Section]:
+        """Yield the tables of what was asked for."""
+        level = main_level(self.report)
+        if self.operating_points is not None:
+            yield operating_table(self.operating_points, level)
+        for name, errors in (self.errors or {}).items():
+            yield mended_table(name, errors, self.report, level)
+            if errors.boxes:
+                yield boxes_table(name, errors)
+        for by, bins in self.by.items():
+            yield bins_table(by, bins, self.report, level)
+        if self.confusion is not None:
+            yield confusion_table(self.confusion)
+        if self.centers is not None:
+            yield centers_table(self.centers)
+        if self.bootstrap is not None:
+            yield intervals_table(self.bootstrap)
+        if self.comparison is not None:
+            yield comparison_table(self.comparison)
+
     def to_text(self) -> str:
         """Return the report and all tables as text."""
-        from cadet.analysis.tables import sections
-
-        return "\n".join([str(self.report), *(f"\n{section.to_text()}" for section in sections(self))])
+        return "\n".join([str(self.report), *(f"\n{section.to_text()}" for section in self.sections())])
 
     def to_markdown(self) -> str:
         """Return the report and all tables as Markdown."""
-        from cadet.analysis.tables import sections
-
-        return "\n".join([self.report.to_markdown(), *(section.to_markdown() for section in sections(self))])
+        return "\n".join([self.report.to_markdown(), *(section.to_markdown() for section in self.sections())])
 
 
 def _plain(value: Any) -> Any:

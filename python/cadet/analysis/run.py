@@ -11,18 +11,20 @@ from cadet.analysis.bins import ap_by, check_edges
 from cadet.analysis.bootstrap import FEW_GROUPS, Bootstrap, draw_frames, drawn_ap, intervals
 from cadet.analysis.box_errors import box_errors
 from cadet.analysis.centers import CenterAp, center_ap
+from cadet.analysis.class_errors import ClassErrors
 from cadet.analysis.comparison import Comparison, compare_draws
 from cadet.analysis.confusion import Confusion, confusion
 from cadet.analysis.groups import GroupSource, find_groups
 from cadet.analysis.mending import false_alarms_a_frame, mended_ap
 from cadet.analysis.operating import OperatingPoint, best_by_center, best_of_curve
-from cadet.analysis.result import PARTS, Analysis, ClassErrors
+from cadet.analysis.result import PARTS, Analysis
 from cadet.checks import as_seed, as_tuple, check_number, is_one_of, shown
 from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass
+from cadet.evaluation.curve import ByLevel
 from cadet.evaluation.levels import Level
 from cadet.evaluation.limits import CLASSES, MinOverlap
-from cadet.evaluation.report import ByLevel, Report
+from cadet.evaluation.report import Report
 from cadet.evaluation.run import EvalSettings, make_settings, report_of
 from cadet.evaluation.sources import BOXES_2D, Chosen, DetectionSource, GroundTruthSource, Split, choose
 

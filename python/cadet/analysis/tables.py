@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cadet.analysis.bins import BinAp, label_of
 from cadet.analysis.bootstrap import Bootstrap
 from cadet.analysis.box_errors import QUANTITIES, BandErrors, Spread
 from cadet.analysis.centers import LIMITS_M, CenterAp
-from cadet.analysis.comparison import Comparison, main_level
+from cadet.analysis.class_errors import ClassErrors
+from cadet.analysis.comparison import Comparison
 from cadet.analysis.confusion import Confusion
 from cadet.analysis.mending import AS_IT_IS
 from cadet.analysis.operating import OperatingPoint
-from cadet.analysis.result import Analysis, ClassErrors
-from cadet.evaluation.report import METRIC_TITLES, ByLevel, Report
+from cadet.evaluation.curve import METRIC_TITLES, ByLevel
+from cadet.evaluation.report import Report
 
 _SHOWN = ("bev", "3d")
 """The metrics of tables that have no room for more; JSON has all."""
@@ -56,29 +57,8 @@ class Section:
         return "\n".join([*lines, "", self.note, ""] if self.note else [*lines, ""])
 
 
-def sections(analysis: Analysis) -> Iterator[Section]:
-    """Yield the tables of what was asked for."""
-    report = analysis.report
-    level = main_level(report)
-    if analysis.operating_points is not None:
-        yield _operating(analysis.operating_points, level)
-    for name, errors in (analysis.errors or {}).items():
-        yield _mended(name, errors, report, level)
-        if errors.boxes:
-            yield _boxes(name, errors)
-    for by, bins in analysis.by.items():
-        yield _bins(by, bins, report, level)
-    if analysis.confusion is not None:
-        yield _confusion(analysis.confusion)
-    if analysis.centers is not None:
-        yield _centers(analysis.centers)
-    if analysis.bootstrap is not None:
-        yield _intervals(analysis.bootstrap)
-    if analysis.comparison is not None:
-        yield _comparison(analysis.comparison)
-
-
-def _operating(points: ByLevel[OperatingPoint], level: str) -> Section:
+def operating_table(points: ByLevel[OperatingPoint], level: str) -> Section:
+    """Tabulate the best thresholds of a level."""
     rows: list[tuple[str, ...]] = [("Class", "Metric", "score >=", "precision", "recall", "F1")]
     for name, metrics in points.items():
         for metric, by_level in metrics.items():
@@ -89,7 +69,8 @@ def _operating(points: ByLevel[OperatingPoint], level: str) -> Section:
     return Section(f"Best operating point, {level}, percent", tuple(rows), num_left=2)
 
 
-def _mended(name: str, errors: ClassErrors, report: Report, level: str) -> Section:
+def mended_table(name: str, errors: ClassErrors, report: Report, level: str) -> Section:
+    """Tabulate a class's AP without one kind of error after another."""
     base = errors.mended[AS_IT_IS]
     rows: list[tuple[str, ...]] = [
         ("If this were right", *(text for metric in _SHOWN for text in (METRIC_TITLES[metric], "change")))
@@ -112,7 +93,8 @@ def _mended(name: str, errors: ClassErrors, report: Report, level: str) -> Secti
     return Section(f"{name}: AP if one kind of error were mended, {level}, overlap > {overlaps}", tuple(rows), note)
 
 
-def _boxes(name: str, errors: ClassErrors) -> Section:
+def boxes_table(name: str, errors: ClassErrors) -> Section:
+    """Tabulate the errors of a class's boxes by distance."""
     bands = [band for band in errors.boxes if band.n > 0]
     rows: list[tuple[str, ...]] = [("", *(_band(band) for band in bands)), ("found", *(str(band.n) for band in bands))]
     for quantity in QUANTITIES:
@@ -135,7 +117,8 @@ def _band(band: BandErrors) -> str:
     return f"{band.from_m:g}+ m" if band.to_m is None else f"{band.from_m:g}-{band.to_m:g} m"
 
 
-def _bins(by: str, bins: tuple[BinAp, ...], report: Report, level: str) -> Section:
+def bins_table(by: str, bins: tuple[BinAp, ...], report: Report, level: str) -> Section:
+    """Tabulate AP bin by bin."""
     rows: list[tuple[str, ...]] = [("Class", by, "objects", *(METRIC_TITLES[metric] for metric in _SHOWN), "perfect")]
     for name in report.ap:
         for one in bins:
@@ -151,7 +134,8 @@ def _bins(by: str, bins: tuple[BinAp, ...], report: Report, level: str) -> Secti
     return Section(f"AP by {by}, {what}", tuple(rows), note, num_left=2)
 
 
-def _confusion(found: Confusion) -> Section:
+def confusion_table(found: Confusion) -> Section:
+    """Tabulate which class is taken for which."""
     columns = list(next(iter(found.counts.values()), {}))
     rows: list[tuple[str, ...]] = [("There / found as", *columns)]
     for name, counts in found.counts.items():
@@ -161,7 +145,8 @@ def _confusion(found: Confusion) -> Section:
     return Section("Confusion, objects", tuple(rows), note)
 
 
-def _centers(centers: Mapping[str, CenterAp]) -> Section:
+def centers_table(centers: Mapping[str, CenterAp]) -> Section:
+    """Tabulate nuScenes' AP and errors."""
     limits = [f"{limit:g}" for limit in LIMITS_M]
     rows: list[tuple[str, ...]] = [
         ("Class", *(f"AP {limit} m" for limit in limits), "mean", "ATE m", "ASE", "AOE rad", "objects")
@@ -173,7 +158,8 @@ def _centers(centers: Mapping[str, CenterAp]) -> Section:
     return Section("nuScenes' AP in percent by distance of centers, and errors of what was found", tuple(rows))
 
 
-def _intervals(found: Bootstrap) -> Section:
+def intervals_table(found: Bootstrap) -> Section:
+    """Tabulate AP with its intervals."""
     levels = list(next(iter(next(iter(found.ap.values())).values()))) if found.ap else []
     rows: list[tuple[str, ...]] = [("Class", "Metric", *levels)]
     for name, metrics in found.ap.items():
@@ -184,7 +170,8 @@ def _intervals(found: Bootstrap) -> Section:
     return Section(title, tuple(rows), num_left=2)
 
 
-def _comparison(found: Comparison) -> Section:
+def comparison_table(found: Comparison) -> Section:
+    """Tabulate the differences between two sets of detections."""
     rows: list[tuple[str, ...]] = [("Class", "Metric", "A", "B", "B - A", "95 % interval", "B better")]
     for name, metrics in found.differences.items():
         for metric, by_level in metrics.items():

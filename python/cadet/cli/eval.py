@@ -14,7 +14,6 @@ from cadet.analysis import Analysis, analyze
 from cadet.analysis.bins import EDGES, parse_by
 from cadet.analysis.result import PARTS
 from cadet.analysis.run import DRAWS, MAX_DRAWS
-from cadet.analysis.tables import sections
 from cadet.checks import MAX_SEED
 from cadet.errors import CadetError
 from cadet.evaluation import LEVELS, EvalClass, Report, read_rules
@@ -175,7 +174,7 @@ def _limits(text: str) -> dict[str, float | list[float]]:
 
 def _print(analysis: Analysis, console: Console) -> None:
     _print_report(analysis.report, console)
-    for section in sections(analysis):
+    for section in analysis.sections():
         click.echo(f"\n{section.to_text()}")
     for note in analysis.notes:
         console.print(f"Note: {note}", markup=False, soft_wrap=True, style="yellow")

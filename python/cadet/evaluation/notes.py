@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from cadet.evaluation.curve import METRIC_TITLES, ByLevel, Curve
 from cadet.evaluation.limits import METRICS
-from cadet.evaluation.report import METRIC_TITLES, ByLevel, Curve
 
 _NAMES_SHOWN: Final = 5
 # A full curve's mean may round below 100.

@@ -10,10 +10,11 @@ from cadet import _cadet
 from cadet.checks import is_one_of, shown
 from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass, resolve_classes
+from cadet.evaluation.curve import METRIC_TITLES, ByLevel, Curve, by_level
 from cadet.evaluation.levels import Level, resolve_levels
 from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap
 from cadet.evaluation.notes import notes_of
-from cadet.evaluation.report import METRIC_TITLES, RECALLS, ByLevel, Curve, Report, by_level
+from cadet.evaluation.report import RECALLS, Report
 from cadet.evaluation.sources import BOXES_2D, Chosen, DetectionSource, GroundTruthSource, Split, choose
 from cadet.kitti.label import TYPES
 

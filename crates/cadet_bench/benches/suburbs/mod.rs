@@ -54,6 +54,6 @@ pub fn suburb(seed: u64, weather: &str) -> Scene {
 
 /// The triangles of the present instant, and the camera's view.
 pub fn place(scene: &mut Scene) -> (Arc<PosedScene>, View) {
-    let (_, world_from_cam) = scene.sensor_poses();
+    let world_from_cam = scene.world_from_cam();
     (scene.triangles(), View::new(scene.rig().camera(), &world_from_cam))
 }

@@ -5,7 +5,7 @@
 //! The margins are such that the returns of cars lie in their boxes where those of 568 real frames do: annotators drew
 //! a box before what they saw of its near end, and let it end early at the far one.
 
-use crate::actor::{AnnotatedBox, End, ObjectClass};
+use crate::actor::{AnnotatedBox, BodyEnd, ObjectClass};
 use crate::error::{Error, Result};
 use crate::math::DVec3;
 use crate::rng::Stream;
@@ -128,14 +128,14 @@ impl Margins {
 
 /// The box as it is drawn by annotators to whom one of the ends is near.
 #[must_use]
-pub fn displaced(annotated: AnnotatedBox, class: ObjectClass, near: End) -> AnnotatedBox {
+pub fn displaced(annotated: AnnotatedBox, class: ObjectClass, near: BodyEnd) -> AnnotatedBox {
     let ahead_m = match (class, near) {
         // Of the returns of cyclists two samples say opposite things; of people who sit there are none.
         (ObjectClass::PersonSitting | ObjectClass::Cyclist, _) => 0.0,
-        (ObjectClass::Pedestrian, End::Front) => WALKER_NEAR_M,
-        (ObjectClass::Pedestrian, End::Rear) => -WALKER_NEAR_M,
-        (_, End::Front) => FRONT_NEAR_M,
-        (_, End::Rear) => -REAR_NEAR_M,
+        (ObjectClass::Pedestrian, BodyEnd::Front) => WALKER_NEAR_M,
+        (ObjectClass::Pedestrian, BodyEnd::Rear) => -WALKER_NEAR_M,
+        (_, BodyEnd::Front) => FRONT_NEAR_M,
+        (_, BodyEnd::Rear) => -REAR_NEAR_M,
     };
     let bottom_center_in_box = annotated.bottom_center_in_box + DVec3::new(ahead_m, 0.0, 0.0);
     AnnotatedBox { bottom_center_in_box, ..annotated }
@@ -356,7 +356,9 @@ mod tests {
     fn boxes_begin_before_the_near_end_and_end_inside_the_far_one() {
         // Mean and standard deviation over cars: near end beyond the body's, far end inside it.
         let body = DVec3::new(4.0, 1.65, 1.5);
-        for (near, toward, before_m, inside_m) in [(End::Front, 1.0, 0.06, 0.26), (End::Rear, -1.0, 0.035, 0.235)] {
+        for (near, toward, before_m, inside_m) in
+            [(BodyEnd::Front, 1.0, 0.06, 0.26), (BodyEnd::Rear, -1.0, 0.035, 0.235)]
+        {
             let ends = |seed| {
                 let margins = Margins::of_vehicle(ObjectClass::Car, &mut Stream::from_seed("margins", seed));
                 let drawn = displaced(margins.within(body), ObjectClass::Car, near);

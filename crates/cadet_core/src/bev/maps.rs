@@ -60,7 +60,7 @@ pub fn maps(
             expected: format!("({channels}, {rows}, {columns})"),
         });
     }
-    let grid = Grid::new(spec);
+    let grid = MapGrid::new(spec);
     let cells = rows * columns;
     let mut filler = Filler { spec, out, cells, touched: Vec::new(), candidates: Vec::new() };
     for (order, point) in points_cam.enumerate() {
@@ -91,7 +91,7 @@ fn upward_unit_plane(plane: [f64; 4]) -> Result<[f64; 4]> {
 }
 
 /// Where points fall on the maps of a [`BevSpec`].
-struct Grid {
+struct MapGrid {
     range_cam_m: [[f64; 2]; 3],
     cell_m: f64,
     first: [f64; 2],
@@ -103,7 +103,7 @@ struct Grid {
 }
 
 /// A point on the maps.
-struct Place {
+struct PointOnMaps {
     cell: usize,
     /// Its slice; None in the hair's breadth that rounding may leave between two.
     slice: Option<usize>,
@@ -114,7 +114,7 @@ struct Place {
     y_bin: i32,
 }
 
-impl Grid {
+impl MapGrid {
     fn new(spec: &BevSpec) -> Self {
         let [_, rows, columns] = spec.shape();
         let [x, _, z] = spec.range_cam_m;
@@ -131,7 +131,7 @@ impl Grid {
     }
 
     #[inline]
-    fn place(&self, [x, y, z]: [f64; 3], [a, b, c, d]: &[f64; 4]) -> Option<Place> {
+    fn place(&self, [x, y, z]: [f64; 3], [a, b, c, d]: &[f64; 4]) -> Option<PointOnMaps> {
         let inside = |v: f64, [from, to]: [f64; 2]| from < v && v < to;
         let [range_x, range_y, range_z] = self.range_cam_m;
         if !(inside(x, range_x) && inside(y, range_y) && inside(z, range_z)) {
@@ -151,7 +151,7 @@ impl Grid {
             .into_iter()
             .filter(|s| *s < self.num_slices)
             .find(|s| floor_m(*s) <= height_m && height_m < floor_m(*s) + self.slice_m);
-        Some(Place {
+        Some(PointOnMaps {
             cell: (self.rows - 1 - ahead) * self.columns + column,
             slice,
             in_slice: slice.map_or(0.0, |s| (height_m - floor_m(s)) / self.slice_m),
@@ -168,13 +168,24 @@ struct Filler<'a> {
     cells: usize,
     /// Values that hold a count, or a height below zero, until the end.
     touched: Vec<(usize, Feature)>,
-    /// (value, bin along y, number of the point, height) of what [`HeightRule::Reference`] chooses from.
-    candidates: Vec<(usize, i32, usize, f32)>,
+    /// What [`HeightRule::Reference`] chooses from.
+    candidates: Vec<HeightCandidate>,
+}
+
+/// A point's height for a value of the maps.
+struct HeightCandidate {
+    /// Index of the value.
+    at: usize,
+    y_bin: i32,
+    /// Number of the point.
+    order: usize,
+    /// As a share of the slice's or the cloud's thickness.
+    height_share: f32,
 }
 
 impl Filler<'_> {
     #[inline]
-    fn add(&mut self, place: &Place, order: usize) {
+    fn add(&mut self, place: &PointOnMaps, order: usize) {
         let spec = self.spec;
         if let Some(slice) = place.slice {
             for (i, feature) in spec.slice_maps.iter().enumerate() {
@@ -188,12 +199,13 @@ impl Filler<'_> {
     }
 
     #[inline]
-    fn put(&mut self, channel: usize, feature: Feature, place: &Place, height: f64, order: usize) {
+    fn put(&mut self, channel: usize, feature: Feature, place: &PointOnMaps, height: f64, order: usize) {
         let at = channel * self.cells + place.cell;
         let value = &mut self.out[at];
         match feature {
             Feature::MaxHeight if self.spec.height_rule == HeightRule::Reference => {
-                self.candidates.push((at, place.y_bin, order, height as f32));
+                let (y_bin, height_share) = (place.y_bin, height as f32);
+                self.candidates.push(HeightCandidate { at, y_bin, order, height_share });
             }
             Feature::MaxHeight => *value = value.max(height as f32),
             // An empty cell holds +0, one with points minus its least height: the sign tells them apart.
@@ -221,10 +233,10 @@ impl Filler<'_> {
                 Feature::MaxHeight | Feature::MinHeight => -*value,
             };
         }
-        self.candidates.sort_unstable_by_key(|c| (c.0, c.1, c.2));
-        self.candidates.dedup_by_key(|c| c.0);
-        for (at, _, _, height) in self.candidates {
-            self.out[at] = height;
+        self.candidates.sort_unstable_by_key(|c| (c.at, c.y_bin, c.order));
+        self.candidates.dedup_by_key(|c| c.at);
+        for candidate in self.candidates {
+            self.out[candidate.at] = candidate.height_share;
         }
     }
 }

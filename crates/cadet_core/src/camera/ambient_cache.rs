@@ -3,7 +3,7 @@
 use super::face::ShaderVariant;
 use super::light::Light;
 use super::value_noise::hash2;
-use super::visibility_pass::Rays;
+use super::visibility_pass::ImageRays;
 use crate::math::Vec3;
 use crate::sense::BLOCK;
 
@@ -15,7 +15,7 @@ pub struct SurfacePoint {
     /// See `u`.
     pub v: f32,
     /// 1 / z, 1/m.
-    pub inverse_depth: f32,
+    pub inverse_depth_per_m: f32,
     /// So few samples of the block show the face that the light there is theirs.
     pub is_lone: bool,
 }
@@ -82,7 +82,7 @@ const SLOT_SHIFT: u32 = 20;
 /// Ambient terms that were found lately.
 pub struct AmbientCache<'a> {
     light: &'a Light,
-    rays: &'a Rays,
+    rays: &'a ImageRays,
     blocks_across: u32,
     /// Ambient terms: of a leaf one [`AmbientTerms`], of other faces [`PER_BLOCK`] in each block.
     pub terms: Vec<AmbientTerms>,
@@ -95,7 +95,7 @@ pub struct AmbientCache<'a> {
 }
 
 impl<'a> AmbientCache<'a> {
-    pub fn new(light: &'a Light, rays: &'a Rays, blocks_across: u32) -> Self {
+    pub fn new(light: &'a Light, rays: &'a ImageRays, blocks_across: u32) -> Self {
         Self {
             light,
             rays,
@@ -149,7 +149,7 @@ impl<'a> AmbientCache<'a> {
         normal: Vec3,
         block: u32,
         (u, v): (f32, f32),
-        inverse_depth: [f32; 3],
+        inverse_depth_per_m: [f32; 3],
         hit: &SurfacePoint,
     ) -> u32 {
         let &FlatSurface { instance, variant } = surface;
@@ -159,8 +159,8 @@ impl<'a> AmbientCache<'a> {
         let in_cell = bearing ^ bearing >> 7 ^ instance.wrapping_mul(INSTANCE_FACTOR) ^ variant;
         let is_flat = ShaderVariant::of(variant as usize).is_flat();
         // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
-        if hit.inverse_depth < 1.0 / SHARED_FROM_M {
-            let rest = depth_step(inverse_depth[0]) | u32::from(hit.is_lone) << 1 | u32::from(is_flat);
+        if hit.inverse_depth_per_m < 1.0 / SHARED_FROM_M {
+            let rest = depth_step(inverse_depth_per_m[0]) | u32::from(hit.is_lone) << 1 | u32::from(is_flat);
             let key = (block, instance, bearing, rest);
             let (known, index) = &mut self.shared[in_cell as usize % SHARED_SLOTS];
             if *known == key {
@@ -169,18 +169,18 @@ impl<'a> AmbientCache<'a> {
             (*known, *index) = (key, found);
         }
         if hit.is_lone {
-            let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
+            let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth_per_m);
             let even = [0.0; 8];
             self.terms.extend([ambient_of(self.light, point_world, normal, is_flat), even, even, even]);
             return found;
         }
         let (column, row) = (block % self.blocks_across, block / self.blocks_across);
         // Between two pixels a face that is seen edge-on may leave the world: its plane is behind the eye there.
-        let at_hit = hit.inverse_depth.max(MIN_INVERSE_DEPTH);
+        let at_hit = hit.inverse_depth_per_m.max(MIN_INVERSE_DEPTH);
         let [first, right, below, across] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
             let (du, dv) = ((i * BLOCK_COLUMNS) as f32, (j * BLOCK_ROWS) as f32);
             // The plane may end, or rise to the eye, before the corner.
-            let inverse_depth = inverse_depth[0] + inverse_depth[1] * du + inverse_depth[2] * dv;
+            let inverse_depth = inverse_depth_per_m[0] + inverse_depth_per_m[1] * du + inverse_depth_per_m[2] * dv;
             let inverse_depth = inverse_depth.clamp(0.5 * at_hit, 2.0 * at_hit);
             let corner = (row + j) * (self.blocks_across + 1) + column + i;
             let key = (corner, instance, bearing, depth_step(inverse_depth) | u32::from(is_flat));

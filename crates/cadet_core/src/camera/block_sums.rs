@@ -29,9 +29,9 @@ impl BlockSums {
     /// True if some block between two places has something; meters from the map's corner. What lies beyond the map counts
     /// as its rim.
     #[inline]
-    pub fn any(&self, low: [f32; 2], high: [f32; 2]) -> bool {
+    pub fn any(&self, low_m: [f32; 2], high_m: [f32; 2]) -> bool {
         let block = |v: f32| ((v * self.blocks_per_m).max(0.0) as usize).min(self.side - 1);
-        self.any_between(low.map(block), high.map(block))
+        self.any_between(low_m.map(block), high_m.map(block))
     }
 
     /// True if some block between two of the map, both included, has something.

@@ -11,8 +11,8 @@ pub(super) fn blend(pixel: &mut [f32], color: Vec3, cover: f32) {
 
 /// The two of a row of cells between whose middles a place lies, in cells from the middle of the first, and the share of the
 /// second; what is beyond the last is the last's.
-pub(super) fn between_cells(at: f64, cells: usize) -> (usize, usize, f32) {
-    let at = at.clamp(0.0, (cells - 1) as f64);
+pub(super) fn between_cells(at_cell: f64, cells: usize) -> (usize, usize, f32) {
+    let at = at_cell.clamp(0.0, (cells - 1) as f64);
     let first = (at as usize).min(cells.saturating_sub(2));
     (first, (first + 1).min(cells - 1), (at - first as f64) as f32)
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::block_sums::BlockSums;
 use crate::math::{DVec3, Vec3};
@@ -52,14 +52,14 @@ pub(super) struct Occluder {
 }
 
 impl ContactOcclusion {
-    /// The vehicles and people of a scene, on a map that begins at `min` of the world.
+    /// The vehicles and people of a scene, on a map that begins at `min_world_m` of the world.
     #[must_use]
-    pub fn new(scene: &PosedScene, min: [f32; 2]) -> Self {
+    pub fn new(scene: &PosedScene, min_world_m: [f32; 2]) -> Self {
         let (mut occluders, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
         for instance in &scene.instances {
             let Some(occluder) = Occluder::of(instance) else { continue };
             let (center, size) = (occluder.center, instance.mesh.bounds.size());
-            let (dx, dy) = (center.x - min[0], center.y - min[1]);
+            let (dx, dy) = (center.x - min_world_m[0], center.y - min_world_m[1]);
             // Half a cell's diagonal more: the distance is that of the cells' middles.
             let reach = REACH * size.z + HALF_DIAGONAL * CELL_M;
             let r = 0.5 * (size.x * size.x + size.y * size.y).sqrt() + reach;
@@ -85,7 +85,7 @@ impl ContactOcclusion {
             occluders.push(occluder);
         }
         let reached = BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty());
-        Self { min, occluders, cells, reached }
+        Self { min: min_world_m, occluders, cells, reached }
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
@@ -184,7 +184,7 @@ impl Occluder {
 
     /// What it leaves to a point, relative to the middle.
     #[inline(always)]
-    pub(super) fn leaves(&self, d: Vec3) -> f32 {
+    pub(super) fn share_left(&self, d: Vec3) -> f32 {
         let over = d.z + (self.center.z - self.bottom_z);
         let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
         // Under the body: light comes in flat through the gap at the nearest edges.
@@ -205,16 +205,16 @@ impl Occluder {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried: &[bool], factor: &mut [f32]) {
     for ((factor, is_queried), ((x, y), z)) in factor.iter_mut().zip(is_queried).zip(x.iter().zip(y).zip(z)) {
-        let left = occluder.leaves(Vec3::new(*x, *y, *z) - center);
+        let left = occluder.share_left(Vec3::new(*x, *y, *z) - center);
         *factor *= if *is_queried { left } else { 1.0 };
     }
 }
 
 /// The least and the greatest x, the least and the greatest y of the queried points; infinite the wrong way round without any.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; TOGETHER]]) -> [f32; 4] {
     let (none, most) = ([f32::INFINITY; TOGETHER], [f32::NEG_INFINITY; TOGETHER]);
     let (mut left, mut right, mut low, mut high) = (none, most, none, most);

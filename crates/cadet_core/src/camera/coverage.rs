@@ -1,8 +1,8 @@
 //! Which faces a block of the visibility buffer shows, and in which samples.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
-use crate::sense::{BLOCK, Block, bits_by_column};
+use crate::sense::{BLOCK, Block, ROW_BITS, bits_by_column};
 
 /// The samples of a block of 8 x 4 pixels, two a pixel, a bit each: column by column, from the top; the first of a pixel, which
 /// lies on its center, comes before the second.
@@ -29,8 +29,6 @@ pub type Numbers = [u32; BLOCK * BLOCK];
 
 /// A row and the next: a register.
 const TWO_ROWS: usize = 2 * BLOCK;
-/// Their bits, before they are shifted to the row.
-const ROW_BITS: [u32; TWO_ROWS] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// The mask of some pixel rows and columns from a block's first on.
 #[inline]
@@ -71,9 +69,9 @@ pub fn place_of(sample: u32) -> usize {
 }
 
 /// Reads a block; returns the pixels' second samples that see another face than the first ones, too.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn read_block(block: &Block) -> (Numbers, CoverageMask) {
-    let (inverse_depth, face) = (block.inverse_depth.as_flattened(), block.face.as_flattened());
+    let (inverse_depth, face) = (block.inverse_depth_per_m.as_flattened(), block.face.as_flattened());
     let mut numbers = [SKY; BLOCK * BLOCK];
     for i in 0..BLOCK * BLOCK {
         numbers[i] = if inverse_depth[i] > 0.0 { face[i] } else { SKY };
@@ -91,9 +89,9 @@ pub fn read_block(block: &Block) -> (Numbers, CoverageMask) {
 }
 
 /// Where the samples of one block are nearer than those of another.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn where_nearer(block: &Block, than: &Block) -> CoverageMask {
-    let (a, b) = (block.inverse_depth.as_flattened(), than.inverse_depth.as_flattened());
+    let (a, b) = (block.inverse_depth_per_m.as_flattened(), than.inverse_depth_per_m.as_flattened());
     let mut found = [0; TWO_ROWS];
     for two_rows in 0..BLOCK / 2 {
         let at = two_rows * TWO_ROWS;
@@ -105,7 +103,7 @@ pub fn where_nearer(block: &Block, than: &Block) -> CoverageMask {
 }
 
 /// Adds the faces that some samples show, in the order of their first samples; returns the samples that see nothing.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn split_by_face(numbers: &Numbers, of: CoverageMask, covered: &mut Vec<CoveredFace>) -> CoverageMask {
     let (mut left, mut sky) = (of, 0);
     while left != 0 {
@@ -134,12 +132,12 @@ mod tests {
 
     /// A block whose samples see one of a few faces or nothing.
     fn block(seed: u32) -> Block {
-        let mut block = Block { inverse_depth: [[0.0; BLOCK]; BLOCK], face: [[99; BLOCK]; BLOCK] };
+        let mut block = Block { inverse_depth_per_m: [[0.0; BLOCK]; BLOCK], face: [[99; BLOCK]; BLOCK] };
         for row in 0..BLOCK {
             for column in 0..BLOCK {
                 let n = (seed + 13 * row as u32 + 7 * column as u32).wrapping_mul(2_654_435_761) >> 29;
                 if n < 6 {
-                    (block.inverse_depth[row][column], block.face[row][column]) = (0.1 + n as f32, n);
+                    (block.inverse_depth_per_m[row][column], block.face[row][column]) = (0.1 + n as f32, n);
                 }
             }
         }
@@ -163,7 +161,7 @@ mod tests {
                     let sample = bit(row, column);
                     let is_within = row / 2 <= seed as usize % 4 && column <= seed as usize % 8;
                     assert_eq!(of & sample != 0, is_within);
-                    let is_sky = block.inverse_depth[row][column] == 0.0;
+                    let is_sky = block.inverse_depth_per_m[row][column] == 0.0;
                     assert_eq!(sky & sample != 0, is_within && is_sky);
                     let faces: Vec<u32> = covered.iter().filter(|p| p.coverage & sample != 0).map(|p| p.face).collect();
                     let want = if is_within && !is_sky { vec![block.face[row][column]] } else { Vec::new() };
@@ -184,7 +182,8 @@ mod tests {
         assert_eq!(bits_of(found).fold(0, |all, bit| all | 1 << bit), found);
         for row in 0..BLOCK {
             for column in 0..BLOCK {
-                let is_nearer = |row: usize| front.inverse_depth[row][column] > back.inverse_depth[row][column];
+                let is_nearer =
+                    |row: usize| front.inverse_depth_per_m[row][column] > back.inverse_depth_per_m[row][column];
                 assert_eq!(found & bit(row, column) != 0, is_nearer(row));
                 let either = is_nearer(row / 2 * 2) || is_nearer(row / 2 * 2 + 1);
                 assert_eq!(any_of_pixels(found) & bit(row, column) != 0, either);

@@ -103,7 +103,7 @@ pub struct Warp {
     /// Its rows.
     pub height: usize,
     /// How many columns and rows the pinhole image begins before the distorted one: both have the same focal lengths.
-    pub before: [f64; 2],
+    pub before_px: [f64; 2],
     /// Columns of the distorted image.
     image_width: usize,
     /// Where each pixel of the distorted image lies in the pinhole one, row-major.
@@ -140,7 +140,7 @@ impl Warp {
         Ok(Self {
             width: size[0] as usize,
             height: size[1] as usize,
-            before: least.map(|l| -l),
+            before_px: least.map(|l| -l),
             image_width: width,
             places,
         })
@@ -250,7 +250,7 @@ mod tests {
         let nearest = warp.nearest(&(0..warp.width * warp.height).collect::<Vec<_>>());
         for (u, v) in [(0, 0), (399, 0), (17, 150), (200, 98), (399, 199)] {
             let [x, y] = [f64::from(image[(v * width + u) * 3]), f64::from(image[(v * width + u) * 3 + 1])];
-            let slopes = [(x - warp.before[0] - 199.0) / 300.0, (y - warp.before[1] - 98.0) / 310.0];
+            let slopes = [(x - warp.before_px[0] - 199.0) / 300.0, (y - warp.before_px[1] - 98.0) / 310.0];
             let [a, b] = barrel().apply(slopes);
             assert!((a * 300.0 + 199.0 - u as f64).abs() < 1e-3 && (b * 310.0 + 98.0 - v as f64).abs() < 1e-3);
             let place = nearest[v * width + u];

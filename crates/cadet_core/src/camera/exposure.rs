@@ -1,7 +1,7 @@
 //! Auto-exposure: one gain that brings the mean luma of the clipped 8-bit image to a target.
 
 /// Weights of R, G, B in the luma.
-pub const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// The largest value of an image.
 const WHITE: f32 = 255.0;
 const NIGHT_METER_CEILING: f32 = 110.0;
@@ -12,18 +12,18 @@ const MAX_GAIN: f32 = 1e6;
 const CLOSE_ENOUGH: f64 = 0.01;
 const MAX_STEPS: usize = 40;
 
-/// The gain from linear radiance to 8-bit values at which the mean luma is `target`, found on every `step`-th pixel;
+/// The gain from linear radiance to 8-bit values at which the mean luma is `target_luma`, found on every `step`-th pixel;
 /// `rgb` is interleaved.
 #[must_use]
-pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
-    gain_below(rgb, target, step, WHITE)
+pub fn gain_for_mean_luma(rgb: &[f32], target_luma: f32, step: usize) -> f32 {
+    gain_below(rgb, target_luma, step, WHITE)
 }
 
-/// The gain from linear radiance to 8-bit values at which the mean luma is `target` at night: lamps and what stands in
+/// The gain from linear radiance to 8-bit values at which the mean luma is `target_luma` at night: lamps and what stands in
 /// their beams count no more than a value of 110, so that they do not darken the rest.
 #[must_use]
-pub fn gain_at_night(rgb: &[f32], target: f32) -> f32 {
-    gain_below(rgb, target, 1, NIGHT_METER_CEILING)
+pub fn gain_at_night(rgb: &[f32], target_luma: f32) -> f32 {
+    gain_below(rgb, target_luma, 1, NIGHT_METER_CEILING)
 }
 
 fn gain_below(rgb: &[f32], target: f32, step: usize, ceiling: f32) -> f32 {
@@ -40,7 +40,8 @@ fn gain_below(rgb: &[f32], target: f32, step: usize, ceiling: f32) -> f32 {
                 mean[k] += f64::from((pixel[k] * gain).min(ceiling));
             }
         }
-        let luma = |v: [f64; 3]| v.iter().zip(LUMA).map(|(c, w)| c * f64::from(w)).sum::<f64>() / pixels.len() as f64;
+        let luma =
+            |v: [f64; 3]| v.iter().zip(LUMA_WEIGHTS).map(|(c, w)| c * f64::from(w)).sum::<f64>() / pixels.len() as f64;
         let (missing, slope) = (f64::from(target) - luma(mean), luma(slope));
         let next = gain + (missing / slope) as f32;
         // Black or empty images have no slope.
@@ -70,8 +71,8 @@ pub struct Exposure {
 
 /// The gain at night, no more than the sensor has, and how much it amplifies the noise.
 #[must_use]
-pub fn night_gain(wanted: f32) -> (f32, f32) {
-    let gain = wanted.min(LONGEST_EXPOSURE_GAIN * MOST_AMPLIFICATION);
+pub fn night_gain(wanted_gain: f32) -> (f32, f32) {
+    let gain = wanted_gain.min(LONGEST_EXPOSURE_GAIN * MOST_AMPLIFICATION);
     (gain, (gain / LONGEST_EXPOSURE_GAIN).max(1.0))
 }
 
@@ -94,7 +95,7 @@ mod tests {
         let rgb: Vec<f32> = (0..3000).map(|i| if i < 300 { 9.0 } else { 0.01 + 0.00005 * i as f32 }).collect();
         let gain = gain_for_mean_luma(&rgb, 91.0, 1);
         let mean: f32 =
-            rgb.chunks(3).map(|p| (0..3).map(|c| LUMA[c] * (p[c] * gain).min(255.0)).sum::<f32>()).sum::<f32>()
+            rgb.chunks(3).map(|p| (0..3).map(|c| LUMA_WEIGHTS[c] * (p[c] * gain).min(255.0)).sum::<f32>()).sum::<f32>()
                 / 1000.0;
         assert!((mean - 91.0).abs() < 0.5, "{mean}");
     }

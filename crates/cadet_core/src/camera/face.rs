@@ -1,7 +1,7 @@
 //! What all fragments of a face share.
 
 use super::value_noise::{hash2, value_noise};
-use super::visibility_pass::Rays;
+use super::visibility_pass::ImageRays;
 use super::windows::window;
 use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
@@ -52,7 +52,7 @@ impl ShaderVariant {
 /// A face made ready for its fragments. Places are relative to the eye; vectors are in the world's frame.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-pub struct Face {
+pub struct ShadingFace {
     // The first cache line is enough for leaves and for what is flat and plain.
     /// Unit normal of the triangle, towards the eye.
     pub face_normal: Vec3,
@@ -62,7 +62,7 @@ pub struct Face {
     /// Shading normal in the first corner, towards the eye; see `normal_ab`.
     pub normal: Vec3,
     /// Coordinates of the texture at the eye, meters.
-    pub at_eye: [f32; 2],
+    pub at_eye_m: [f32; 2],
     pub face_hash: u32,
     pub place_hash: u32,
     pub f0: f32,
@@ -104,7 +104,7 @@ const SMOOTH_BIT: usize = 1;
 const GLOSSY_BIT: usize = 2;
 const TRANSPARENT_BIT: usize = 4;
 
-/// Bits of [`Face::flags`].
+/// Bits of [`ShadingFace::flags`].
 pub struct Flags;
 
 impl Flags {
@@ -142,14 +142,14 @@ pub struct InstanceTransform {
     pub sheds_snow: bool,
 }
 
-impl Face {
+impl ShadingFace {
     /// Makes a face ready, and finds its shader variant.
     #[inline(always)]
     pub fn make(
         raw: &FaceVertices,
         transform: &InstanceTransform,
         material: &Material,
-        rays: &Rays,
+        rays: &ImageRays,
         is_raining: bool,
     ) -> (Self, ShaderVariant) {
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
@@ -213,7 +213,7 @@ impl Face {
         let face = Self {
             face_normal,
             axes,
-            at_eye,
+            at_eye_m: at_eye,
             normal: turn(na) * side,
             normal_ab,
             normal_ac,

@@ -1,10 +1,10 @@
 //! Which faces were seen lately: neighboring pixels mostly show the same one.
 
 use super::ambient_cache::{AmbientCache, FlatSurface, NOWHERE, SurfacePoint};
-use super::face::{Face, FaceVertices, InstanceTransform};
+use super::face::{FaceVertices, InstanceTransform, ShadingFace};
 use super::light::Light;
 use super::value_noise::hash2;
-use super::visibility_pass::{Rays, View};
+use super::visibility_pass::{ImageRays, View};
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern};
 use crate::math::Vec3;
@@ -49,7 +49,7 @@ struct CachedInstance<'a> {
 /// Faces that were made lately, and their ambient terms. Faces go by their numbers in the visibility buffer.
 pub struct FaceCache<'a> {
     light: &'a Light,
-    rays: &'a Rays,
+    rays: &'a ImageRays,
     intrinsics: [f64; 4],
     drawn: &'a [DrawnFace],
     instances: Vec<CachedInstance<'a>>,
@@ -59,10 +59,10 @@ pub struct FaceCache<'a> {
     requested_count: usize,
     raw: Vec<FaceVertices>,
     /// All since the last `clear`.
-    pub faces: Vec<Face>,
+    pub faces: Vec<ShadingFace>,
     /// As `faces`.
     info: Vec<BinningInfo>,
-    /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
+    /// As `faces`; see [`DrawnFace::inverse_depth_per_m_on_image`].
     planes: Vec<[f64; 3]>,
     pub ambient: AmbientCache<'a>,
 }
@@ -87,7 +87,7 @@ impl<'a> FaceCache<'a> {
     pub fn new(
         scene: &'a PosedScene,
         view: &View,
-        rays: &'a Rays,
+        rays: &'a ImageRays,
         light: &'a Light,
         buffer: &'a VisibilityBuffer,
     ) -> Self {
@@ -122,7 +122,7 @@ impl<'a> FaceCache<'a> {
             faces: Vec::with_capacity(2 * MAX_FACES),
             info: Vec::with_capacity(2 * MAX_FACES),
             planes: Vec::with_capacity(2 * MAX_FACES),
-            intrinsics: view.intrinsics,
+            intrinsics: view.intrinsics_px,
             ambient: AmbientCache::new(light, rays, buffer.blocks_across as u32),
         }
     }
@@ -182,11 +182,13 @@ impl<'a> FaceCache<'a> {
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
-        self.planes.extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_on_image(self.intrinsics)));
+        self.planes
+            .extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_per_m_on_image(self.intrinsics)));
         for raw in &raw {
             let placed = &self.instances[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
-            let (face, variant) = Face::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
+            let (face, variant) =
+                ShadingFace::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * FINE_STEPS + FINE_ZERO) as u32);
             let appearance = x | y << FINE_BITS | z << (2 * FINE_BITS) | u32::from(raw.slot) << REST_SHIFT;
@@ -223,21 +225,21 @@ impl<'a> FaceCache<'a> {
 
     /// 1 / z of a made face's plane at an image point, 1/m, and its change by column and by row.
     #[inline]
-    pub fn inverse_depth_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
+    pub fn inverse_depth_per_m_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
         let [first, by_column, by_row] = self.planes[index as usize];
         let here = first + by_column * f64::from(u) + by_row * f64::from(v);
         [here, by_column, by_row].map(|n| n as f32)
     }
 
     /// Index of the ambient terms of a face in a block. The block's first corner is the image point (u, v) with the
-    /// inverse depth `inverse_depth`; see [`FaceCache::inverse_depth_at`]. `there`: the inverse depth at a hit.
+    /// inverse depth `inverse_depth_per_m`; see [`FaceCache::inverse_depth_per_m_at`]. `there`: the inverse depth at a hit.
     #[inline]
     pub fn ambient_index(
         &mut self,
         index: u32,
         block: u32,
         (u, v): (f32, f32),
-        inverse_depth: [f32; 3],
+        inverse_depth_per_m: [f32; 3],
         there: SurfacePoint,
     ) -> u32 {
         let info = &mut self.info[index as usize];
@@ -249,7 +251,7 @@ impl<'a> FaceCache<'a> {
             (EVERYWHERE, self.ambient.of_leaf(info.instance, face.face_hash, info.middle))
         } else {
             let surface = FlatSurface { instance: info.instance, variant: info.variant };
-            (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth, &there))
+            (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth_per_m, &there))
         };
         info.ambient
     }

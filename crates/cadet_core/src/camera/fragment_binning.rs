@@ -14,7 +14,7 @@ use super::light::Light;
 use super::noise::MIDDLE_PX;
 use super::shading_queue::{BACKGROUND_STRIDE, FragmentGroup};
 use super::sky_rows::SkyRows;
-use super::visibility_pass::{Rays, View};
+use super::visibility_pass::{ImageRays, View};
 use crate::sense::{BLOCK, VisibilityBuffer};
 
 /// A face that is seen by so few of a block's 64 samples is too small to show how the light changes on it.
@@ -33,7 +33,7 @@ pub struct FragmentBinner<'a> {
     shader: DeferredShader<'a>,
     /// The faces that the blocks at hand show.
     covered: Vec<CoveredFace>,
-    edges: Vec<Edge>,
+    edges: Vec<EdgePixel>,
     /// Fragment groups of transparent surfaces, with their shader variants and samples.
     transparent: Vec<(u32, FragmentGroup, CoverageMask)>,
     sky: SkyRows<'a>,
@@ -42,7 +42,7 @@ pub struct FragmentBinner<'a> {
 
 /// A pixel whose samples see two faces.
 #[derive(Clone, Copy)]
-struct Edge {
+struct EdgePixel {
     faces: [u32; 2],
     /// Its second sample.
     second: CoverageMask,
@@ -55,17 +55,17 @@ struct Tile {
     /// First pixel row and column.
     top: usize,
     left: usize,
-    uncovered: Layer,
+    uncovered: SampleLayer,
     /// Pixels whose samples see two faces and no transparent surface; of [`FragmentBinner::edges`].
     edges: Range<usize>,
     /// Layers seen through transparent surfaces by both samples of pixels, and by one of them.
-    background: [Layer; 2],
+    background: [SampleLayer; 2],
     /// Of [`FragmentBinner::covered`].
     transparent: Range<usize>,
 }
 
 /// What some samples of a block see.
-struct Layer {
+struct SampleLayer {
     /// Of [`FragmentBinner::covered`].
     covered: Range<usize>,
     /// The samples that see nothing.
@@ -89,7 +89,7 @@ impl<'a> FragmentBinner<'a> {
         faces: FaceCache<'a>,
         shader: DeferredShader<'a>,
         view: &View,
-        rays: &'a Rays,
+        rays: &'a ImageRays,
         light: &'a Light,
     ) -> Self {
         let sky = SkyRows::new(view.width, view.height, rays, light);
@@ -151,7 +151,7 @@ impl<'a> FragmentBinner<'a> {
     /// Finds what a block shows, and requests its faces.
     fn find(&mut self, number: usize, (top, left): (usize, usize), inside: CoverageMask) -> Tile {
         let (first_covered, first_edge) = (self.covered.len(), self.edges.len());
-        let none = || Layer { covered: 0..0, sky: 0 };
+        let none = || SampleLayer { covered: 0..0, sky: 0 };
         let block = number as u32;
         let mut tile =
             Tile { block, top, left, uncovered: none(), edges: 0..0, background: [none(), none()], transparent: 0..0 };
@@ -171,13 +171,13 @@ impl<'a> FragmentBinner<'a> {
                 if self.faces.are_of_one_plant(faces[0], faces[1]) {
                     numbers[second] = faces[0];
                 } else if whole_uncovered >> bit & 1 == 1 {
-                    self.edges.push(Edge { faces, second: 1 << bit });
+                    self.edges.push(EdgePixel { faces, second: 1 << bit });
                 }
             }
             let mut layer = |of| {
                 let start = self.covered.len();
                 let sky = split_by_face(&numbers, of, &mut self.covered);
-                Layer { covered: start..self.covered.len(), sky }
+                SampleLayer { covered: start..self.covered.len(), sky }
             };
             tile.uncovered = layer(uncovered);
             tile.edges = first_edge..self.edges.len();
@@ -198,7 +198,7 @@ impl<'a> FragmentBinner<'a> {
     fn bin(&mut self, tile: &Tile) {
         // Pixels on the edge between faces that look alike are shaded once.
         let covered = &mut self.covered[tile.uncovered.covered.clone()];
-        for Edge { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
+        for EdgePixel { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
             if self.faces.are_alike(*first, *second) {
                 for covered in covered.iter_mut() {
                     covered.coverage |= if covered.face == *first { *sample } else { 0 };
@@ -224,7 +224,7 @@ impl<'a> FragmentBinner<'a> {
         }
     }
 
-    fn bin_layer(&mut self, tile: &Tile, layer: &Layer, target: &Target) {
+    fn bin_layer(&mut self, tile: &Tile, layer: &SampleLayer, target: &Target) {
         for i in layer.covered.clone() {
             let covered = self.covered[i];
             if covered.coverage != 0 {
@@ -242,7 +242,7 @@ impl<'a> FragmentBinner<'a> {
     fn group(&mut self, tile: &Tile, covered: &CoveredFace, target: &Target) -> (u32, FragmentGroup) {
         let (face, variant) = self.faces.made(covered.face);
         let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
-        let inverse_depth = self.faces.inverse_depth_at(face, u, v);
+        let inverse_depth_per_m = self.faces.inverse_depth_per_m_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
         let columns = [
             covered.coverage.trailing_zeros() / ROWS_OF_SAMPLES,
@@ -251,12 +251,15 @@ impl<'a> FragmentBinner<'a> {
         let middle = (columns[0] + columns[1]) / 2 * ROWS_OF_SAMPLES;
         let middle = middle + (covered.coverage >> middle).trailing_zeros();
         let (column, row) = ((middle / ROWS_OF_SAMPLES) as f32, (middle % ROWS_OF_SAMPLES / 2) as f32);
-        let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
+        let there = inverse_depth_per_m[0] + inverse_depth_per_m[1] * column + inverse_depth_per_m[2] * row;
         let is_lone = covered.coverage.count_ones() <= LONE;
-        let point = SurfacePoint { u: u + column, v: v + row, inverse_depth: there, is_lone };
-        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth, point);
+        let point = SurfacePoint { u: u + column, v: v + row, inverse_depth_per_m: there, is_lone };
+        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth_per_m, point);
         let &Target { first, stride, weight } = target;
-        (variant, FragmentGroup { face, ambient, target: first, stride, background: 0, u, v, inverse_depth, weight })
+        (
+            variant,
+            FragmentGroup { face, ambient, target: first, stride, background: 0, u, v, inverse_depth_per_m, weight },
+        )
     }
 
     /// The sky in some samples.

@@ -3,6 +3,8 @@
 //! A drop lies before the front element, far nearer than the lens is focused: its disc is blurred by the aperture, and where
 //! it is smaller than the aperture, light passes beside it. It acts as a ball lens, whose image is inverted and wide.
 
+use std::ops::Range;
+
 use super::compositing::{between_cells, blend};
 use super::visibility_pass::View;
 use crate::math::{self, Vec3};
@@ -13,12 +15,12 @@ use crate::weather::Weather;
 const BEFORE_APERTURE_M: f64 = 0.03;
 const APERTURE_M: f64 = 0.0012;
 /// Diameters of drops that stay: larger ones run off.
-const DIAMETER_M: (f64, f64) = (0.001, 0.0028);
+const DIAMETER_M: Range<f64> = 0.001..0.0028;
 /// The largest number of drops, and their number at 1 mm/h; it grows with the root of the rate.
 const MOST: u64 = 14;
 const AT_1_MM_PER_H: f64 = 0.9;
 /// How long one stays before it runs off, or the wind takes it, s.
-const STAYS_S: (f64, f64) = (6.0, 40.0);
+const STAYS_S: Range<f64> = 6.0..40.0;
 /// Sides of the cells of the picture that a drop shows, px, and the share of the image's half that its edge shows.
 const CELL_PX: usize = 24;
 const WIDE: f64 = 0.95;
@@ -44,12 +46,12 @@ impl LensDrops {
         let share = (AT_1_MM_PER_H * weather.rain_mm_per_h.max(0.0).sqrt() / MOST as f64).min(1.0);
         let drop_of = |place: u64| {
             let mut own = CounterRng::new(CounterRng::key(seed, [place, 0, 0]));
-            let stays_s = math::lerp(STAYS_S.0, STAYS_S.1, own.unit());
+            let stays_s = math::lerp(STAYS_S.start, STAYS_S.end, own.unit());
             let turn = (time_s / stays_s + own.unit()).floor();
             let mut rng = CounterRng::new(CounterRng::key(seed, [place, 1, turn as i64 as u64]));
             let is_there = rng.unit() < share;
             let at = [rng.unit(), rng.unit()];
-            is_there.then(|| LensDrop { at, diameter_m: math::lerp(DIAMETER_M.0, DIAMETER_M.1, rng.unit()) })
+            is_there.then(|| LensDrop { at, diameter_m: math::lerp(DIAMETER_M.start, DIAMETER_M.end, rng.unit()) })
         };
         Self((0..MOST).filter_map(drop_of).collect())
     }
@@ -60,7 +62,7 @@ impl LensDrops {
             return;
         }
         let picture = Small::of(rgb, view.width, view.height);
-        let px_per_m = view.intrinsics[0] / BEFORE_APERTURE_M;
+        let px_per_m = view.intrinsics_px[0] / BEFORE_APERTURE_M;
         for one in &self.0 {
             let middle = [one.at[0] * view.width as f64, one.at[1] * view.height as f64];
             let [radius_px, blur_px] = [one.diameter_m, APERTURE_M].map(|m| 0.5 * m * px_per_m);
@@ -126,7 +128,7 @@ mod tests {
     use crate::math::DPose3;
 
     fn view() -> View {
-        View { intrinsics: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam: DPose3::IDENTITY }
+        View { intrinsics_px: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam: DPose3::IDENTITY }
     }
 
     #[test]

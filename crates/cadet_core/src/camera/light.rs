@@ -23,7 +23,7 @@ pub struct Light {
     /// Extinction of the air, 1/m.
     pub extinction_per_m: f32,
     /// Cover of snow on level ground, 0..1.
-    pub snow: f32,
+    pub snow_cover: f32,
     /// The lamps of a night; none by day, where they are lost in the light of the sky.
     pub night: Option<NightLights>,
     /// Radiance of what shines of itself, per unit of its color.
@@ -60,7 +60,7 @@ impl Light {
             sky_probes,
             wetness: weather.wetness as f32,
             extinction_per_m: CLEAR_AIR_PER_M + weather.extinction_per_m() as f32,
-            snow: weather.snow_cover() as f32,
+            snow_cover: weather.snow_cover() as f32,
         }
     }
 

@@ -85,7 +85,7 @@ impl CameraModel {
         }
         let mut camera = Self { width, height, projection, lens: None, rolling_shutter_s: 0.0 };
         if let Some(distortion) = distortion {
-            let warp = Arc::new(Warp::new(&distortion, camera.intrinsics(), width, height)?);
+            let warp = Arc::new(Warp::new(&distortion, camera.intrinsics_px(), width, height)?);
             camera.lens = Some(Lens { distortion, warp });
         }
         Ok(camera)
@@ -95,7 +95,7 @@ impl CameraModel {
     #[must_use]
     pub fn pinhole(&self) -> Self {
         let Some(lens) = &self.lens else { return self.clone() };
-        let [right, down] = lens.warp.before;
+        let [right, down] = lens.warp.before_px;
         let mut projection = self.projection;
         let z = projection[(2, 3)];
         projection[(0, 2)] += right;
@@ -134,7 +134,7 @@ impl CameraModel {
 
     /// (fx, fy, cx, cy).
     #[must_use]
-    pub fn intrinsics(&self) -> [f64; 4] {
+    pub fn intrinsics_px(&self) -> [f64; 4] {
         let p = &self.projection;
         [p[(0, 0)], p[(1, 1)], p[(0, 2)], p[(1, 2)]]
     }
@@ -143,7 +143,7 @@ impl CameraModel {
     #[must_use]
     pub fn optical_center_cam(&self) -> DVec3 {
         let p = &self.projection;
-        let [fx, fy, cx, cy] = self.intrinsics();
+        let [fx, fy, cx, cy] = self.intrinsics_px();
         let z = p[(2, 3)];
         -DVec3::new((p[(0, 3)] - cx * z) / fx, (p[(1, 3)] - cy * z) / fy, z)
     }
@@ -173,7 +173,7 @@ impl CameraModel {
         let uv = match &self.lens {
             None => DVec2::new(u, v),
             Some(lens) => {
-                let [fx, fy, cx, cy] = self.intrinsics();
+                let [fx, fy, cx, cy] = self.intrinsics_px();
                 let [x, y] = lens.distortion.apply_within_reach([(u - cx) / fx, (v - cy) / fy]);
                 DVec2::new(x * fx + cx, y * fy + cy)
             }
@@ -222,7 +222,7 @@ pub(crate) mod tests {
         let shrunk = (pixel(&bent) - DVec2::new(609.5593, 172.854)).length()
             / (pixel(&straight) - DVec2::new(609.5593, 172.854)).length();
         assert!((shrunk - (1.0 - 0.3 * 0.3664 + 0.09 * 0.3664 * 0.3664)).abs() < 1e-9, "{shrunk}");
-        let before = DVec2::from_array(bent.warp().expect("a lens").before);
+        let before = DVec2::from_array(bent.warp().expect("a lens").before_px);
         assert!((pixel(&pinhole) - pixel(&straight) - before).length() < 1e-9);
     }
 

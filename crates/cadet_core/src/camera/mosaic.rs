@@ -3,7 +3,7 @@
 //! Details as fine as the pixels, such as the stones of asphalt, leaves, and edges, thus get false colors, as in
 //! KITTI's images.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 /// Values of a pixel, R, G, B, side by side.
 const RGB: usize = 3;
@@ -70,16 +70,17 @@ impl Demosaic {
         }
     }
 
-    /// Takes the row above the image's first one, or below its last one, for the mirror of the one on the other side.
-    pub fn mirror_row(&mut self, is_above: bool) {
+    /// Takes the image's second row for the one above its first.
+    pub fn mirror_above(&mut self) {
         let [above, _, below] = &mut self.rows;
-        if is_above {
-            above.copy_from_slice(below);
-        } else {
-            self.rows.rotate_left(1);
-            let [above, _, below] = &mut self.rows;
-            below.copy_from_slice(above);
-        }
+        above.copy_from_slice(below);
+    }
+
+    /// Takes the image's last row but one for the one below its last.
+    pub fn mirror_below(&mut self) {
+        self.rows.rotate_left(1);
+        let [above, _, below] = &mut self.rows;
+        below.copy_from_slice(above);
     }
 
     /// The colors of the middle one of the last three rows, which is that of this number.
@@ -89,7 +90,7 @@ impl Demosaic {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn interpolate(shares: &Shares, rows: [&[f32]; 3], out: &mut [f32]) {
     let n = out.len();
     let [[a, b, c], [d, e, f], [g, h, i]] = rows.map(|row| [&row[..n], &row[RGB..][..n], &row[2 * RGB..][..n]]);
@@ -122,10 +123,10 @@ mod tests {
             if y + 1 < height {
                 put(&mut demosaic, y + 1);
             } else {
-                demosaic.mirror_row(false);
+                demosaic.mirror_below();
             }
             if y == 0 {
-                demosaic.mirror_row(true);
+                demosaic.mirror_above();
             }
             demosaic.interpolate(y, &mut out[y * width * RGB..][..width * RGB]);
         }

@@ -1,9 +1,9 @@
 //! The lamps of a night: a grid tells which of them reach a place, so that a point sums few of them.
 
 use super::face::Flags;
-use crate::lamp::{Beam, Lamp, fade, lens, low_beam, luminaire};
+use crate::lamp::{Lamp, LampBeam, fade, lens, low_beam, luminaire};
 use crate::math::{DVec3, Vec3};
-use crate::sense::PosedScene;
+use crate::sense::{PosedLamp, PosedScene};
 
 /// Side of the grid's cells, and how many there are along a side of the grid, whose middle is the eye's cell.
 const CELL_M: f32 = 6.0;
@@ -24,11 +24,11 @@ const MEANS_WITHIN_M: [f32; 2] = [60.0, 180.0];
 const LUMINAIRE_SR: f32 = 5.6;
 /// Reflectance of what throws light back to where it comes from, times the irradiance square to the light: pi times 110 cd
 /// per lx and m², between number plates (45) and signs (180), at no angle between lamp and eye.
-pub const RETRO: f32 = 350.0;
+pub const RETRO_REFLECTANCE: f32 = 350.0;
 /// The sine of that angle at which half of it is left: 0.4 degrees.
 pub const RETRO_SINE: f32 = 0.007;
 /// Squared slopes of microfacets are at least this: lamps are no points.
-pub const LEAST_ALPHA_SQUARED: f32 = 0.002;
+pub const LEAST_LAMP_ALPHA_SQUARED: f32 = 0.002;
 
 /// A lamp, relative to the eye.
 #[derive(Debug, Clone, Copy)]
@@ -65,10 +65,10 @@ impl NightLights {
         let lamps: Vec<NightLamp> = scene
             .lamps
             .iter()
-            .map(|(lamp, actor_id)| {
+            .map(|PosedLamp { lamp, actor_id }| {
                 let reach_m = match lamp.beam {
-                    Beam::Lens if !is_wet => DRY_LENS_M,
-                    Beam::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,
+                    LampBeam::Lens if !is_wet => DRY_LENS_M,
+                    LampBeam::LowBeam if *actor_id > 0 => OTHERS_BEAM_M,
                     _ => lamp.reach_m,
                 };
                 let lamp = Lamp { at: lamp.at - origin, reach_m, ..*lamp };
@@ -133,8 +133,9 @@ impl NightLights {
 /// Mean irradiance on the ground around the eye, half of it that of a wide circle: the light of luminaires over the area.
 fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
     let within = |radius_m: f32| {
-        let near =
-            |l: &&NightLamp| matches!(l.lamp.beam, Beam::Luminaire { .. }) && l.lamp.at.truncate().length() < radius_m;
+        let near = |l: &&NightLamp| {
+            matches!(l.lamp.beam, LampBeam::Luminaire { .. }) && l.lamp.at.truncate().length() < radius_m
+        };
         let sum: Vec3 = lamps.iter().filter(near).map(|l| Vec3::from(l.lamp.intensity)).sum();
         sum * (LUMINAIRE_SR / (std::f32::consts::PI * radius_m * radius_m))
     };
@@ -143,7 +144,7 @@ fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
 
 /// Whether a lamp's light may reach a cell, by the vector to its middle in the plane.
 fn may_shine_into(lamp: &NightLamp, to: Vec3) -> bool {
-    if lamp.lamp.beam != Beam::LowBeam {
+    if lamp.lamp.beam != LampBeam::LowBeam {
         return true;
     }
     let (ahead, left) = (lamp.lamp.ahead.dot(to), lamp.lamp.left.dot(to).abs());
@@ -180,8 +181,8 @@ pub struct WideLight {
 
 /// Of light on leaves, what goes by the cosine and what is scattered to all sides: less of both than of
 /// the sun's, since a crown hides half of itself from a lamp.
-pub const LEAF_DIRECT: f32 = 0.4;
-pub const LEAF_SCATTERED: f32 = 0.20;
+pub const LEAF_DIRECT_SHARE: f32 = 0.4;
+pub const LEAF_SCATTERED_SHARE: f32 = 0.20;
 const LEAF_THROUGH: f32 = 0.75;
 
 /// Adds the light of a lamp where `share` is 1.
@@ -197,19 +198,19 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
     }
     let mut strength = [0.0; WIDE];
     match lamp.beam {
-        Beam::Luminaire { ends, full } => {
+        LampBeam::Luminaire { cos_ends: ends, cos_full: full } => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = luminaire(d.dot(lamp.ahead) / distance[i], ends, full) * s.contact[i];
             }
         }
-        Beam::LowBeam => {
+        LampBeam::LowBeam => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = low_beam(d.dot(lamp.ahead), d.dot(lamp.left), d.dot(*up));
             }
         }
-        Beam::Lens => {
+        LampBeam::Lens => {
             for i in 0..WIDE {
                 let d = Vec3::new(to[0][i], to[1][i], to[2][i]);
                 strength[i] = lens(d.dot(lamp.ahead) / distance[i]);
@@ -227,7 +228,7 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
         let cos = -d.dot(Vec3::new(s.normal[0][i], s.normal[1][i], s.normal[2][i])) / distance[i];
         facing[i] = cos.max(0.0);
         let lit = if s.is_leaf {
-            (facing[i] + LEAF_THROUGH * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED
+            (facing[i] + LEAF_THROUGH * (-cos).max(0.0)) * LEAF_DIRECT_SHARE + LEAF_SCATTERED_SHARE
         } else {
             facing[i]
         };
@@ -241,7 +242,7 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
             let d = Vec3::new(to[0][i], to[1][i], to[2][i]) / distance[i];
             let view = Vec3::new(s.view[0][i], s.view[1][i], s.view[2][i]);
             let sine = d.cross(view);
-            let back = RETRO / (1.0 + sine.dot(sine) / (RETRO_SINE * RETRO_SINE));
+            let back = RETRO_REFLECTANCE / (1.0 + sine.dot(sine) / (RETRO_SINE * RETRO_SINE));
             let back = if s.flags[i] & Flags::RETRO > 0 && d.dot(view) > 0.0 { back } else { 0.0 };
             let thrown = strength[i] * facing[i] * back;
             out.irradiance[0][i] += color.x * thrown;
@@ -269,7 +270,7 @@ pub const LEAST_SQUARE_M2: f32 = 2.0;
 /// GGX's distribution, Smith's shadowing (Hammon 2017), and Schlick's Fresnel term.
 #[inline(always)]
 pub fn glint(to_lamp: Vec3, view: Vec3, normal: Vec3, f0: f32, roughness: f32) -> f32 {
-    let alpha2 = (roughness * roughness * roughness * roughness).max(LEAST_ALPHA_SQUARED);
+    let alpha2 = (roughness * roughness * roughness * roughness).max(LEAST_LAMP_ALPHA_SQUARED);
     let alpha = alpha2.sqrt();
     let half = to_lamp - view;
     let half = half * (1.0 / half.dot(half).max(LEAST_HALF).sqrt());

@@ -1,14 +1,15 @@
 //! The sensor: point spread, color filters, Poisson-Gauss noise as measured behind them, rounding to 8 bits.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::exposure::Exposure;
 use super::mosaic::Demosaic;
 use crate::math;
 use crate::rng::Stream;
 
-/// Noise variance in squared 8-bit values: constant and per value, for R, G, B.
-const VARIANCE: [(f32, f32); 3] = [(0.5, 0.035), (0.3, 0.018), (0.7, 0.040)];
+/// Noise variance in squared 8-bit values, for R, G, B: constant, and per value.
+const READ_OUT_VARIANCE: [f32; 3] = [0.5, 0.3, 0.7];
+const VARIANCE_PER_VALUE: [f32; 3] = [0.035, 0.018, 0.040];
 /// Neighbor tap of the noise filter: neighbors correlate with 0.35 across and down, as demosaiced noise does.
 const NEIGHBOUR: f32 = 0.187;
 /// How far the middle of a pixel's two samples lies right of and below its center, so that one of them lies on it.
@@ -44,8 +45,8 @@ pub const ROWS_BEFORE: usize = 2;
 /// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centers. The image
 /// begins after `ROWS_BEFORE` rows; blurred, it begins where `rgb` does.
 ///
-/// Returns the sums over all pixels of R, G and B, of which none counts for more than `ceiling`.
-pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64; 3] {
+/// Returns the sums over all pixels of R, G and B, of which none counts for more than `radiance_ceiling`.
+pub fn blur(rgb: &mut [f32], width: usize, height: usize, radiance_ceiling: f32) -> [f64; 3] {
     let tap = |k: f32| math::expf(-0.5 * (k + MIDDLE_PX) * (k + MIDDLE_PX) / (PSF_SIGMA_PX * PSF_SIGMA_PX));
     let taps = [tap(-2.0), tap(-1.0), tap(0.0), tap(1.0), tap(2.0)];
     let sum: f32 = taps.iter().sum();
@@ -72,7 +73,7 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
             padded[PSF_REACH * RGB + stride + i] = padded[(PSF_REACH - 1) * RGB + stride + i % RGB];
         }
         let out = &mut rgb[row * stride..(row + 1) * stride];
-        let sums = blur_across(&taps, &padded, out, ceiling);
+        let sums = blur_across(&taps, &padded, out, radiance_ceiling);
         for (k, s) in sums.iter().enumerate() {
             total[k % 3] += f64::from(*s);
         }
@@ -80,7 +81,7 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
     total
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32]) {
     let n = out.len();
     let (a, b, c, d, e) = (&a[..n], &b[..n], &c[..n], &d[..n], &e[..n]);
@@ -91,7 +92,7 @@ fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32
 }
 
 /// Returns sums of every [`SUMS`]th value, none above the ceiling: a fixed order whatever the instruction set.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; SUMS] {
     let n = out.len();
     let [a, b, c, d, e]: [&[f32]; TAPS] = std::array::from_fn(|k| &padded[k * RGB..][..n]);
@@ -120,8 +121,8 @@ pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, str
     let sensor = Sensor {
         gain: (0..stride).map(|i| gains[i % 3]).collect(),
         offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
-        variance: (0..stride).map(|i| VARIANCE[i % 3].0 * (amplification * amplification)).collect(),
-        per_value: (0..stride).map(|i| VARIANCE[i % 3].1 * amplification).collect(),
+        variance: (0..stride).map(|i| READ_OUT_VARIANCE[i % 3] * (amplification * amplification)).collect(),
+        per_value: (0..stride).map(|i| VARIANCE_PER_VALUE[i % 3] * amplification).collect(),
     };
     // White noise with a border of one pixel; three rows of it are alive at a time.
     let wide = stride + 2 * NOISE_REACH * RGB;
@@ -140,10 +141,10 @@ pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, str
         if row + 1 < height {
             measure_row(&sensor, &rgb[(row + 1) * stride..][..stride], &mut demosaic);
         } else {
-            demosaic.mirror_row(false);
+            demosaic.mirror_below();
         }
         if row == 0 {
-            demosaic.mirror_row(true);
+            demosaic.mirror_above();
         }
         demosaic.interpolate(row, &mut values);
         rows.rotate_left(1);
@@ -168,7 +169,7 @@ fn measure_row(s: &Sensor, input: &[f32], demosaic: &mut Demosaic) {
     demosaic.close_row();
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
     let n = out.len();
     let (gain, offset, input) = (&s.gain[..n], &s.offset[..n], &input[..n]);
@@ -177,7 +178,7 @@ fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], values: &[f32], out: &mut [u8]) {
     let (n, wide) = (out.len(), down.len());
     let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
@@ -200,7 +201,7 @@ fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], v
 }
 
 /// Standard normal deviates from a counter: two hashes' eight bytes, whose sum is nearly normal (excess kurtosis -0.15).
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
     // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
     const MEAN: f32 = 1020.0;
@@ -237,7 +238,7 @@ mod tests {
         let rgb = vec![60.0_f32; w * h * 3];
         let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
         let image = expose(&rgb, w, h, &amplified, &mut Stream::from_seed("amplified", 3));
-        for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
+        for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
             let variance = v.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / v.len() as f64;
@@ -251,7 +252,7 @@ mod tests {
         let (w, h) = (400, 300);
         let rgb = vec![120.0_f32; w * h * 3];
         let image = expose(&rgb, w, h, &gain(1.0), &mut Stream::from_seed("noise", 3));
-        for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
+        for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
             let cov = |shift: usize| {

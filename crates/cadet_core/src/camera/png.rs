@@ -67,7 +67,7 @@ fn encode(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image_file::{Samples, decode};
+    use crate::image_file::{PixelValues, decode};
 
     #[test]
     fn images_come_back_as_they_were() {
@@ -79,11 +79,11 @@ mod tests {
         ] {
             let back = decode(&file, 75).unwrap();
             assert_eq!((back.width, back.height, back.channels), (width, 5, channels));
-            assert_eq!(back.samples, Samples::Eight(pixels[..width as usize * 5 * channels].to_vec()));
+            assert_eq!(back.samples, PixelValues::Eight(pixels[..width as usize * 5 * channels].to_vec()));
         }
         let deep: Vec<u16> = (0..35).map(|i| i * 1871).collect();
         let back = decode(&encode_gray16(7, 5, &deep).unwrap(), 35).unwrap();
-        assert_eq!((back.channels, back.samples), (1, Samples::Sixteen(deep)));
+        assert_eq!((back.channels, back.samples), (1, PixelValues::Sixteen(deep)));
     }
 
     #[test]

@@ -4,6 +4,8 @@
 //! follows Garg and Nayar, "Vision and Rain" (IJCV 2007): a streak as long as its way across the image, over which the
 //! area of its disc is spread.
 
+use std::ops::Range;
+
 use super::compositing::blend;
 use super::light::Light;
 use super::visibility_pass::{View, Visibility};
@@ -28,7 +30,7 @@ const LEAST_FLAKE_M: f64 = 0.001;
 /// Particles less than this far ahead of the optical center are a blur without a place.
 const NEAREST_M: f64 = 0.2;
 /// Flakes fall at 0.8 to 1.2 m/s and sway, one standard deviation.
-const FLAKE_MPS: (f64, f64) = (0.8, 1.2);
+const FLAKE_MPS: Range<f64> = 0.8..1.2;
 const FLAKE_SWAY_MPS: f64 = 0.35;
 /// A drop shows half of what is above it and half of what is below; a flake scatters what falls on it from both.
 const FLAKE_ALBEDO: f32 = 0.9;
@@ -46,7 +48,7 @@ pub struct Precipitation {
 
 /// A drop or a flake.
 #[derive(Debug, Clone, Copy)]
-struct Particle {
+struct FallingParticle {
     at_world: DVec3,
     velocity_world: DVec3,
     diameter_m: f64,
@@ -84,7 +86,7 @@ impl Precipitation {
         self.for_each_streak(view, |streak| {
             let [column, row] = [0, 1].map(|k| 0.5 * (streak.ends_px[0][k] + streak.ends_px[1][k]));
             let [column, row] = [column.clamp(0.0, view.width as f64 - 1.0), row.clamp(0.0, view.height as f64 - 1.0)];
-            if f64::from(seen.depth_at(row as usize, column as usize)) > streak.depth_m {
+            if f64::from(seen.depth_m_at(row as usize, column as usize)) > streak.depth_m {
                 streak.draw(rgb, view, radiance);
             }
         });
@@ -118,7 +120,7 @@ impl Precipitation {
     /// Whether the ball about a cell reaches into the view.
     fn may_be_seen(&self, view: &View, cam_from_world: &DPose3, low: DVec3) -> bool {
         let radius_m = 0.87 * CELL_M;
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let p = *cam_from_world * (low + DVec3::splat(0.5 * CELL_M));
         let within = |at: f64, focal_px: f64, middle_px: f64, size_px: usize| {
             let (lo, hi) = (-middle_px / focal_px, (size_px as f64 - middle_px) / focal_px);
@@ -131,7 +133,7 @@ impl Precipitation {
     }
 
     /// The particles of a cell that are large enough to be seen: exponential sizes above a limit are exponential again.
-    fn for_each_in_cell(&self, low: DVec3, mut use_it: impl FnMut(&Particle)) {
+    fn for_each_in_cell(&self, low: DVec3, mut use_it: impl FnMut(&FallingParticle)) {
         let middle = low + DVec3::splat(0.5 * CELL_M);
         let near_m = ((middle - self.center_world).length() - 0.87 * CELL_M).max(0.0);
         let least = if self.is_snow { LEAST_FLAKE_M } else { LEAST_DROP_M };
@@ -144,22 +146,22 @@ impl Precipitation {
             let diameter_m = from_m - math::quick_ln((1.0 - rng.unit()).max(1e-12)) / self.sizes.slope_per_m;
             let velocity_world = if self.is_snow {
                 let sway = [rng.next_u64(), rng.next_u64()].map(|bits| FLAKE_SWAY_MPS * nearly_normal(bits));
-                DVec3::new(sway[0], sway[1], -math::lerp(FLAKE_MPS.0, FLAKE_MPS.1, rng.unit()))
+                DVec3::new(sway[0], sway[1], -math::lerp(FLAKE_MPS.start, FLAKE_MPS.end, rng.unit()))
             } else {
                 DVec3::new(0.0, 0.0, -drop_mps(diameter_m))
             };
-            use_it(&Particle { at_world, velocity_world, diameter_m });
+            use_it(&FallingParticle { at_world, velocity_world, diameter_m });
         }
     }
 
-    fn streak(&self, view: &View, cam_from_world: &DPose3, particle: &Particle) -> Option<Streak> {
+    fn streak(&self, view: &View, cam_from_world: &DPose3, particle: &FallingParticle) -> Option<Streak> {
         let way = (particle.velocity_world - self.ego_velocity_world) * (0.5 * SHUTTER_S);
         let ends = [particle.at_world - way, particle.at_world + way].map(|p| *cam_from_world * p);
         let depth_m = 0.5 * (ends[0].z + ends[1].z);
         if ends.iter().any(|p| p.z < NEAREST_M) {
             return None;
         }
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let ends_px = ends.map(|p| [fx * p.x / p.z + cx, fy * p.y / p.z + cy]);
         let sharp_px = fx * particle.diameter_m / depth_m;
         let width_px = math::hypot(sharp_px, fx * APERTURE_M / depth_m).max(1.0);

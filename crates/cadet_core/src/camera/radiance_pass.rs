@@ -7,7 +7,7 @@ use super::fragment_binning::FragmentBinner;
 use super::light::Light;
 use super::shading_pass::ShadingCamera;
 use super::shading_queue::ShadingQueue;
-use super::visibility_pass::{Rays, Samples, View};
+use super::visibility_pass::{ImageRays, Samples, View};
 use crate::sense::{BLOCK, PosedScene};
 
 /// Values that [`radiance_pass`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and
@@ -17,7 +17,14 @@ pub fn room_for(width: usize, height: usize) -> usize {
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `rgb`, which has room for more; see [`room_for`].
-pub fn radiance_pass(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut [f32]) {
+pub fn radiance_pass(
+    scene: &PosedScene,
+    view: &View,
+    rays: &ImageRays,
+    light: &Light,
+    samples: &Samples,
+    rgb: &mut [f32],
+) {
     let (width, height) = (view.width, view.height);
     let image = width * height;
     let shader = DeferredShader {
@@ -29,7 +36,7 @@ pub fn radiance_pass(scene: &PosedScene, view: &View, rays: &Rays, light: &Light
             corner: rays.direction(0.0, 0.0),
             right: rays.right,
             down: rays.down,
-            pixel_per_m: 1.0 / view.intrinsics[0] as f32,
+            pixel_per_m: 1.0 / view.intrinsics_px[0] as f32,
         },
         first_background: image,
         background: 0,

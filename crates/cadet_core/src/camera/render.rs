@@ -13,7 +13,7 @@ use super::radiance_pass::{radiance_pass, room_for};
 use super::shadow::ShadowMaps;
 use super::sky_visibility::SkyProbes;
 use super::spray;
-use super::visibility_pass::{Maps, Rays, View, Visibility, visible_points};
+use super::visibility_pass::{ImageRays, Maps, View, Visibility, visible_points};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 use crate::sense::PosedScene;
@@ -118,13 +118,13 @@ pub fn render_through(
     image
 }
 
-/// How an image is exposed. `sums` are those of [`blur`].
-pub(super) fn exposure(blurred: &[f32], sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
-    let num_pixels = (blurred.len() / 3) as f64;
-    let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
+/// How an image is exposed. `radiance_sums` are those of [`blur`].
+pub(super) fn exposure(blurred_rgb: &[f32], radiance_sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
+    let num_pixels = (blurred_rgb.len() / 3) as f64;
+    let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
     let (mean, deviation) = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
     let target = stream.clipped_normal(mean, deviation) as f32;
-    let metered = metered(blurred, veil, METERED_STEP);
+    let metered = metered(blurred_rgb, veil, METERED_STEP);
     let (gain, amplification) = if is_night {
         night_gain(gain_at_night(&metered, target))
     } else {
@@ -141,7 +141,7 @@ pub(super) fn radiance(
     seen: &Visibility,
     scratch: &mut Scratch,
 ) -> Light {
-    let rays = Rays::new(view);
+    let rays = ImageRays::new(view);
     visible_points(&rays, &seen.samples, &mut scratch.visible_world);
     let light = light_of(scene, view, weather, &scratch.visible_world, std::mem::take(&mut scratch.shadows));
     let first = ROWS_BEFORE * view.width * 3;

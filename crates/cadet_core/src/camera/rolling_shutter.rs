@@ -15,7 +15,7 @@ use super::visibility_pass::{Maps, View, visibility_pass};
 use crate::error::Result;
 use crate::math::DPose3;
 use crate::rng::Stream;
-use crate::sense::{Motion, PosedScene};
+use crate::sense::{PosedScene, RigidMotion};
 use crate::weather::Weather;
 
 /// A band's time: what is passed 5 m aside and 8 m ahead at 15 m/s moves by 0.4 pixels of KITTI's camera meanwhile.
@@ -30,7 +30,7 @@ pub struct Moving<'a, F> {
     /// The pose of the camera's frame then.
     pub world_from_cam: &'a DPose3,
     /// The camera's motion.
-    pub camera: Motion,
+    pub camera: RigidMotion,
     /// How an actor moves, by its id.
     pub motion_of: F,
     /// Everything between the scene and the sensor.
@@ -54,7 +54,7 @@ fn bands(camera: &CameraModel) -> impl Iterator<Item = Range<usize>> {
 /// # Errors
 /// Those of [`visibility_pass`].
 pub fn render_rolling(
-    moving: &Moving<'_, impl Fn(i32) -> Motion>,
+    moving: &Moving<'_, impl Fn(i32) -> RigidMotion>,
     camera: &CameraModel,
     weather: &Weather,
     with_maps: bool,
@@ -91,7 +91,7 @@ pub fn render_rolling(
         }
         if let Some(maps) = &mut maps {
             let of_band = seen.maps(&scene);
-            band.append(&of_band.depth, &mut maps.depth);
+            band.append(&of_band.depth_m, &mut maps.depth_m);
             band.append(&of_band.instance, &mut maps.instance);
             band.append(&of_band.semantic, &mut maps.semantic);
         }

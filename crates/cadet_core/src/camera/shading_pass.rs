@@ -13,22 +13,22 @@ mod lighting;
 mod reflections;
 mod resolve;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
-use self::base_color::{Side, place_texture, snow, snow_over, texture};
+use self::base_color::{PixelOfPair, lay_snow, place_texture, snow_over, texture};
 pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
 use self::geometry::place_surfaces;
 use self::lamp_light::add_lamp_light;
 #[cfg(test)]
-pub(super) use self::lighting::lamp_coat;
+pub(super) use self::lighting::{SurfaceCoat, lamp_coat};
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
 use self::resolve::{resolve, through_air};
 use super::ambient_cache::AmbientTerms;
-use super::face::{Face, Flags, ShaderVariant};
+use super::face::{Flags, ShaderVariant, ShadingFace};
 use super::light::Light;
 use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE, BatchScalar, REGISTER, ShadingQueue};
 use super::shadow::{PcfTexels, ShadowQuery};
@@ -91,7 +91,7 @@ impl ShadingPass {
         camera: &ShadingCamera,
         variant: ShaderVariant,
         queue: &ShadingQueue,
-        (faces, ambient): (&[Face], &[AmbientTerms]),
+        (faces, ambient): (&[ShadingFace], &[AmbientTerms]),
         rgb: &[f32],
     ) {
         let n = queue.count.min(BATCH_SIZE);
@@ -110,14 +110,14 @@ impl ShadingPass {
             if light.night.is_some() {
                 self.shine_through(light, camera, variant, m);
             }
-            if light.snow > 0.0 && variant.pattern != Pattern::Window {
+            if light.snow_cover > 0.0 && variant.pattern != Pattern::Window {
                 self.snow_on_panes(light, camera, variant, m);
             }
         } else {
             self.color(light, camera, variant, m);
             self.reflect(light, camera.eye, variant, m);
         }
-        through_air(&self.geometry, &self.outgoing, m, (light, variant.is_transparent), &mut self.arriving);
+        through_air(&self.geometry, &self.outgoing, m, light, variant, &mut self.arriving);
         resolve(&self.inputs, &self.base_color, &self.arriving, m, &mut self.radiance);
     }
 
@@ -166,15 +166,15 @@ impl ShadingPass {
     /// Finds the base color of opaque surfaces.
     fn color(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
         let (inputs, geometry) = (&self.inputs, &self.geometry);
-        for ((side, color), at) in Side::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
+        for ((side, color), at) in PixelOfPair::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
             if matches!(variant.pattern, Pattern::Plain | Pattern::Lamp | Pattern::Reflector) {
                 *color = inputs.albedo;
             } else {
                 place_texture(inputs, m, camera, variant, side, at);
                 texture(inputs, geometry, at, m, variant.pattern, color);
             }
-            if light.snow > 0.0 {
-                snow(inputs, geometry, m, camera, light.snow, side, color);
+            if light.snow_cover > 0.0 {
+                lay_snow(inputs, geometry, m, camera, light.snow_cover, side, color);
             }
         }
     }
@@ -189,11 +189,11 @@ impl ShadingPass {
         diffuse(geometry, incident, m, light, variant, irradiance);
         let night = light.night.as_ref().filter(|_| !matches!(variant.pattern, Pattern::Lamp | Pattern::Window));
         if let Some(night) = night {
-            let lights = (night, light.wetness, eye);
-            add_lamp_light(inputs, geometry, incident, (m, variant), lights, irradiance, &mut self.mirrored_lamps);
+            let mirrored = &mut self.mirrored_lamps;
+            add_lamp_light(inputs, geometry, incident, m, variant, night, light.wetness, eye, irradiance, mirrored);
         }
         if variant.is_glossy {
-            specular(inputs, geometry, incident, irradiance, m, (light, eye), &mut self.outgoing);
+            specular(inputs, geometry, incident, irradiance, m, light, eye, &mut self.outgoing);
         } else {
             self.outgoing.diffuse = *irradiance;
             self.outgoing.specular = [[0.0; BATCH_STRIDE]; 3];
@@ -210,21 +210,21 @@ impl ShadingPass {
         }
         let (inputs, geometry) = (&self.inputs, &self.geometry);
         diffuse(geometry, &self.incident, m, light, variant, &mut self.irradiance);
-        snow_over(inputs, geometry, m, camera, light.snow, &self.irradiance, &mut self.outgoing);
+        snow_over(inputs, geometry, m, camera, light.snow_cover, &self.irradiance, &mut self.outgoing);
     }
 
     /// Adds what transparent surfaces mirror of lamps, and the light of rooms behind lit panes.
     fn shine_through(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
         let (inputs, geometry, incident) = (&self.inputs, &self.geometry, &self.incident);
         if let Some(night) = &light.night {
-            let lights = (night, light.wetness, camera.eye);
+            let (wetness, eye) = (light.wetness, camera.eye);
             let (lost, mirrored) = (&mut self.irradiance, &mut self.mirrored_lamps);
-            add_lamp_light(inputs, geometry, incident, (m, variant), lights, lost, mirrored);
+            add_lamp_light(inputs, geometry, incident, m, variant, night, wetness, eye, lost, mirrored);
             add(mirrored, m, &mut self.outgoing.specular);
         }
         if variant.pattern == Pattern::Window {
             let room = &mut self.irradiance;
-            place_texture(inputs, m, camera, variant, Side::Middle, &mut self.texture[0]);
+            place_texture(inputs, m, camera, variant, PixelOfPair::Middle, &mut self.texture[0]);
             texture(inputs, geometry, &self.texture[0], m, variant.pattern, room);
             add(room, m, &mut self.outgoing.specular);
         }
@@ -241,7 +241,7 @@ fn add(light: &BatchVector, m: usize, to: &mut BatchVector) {
 }
 
 /// Which of the first `n` pairs the sun may reach; true if there is any.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn query_sun(geometry: &SurfaceGeometry, variant: ShaderVariant, n: usize, out: &mut [bool; BATCH_STRIDE]) -> bool {
     let is_leaf = variant.pattern == Pattern::Leaves;
     let mut any = [0_u8; BATCH_SIZE];
@@ -255,7 +255,7 @@ fn query_sun(geometry: &SurfaceGeometry, variant: ShaderVariant, n: usize, out: 
 }
 
 /// Which of the first `n` pairs vehicles may hide from the sky.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn query_contacts(flags: &[u32; BATCH_STRIDE], n: usize, out: &mut [bool; BATCH_STRIDE]) {
     for i in 0..BATCH_SIZE {
         out[i] = (i < n) & (flags[i] & Flags::CONTACT > 0);

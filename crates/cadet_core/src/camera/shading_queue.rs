@@ -43,7 +43,7 @@ pub struct FragmentGroup {
     /// See `u`.
     pub v: f32,
     /// 1 / z there, 1/m, and its change by column and by row.
-    pub inverse_depth: [f32; 3],
+    pub inverse_depth_per_m: [f32; 3],
     /// What a pixel's color counts, if both samples show the face.
     pub weight: f32,
 }
@@ -68,12 +68,18 @@ impl PixelPair {
     }
 }
 
+/// A fragment group and the pair with which it begins.
+#[derive(Debug, Clone, Copy)]
+pub struct QueuedGroup {
+    pub first_pair: usize,
+    pub group: FragmentGroup,
+}
+
 /// Fragment groups that wait for one shader variant. Pairs from `count` on mean nothing.
 #[derive(Debug, Clone)]
 pub struct ShadingQueue {
     pub count: usize,
-    /// With the pairs with which they begin.
-    pub groups: Vec<(usize, FragmentGroup)>,
+    pub groups: Vec<QueuedGroup>,
     pub pairs: [u32; BATCH_STRIDE],
 }
 
@@ -90,7 +96,7 @@ impl ShadingQueue {
     #[inline]
     pub fn push(&mut self, group: &FragmentGroup, coverage: CoverageMask) {
         let start = self.count.min(BATCH_SIZE - PAIRS_ACROSS * PAIRS_DOWN);
-        self.groups.push((start, *group));
+        self.groups.push(QueuedGroup { first_pair: start, group: *group });
         let Some(pairs) = self.pairs[start..].first_chunk_mut::<{ PAIRS_ACROSS * PAIRS_DOWN }>() else { return };
         let columns: [u64; PAIRS_ACROSS] = std::array::from_fn(|column| coverage >> (2 * COLUMN_BITS * column));
         // Row by row, so that neighbors stand together. Without branches: what is seen cannot be foretold.
@@ -115,8 +121,8 @@ impl ShadingQueue {
     /// The pairs of each group, if the first `n` pairs matter.
     #[inline(always)]
     pub fn pairs_of(&self, group: usize, n: usize) -> std::ops::Range<usize> {
-        let end = self.groups.get(group + 1).map_or(n, |(start, _)| *start);
-        self.groups[group].0..end
+        let end = self.groups.get(group + 1).map_or(n, |next| next.first_pair);
+        self.groups[group].first_pair..end
     }
 }
 
@@ -132,7 +138,7 @@ mod tests {
         background: 0,
         u: 40.25,
         v: 3.25,
-        inverse_depth: [0.5, 0.01, 0.02],
+        inverse_depth_per_m: [0.5, 0.01, 0.02],
         weight: 1.0,
     };
 

@@ -4,13 +4,13 @@ mod face_setup;
 mod map;
 mod rasterization;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
-use self::map::{EMPTY, HIGHEST, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
+use self::map::{EMPTY, HIGHEST_STEPS, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, steps};
 use self::rasterization::rasterize_casters;
 use super::value_noise::split;
 use crate::geometry::LANES;
-use crate::math::{DMat3, DVec3, Vec3};
+use crate::math::{DMat3, DVec3, Vec3, greater, lesser};
 use crate::sense::PosedScene;
 
 /// (distance ahead of the camera of the middle, half the side), meters: near, far.
@@ -62,7 +62,7 @@ impl ShadowMaps {
             let mut height = buffers.pop().unwrap_or_default();
             height.resize(SIZE * STRIDE, EMPTY);
             shadows.maps.push(Map {
-                min: [snap(middle.x), snap(middle.y)],
+                min_m: [snap(middle.x), snap(middle.y)],
                 middle_z: middle.z,
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
@@ -202,7 +202,7 @@ const SIDE: usize = 4;
 const AREA: f32 = 4.0 * REACH * REACH;
 const ALL_LIT: f32 = 8.95;
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &ShadowQuery<N>, out: &mut MapCoordinates<N>) {
     let count = query.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
@@ -214,7 +214,7 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
     for (index, map) in shadows.maps.iter().enumerate().rev() {
         let base = (index * MAP) as i32;
         let (min_x, min_y, to_z) =
-            (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
+            (eye.x - map.min_m[0], eye.y - map.min_m[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
         let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
         for i in 0..count {
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
@@ -227,7 +227,7 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
             let y = (axes[1].dot(p) + min_y) * texels_per_m;
             let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
             let z = (axes[2].dot(p) + to_z) * map.steps_per_m;
-            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high) & (z.abs() < HIGHEST);
+            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high) & (z.abs() < HIGHEST_STEPS);
             let ((column, in_column), (row, in_row)) = (split(x - REACH), split(y - REACH));
             let texel = base.wrapping_add(row.wrapping_mul(STRIDE as i32)).wrapping_add(column);
             out.first[i] = if is_inside { texel as u32 } else { out.first[i] };
@@ -242,7 +242,7 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
 /// texel (the shares `x` and `y` of that one's column and row lie outside) and ends in the third after it.
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
     let PcfTexels { at, texels, heights, top, bottom, columns } = found;
     let mut which = [0_u16; N];
@@ -286,7 +286,7 @@ fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfT
 }
 
 /// Marks the tiles of two maps that points fall on; the coarser one's are not marked within the rim of the finer one.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
     for points in points_world.chunks(LANES) {
         let mut world = [[0.0; LANES]; 3];
@@ -300,14 +300,14 @@ fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], 
             for i in 0..LANES {
                 let (u, v) =
                     (right.x * x[i] + right.y * y[i] + right.z * z[i], up.x * x[i] + up.y * y[i] + up.z * z[i]);
-                let (u, v) = ((u - map.min[0]) * map.texels_per_m, (v - map.min[1]) * map.texels_per_m);
+                let (u, v) = ((u - map.min_m[0]) * map.texels_per_m, (v - map.min_m[1]) * map.texels_per_m);
                 let within = |rim: f32| {
                     let end = SIZE as f32 - rim;
                     (u >= rim) & (v >= rim) & (u < end) & (v < end)
                 };
                 // At a border it may be the neighbor: those around a marked one are drawn as well.
                 let tile = |texel: f32| {
-                    split(least(most(texel, 0.0), SIZE as f32) * (1.0 / TILE as f32)).0.clamp(0, TILES as i32 - 1)
+                    split(lesser(greater(texel, 0.0), SIZE as f32) * (1.0 / TILE as f32)).0.clamp(0, TILES as i32 - 1)
                 };
                 let (column, row) = (tile(u), tile(v));
                 let is_marked = within(0.0) & !is_finer[i];
@@ -322,7 +322,7 @@ fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], 
             }
             for (tile, height) in tiles[..points.len()].iter().zip(heights) {
                 let lowest = &mut lowest[*tile as usize];
-                *lowest = least(*lowest, height);
+                *lowest = lesser(*lowest, height);
             }
         }
     }

@@ -24,8 +24,10 @@ const HIDING_FOG_PER_M: f64 = 0.02;
 /// Cloudiness at which the sky begins to be overcast, and is.
 const OVERCAST_CLOUDINESS: (f64, f64) = (0.25, 0.75);
 /// Irradiance on level ground, with the sun at the horizon and by the sine of its elevation.
-const CLEAR_LEVEL: (f32, f32) = (0.034, 0.145);
-const OVERCAST_LEVEL: (f32, f32) = (0.020, 0.330);
+const CLEAR_LEVEL: f32 = 0.034;
+const CLEAR_LEVEL_BY_SINE: f32 = 0.145;
+const OVERCAST_LEVEL: f32 = 0.020;
+const OVERCAST_LEVEL_BY_SINE: f32 = 0.330;
 /// Colors of the clear sky, relative to each other.
 const ZENITH: Vec3 = Vec3::new(0.52, 0.87, 1.31);
 const HORIZON: Vec3 = Vec3::new(1.25, 1.51, 1.64);
@@ -56,7 +58,8 @@ const CLOUD_OCTAVES: u32 = 4;
 const CLOUD_SALT: u32 = 0x51C7;
 /// An overcast sky has no gaps from here on, but folds: least brightness and contrast.
 const CLOSED: f32 = 0.9;
-const FOLDS: (f32, f32) = (0.88, 0.24);
+const LEAST_FOLD: f32 = 0.88;
+const FOLD_CONTRAST: f32 = 0.24;
 /// Clouds begin at this level of the noise without cloudiness, and so much lower with it.
 const CLOUDS_FROM: f32 = 0.80;
 const CLOUDS_LOWER: f32 = 0.55;
@@ -67,7 +70,8 @@ const CLOUD_COVER: f32 = 0.85;
 /// Light of the sky and of the sun that they scatter, least brightness and contrast.
 const CLOUD_SKY: f32 = 1.1;
 const CLOUD_SUN: f32 = 0.16;
-const CLOUD_BRIGHTNESS: (f32, f32) = (0.9, 0.2);
+const LEAST_CLOUD: f32 = 0.9;
+const CLOUD_CONTRAST: f32 = 0.2;
 /// Mean albedo of what hides the sky, plaster, brick, leaves, fences, cars, with a tenth more for further bounces.
 const STANDING_ALBEDO: Vec3 = Vec3::new(0.255, 0.240, 0.200);
 /// Of the open sky's and the sun's light on such an upright surface, the shares that reach it between others like it.
@@ -118,8 +122,8 @@ impl Sky {
         let air = |tau: f32| math::expf(-tau / (sin_e + HORIZON_SINE));
         let [red, green, blue] = [0, 1, 2].map(|k| SUN_ABOVE_AIR[k] * air(ZENITH_OPTICAL_DEPTHS[k]));
         let sun = Vec3::new(red, green, blue) * (1.0 - overcast);
-        let clear_level = CLEAR_LEVEL.0 + CLEAR_LEVEL.1 * sin_e;
-        let overcast_level = OVERCAST_LEVEL.0 + OVERCAST_LEVEL.1 * sin_e;
+        let clear_level = CLEAR_LEVEL + CLEAR_LEVEL_BY_SINE * sin_e;
+        let overcast_level = OVERCAST_LEVEL + OVERCAST_LEVEL_BY_SINE * sin_e;
         let level = math::lerp(f64::from(clear_level), f64::from(overcast_level), f64::from(overcast)) as f32;
         let mut sky = Self {
             sun_world,
@@ -190,13 +194,13 @@ impl Sky {
         let (x, y) = (direction.x * over, direction.y * over);
         let puffs = fbm(x * CLOUD_CELLS + CLOUD_SHIFT[0], y * CLOUD_CELLS - CLOUD_SHIFT[1], CLOUD_OCTAVES, CLOUD_SALT);
         let sky = if self.overcast > CLOSED {
-            base * (FOLDS.0 + FOLDS.1 * puffs)
+            base * (LEAST_FOLD + FOLD_CONTRAST * puffs)
         } else {
             let from = CLOUDS_FROM - CLOUDS_LOWER * self.cloudiness;
             let cover =
                 ((puffs - from) * CLOUD_SHARPNESS).clamp(0.0, 1.0) * (up * CLOUD_HORIZON).min(1.0) * CLOUD_COVER;
             let lit = self.sky_on_level * CLOUD_SKY + self.sun * CLOUD_SUN;
-            let white = Vec3::splat(lit.y) * (CLOUD_BRIGHTNESS.0 + CLOUD_BRIGHTNESS.1 * puffs);
+            let white = Vec3::splat(lit.y) * (LEAST_CLOUD + CLOUD_CONTRAST * puffs);
             base + (white - base).max(Vec3::ZERO) * cover
         };
         let is_up = direction.z >= 0.0;

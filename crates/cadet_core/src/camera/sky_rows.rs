@@ -1,15 +1,15 @@
 //! The sky in the image, row by row.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::light::Light;
 use super::noise::MIDDLE_PX;
-use super::visibility_pass::Rays;
+use super::visibility_pass::ImageRays;
 use crate::math::Vec3;
 
 /// The sky in the image, from a coarse lattice: clouds are smooth over so few pixels.
 pub struct SkyRows<'a> {
-    rays: &'a Rays,
+    rays: &'a ImageRays,
     light: &'a Light,
     /// Points of the lattice along a row.
     points: usize,
@@ -30,7 +30,7 @@ const SKY_IN_FOG_M: f32 = 400.0;
 impl<'a> SkyRows<'a> {
     /// No row yet.
     #[must_use]
-    pub fn new(width: usize, height: usize, rays: &'a Rays, light: &'a Light) -> Self {
+    pub fn new(width: usize, height: usize, rays: &'a ImageRays, light: &'a Light) -> Self {
         let has_horizon = |row: usize| {
             // Linear in the column.
             let [a, b] = [0.0, width as f32].map(|u| rays.direction(u, row as f32 + MIDDLE_PX).z);
@@ -103,7 +103,7 @@ fn exact(light: &Light, direction: Vec3) -> Vec3 {
 }
 
 /// [`exact`] in a row of directions, plane by plane.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn exact_row(light: &Light, first: Vec3, step: Vec3, [red, green, blue]: [&mut [f32]; 3]) {
     for (i, ((r, g), b)) in red.iter_mut().zip(green).zip(blue).enumerate() {
         let color = exact(light, first + step * (i as i32 as f32));

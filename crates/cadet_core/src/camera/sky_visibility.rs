@@ -1,6 +1,6 @@
 //! Directional sky visibility (ambient occlusion): a coarse height map of the scene, and probes over it.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::block_sums::BlockSums;
 use super::contact_occlusion::ContactOcclusion;
@@ -141,8 +141,8 @@ impl SkyProbes {
                     continue;
                 }
                 for column in mesh.columns_of(number) {
-                    let half = 0.5 * (column.high - column.low);
-                    let p = linear * Vec3::new(column.x, column.y, column.low + half) + origin;
+                    let half = 0.5 * (column.high_m - column.low_m);
+                    let p = linear * Vec3::new(column.x, column.y, column.low_m + half) + origin;
                     let (x, y) = ((p.x - self.min[0]) / CELL_M, (p.y - self.min[1]) / CELL_M);
                     if x >= 0.0 && y >= 0.0 && x < CELLS as f32 && y < CELLS as f32 {
                         mark(x as usize, y as usize, p.z - half, p.z + half);
@@ -244,7 +244,7 @@ impl SkyProbes {
 }
 
 /// What the probes around a place say, which is given in cells and lies within them.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn between(floor: &[f32], probes: &[Probes], [gx, gy]: [f32; 2], z: f32) -> [f32; 8] {
     let (ix, iy) = (gx as usize, gy as usize);
     let (fx, fy) = (gx - ix as f32, gy - iy as f32);
@@ -326,7 +326,7 @@ impl PaddedTop {
 }
 
 /// Raises the slopes of the horizon to what stands at a step.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn raise(slopes: &mut [f32], top: &[f32], floor: &[f32], over: f32, per_m: f32) {
     for ((slope, top), floor) in slopes.iter_mut().zip(top).zip(floor) {
         *slope = slope.max((top - (floor + over)) * per_m);

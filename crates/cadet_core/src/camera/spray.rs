@@ -15,9 +15,10 @@ use crate::spray::{Plume, Spray};
 
 /// Slices of depth of a plume.
 const SLICES: usize = 16;
-/// Points of the lattice across the image of a plume, if pixels between them allow.
+/// Points of the lattice across the image of a plume, if the fewest and the most pixels between them allow.
 const POINTS: usize = 24;
-const STEPS_PX: (usize, usize) = (2, 16);
+const MIN_STEP_PX: usize = 2;
+const MAX_STEP_PX: usize = 16;
 /// Spray nearer than this is on the lens, m.
 const NEAREST_M: f64 = 0.3;
 /// Optical depths below this are none.
@@ -28,9 +29,9 @@ pub(super) fn draw(spray: &Spray, rgb: &mut [f32], view: &View, seen: &Visibilit
     let eye = view.world_from_cam.translation;
     let distance_m = |plume: &Plume| (plume.world_from_plume().translation - eye).length();
     let mut far_first: Vec<(f64, &Plume)> = spray.plumes().iter().map(|plume| (distance_m(plume), plume)).collect();
-    far_first.sort_by(|a, b| b.0.total_cmp(&a.0));
+    far_first.sort_by(|(a_m, _), (b_m, _)| b_m.total_cmp(a_m));
     for (distance_m, plume) in far_first {
-        if let Some(lattice) = Lattice::new(plume, view) {
+        if let Some(lattice) = PlumeLattice::new(plume, view) {
             let direction = (plume.world_from_plume().translation - eye).normalize_or(DVec3::X);
             let radiance = light.through_air(light.around(), direction.as_vec3(), distance_m as f32);
             lattice.draw(rgb, view.width, seen, radiance);
@@ -39,7 +40,7 @@ pub(super) fn draw(spray: &Spray, rgb: &mut [f32], view: &View, seen: &Visibilit
 }
 
 /// A plume's optical depths before the slices of a lattice of rays.
-struct Lattice {
+struct PlumeLattice {
     rows: Range<usize>,
     columns: Range<usize>,
     step: usize,
@@ -67,7 +68,7 @@ fn window(plume: &Plume, view: &View) -> Option<(Range<usize>, Range<usize>, [f6
     if far_m <= NEAREST_M {
         return None;
     }
-    let [fx, fy, cx, cy] = view.intrinsics;
+    let [fx, fy, cx, cy] = view.intrinsics_px;
     let mut spans = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     let mut reach = |p: DVec3| {
         for (span, at) in spans.iter_mut().zip([fx * p.x / p.z + cx, fy * p.y / p.z + cy]) {
@@ -92,15 +93,15 @@ fn window(plume: &Plume, view: &View) -> Option<(Range<usize>, Range<usize>, [f6
     Some((pixels(spans[1], view.height)?, pixels(spans[0], view.width)?, [near_m.max(NEAREST_M), far_m]))
 }
 
-impl Lattice {
+impl PlumeLattice {
     fn new(plume: &Plume, view: &View) -> Option<Self> {
         let (rows, columns, [near_m, far_m]) = window(plume, view)?;
-        let step = (columns.len() / POINTS).clamp(STEPS_PX.0, STEPS_PX.1);
+        let step = (columns.len() / POINTS).clamp(MIN_STEP_PX, MAX_STEP_PX);
         let points_across = columns.len() / step + 2;
         let points_down = rows.len() / step + 2;
         let plume_from_cam = *plume.plume_from_world() * view.world_from_cam;
         let from = plume_from_cam.translation.as_vec3();
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let slice_m = ((far_m - near_m) / SLICES as f64) as f32;
         let mut depths = Vec::with_capacity(points_across * points_down);
         for i in 0..points_down {
@@ -142,8 +143,8 @@ impl Lattice {
                     }
                     // The two samples of a pixel; mostly all of the plume is before both.
                     let inverse = [i, i + 1].map(|i| {
-                        let glass = transparent.map_or(0.0, |glass| glass.inverse_depth[i][column % BLOCK]);
-                        glass.max(opaque.inverse_depth[i][column % BLOCK])
+                        let glass = transparent.map_or(0.0, |glass| glass.inverse_depth_per_m[i][column % BLOCK]);
+                        glass.max(opaque.inverse_depth_per_m[i][column % BLOCK])
                     });
                     let clear = if inverse[0].max(inverse[1]) <= self.last_per_m {
                         transmittance(left + (right - left) * share, 1.0)

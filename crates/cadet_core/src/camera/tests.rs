@@ -65,7 +65,7 @@ fn cuboid(min: Vec3, max: Vec3, material: Material, actor_id: i32) -> Instance {
 fn view() -> View {
     let axes = DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X);
     let world_from_cam = DPose3 { rotation: DQuat::from_mat3(&axes), translation: DVec3::new(0.0, 0.0, EYE_HEIGHT_M) };
-    View { intrinsics: INTRINSICS, width: SIZE.0, height: SIZE.1, world_from_cam }
+    View { intrinsics_px: INTRINSICS, width: SIZE.0, height: SIZE.1, world_from_cam }
 }
 
 fn clear_sun_from(azimuth_deg: f64) -> Weather {
@@ -105,10 +105,10 @@ fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
             let at = row * SIZE.0 + column;
             let z = EYE_HEIGHT_M / down;
             if (0.0..100.0).contains(&z) {
-                assert!((f64::from(r.depth[at]) - z).abs() < 1e-4 * z, "row {row}: {} {z}", r.depth[at]);
+                assert!((f64::from(r.depth_m[at]) - z).abs() < 1e-4 * z, "row {row}: {} {z}", r.depth_m[at]);
                 assert_eq!((r.instance[at], r.semantic[at]), (0, Semantic::Road as u8));
             } else if down < 0.0 {
-                assert!(r.depth[at].is_infinite());
+                assert!(r.depth_m[at].is_infinite());
                 assert_eq!((r.instance[at], r.semantic[at]), (-1, Semantic::Sky as u8));
             }
         }
@@ -125,8 +125,7 @@ fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
     let seen = visibility_pass(&posed, &view()).unwrap();
     for id in [3, 4, 5] {
         let centers = r.instance.iter().filter(|i| **i == id).count() as f64;
-        let of_row = |row| (0..w).filter(|column| seen.actor_at_sample(row, *column) == id).count();
-        let samples = (0..2 * h).map(of_row).sum::<usize>() as f64;
+        let samples = seen.samples_of_actor(id, 0..2 * h, 0..w) as f64;
         // The man stands behind the glass: only his head shows.
         assert!(samples > 0.0 || id == 5, "{id}");
         assert!((samples / 2.0 - centers).abs() <= 0.05 * centers + 12.0, "{id}: {samples} {centers}");
@@ -135,8 +134,8 @@ fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
     let [fx, fy, cx, cy] = INTRINSICS;
     let at = (cy + fy * 0.5 / 8.0).round() as usize * w + (cx - fx * 0.5 / 8.0).round() as usize;
     assert_eq!((r.instance[at], r.semantic[at]), (4, Semantic::Car as u8));
-    assert!((r.depth[at] - 8.0).abs() < 1e-3);
-    assert!((0..h * w).all(|at| seen.depth_at(at / w, at % w) == r.depth[at]));
+    assert!((r.depth_m[at] - 8.0).abs() < 1e-3);
+    assert!((0..h * w).all(|at| seen.depth_m_at(at / w, at % w) == r.depth_m[at]));
 }
 
 #[test]

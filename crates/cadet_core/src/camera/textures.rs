@@ -157,7 +157,8 @@ fn asphalt(base: Vec3, at: &PatternPoint) -> Vec3 {
 }
 
 /// Where paint has gone: noise in two sizes, cells per meter and share of the finer one; how soft the edges are.
-const GONE_PER_M: (f32, f32) = (7.0, 26.0);
+const COARSE_GONE_PER_M: f32 = 7.0;
+const FINE_GONE_PER_M: f32 = 26.0;
 const GONE_FINE: f32 = 0.45;
 const GONE_SALT: u32 = 0x9A17;
 const GONE_SOFT: f32 = 0.22;
@@ -174,9 +175,9 @@ fn gone_below(left: f32) -> f32 {
 #[inline(always)]
 fn paint(base: Vec3, at: &PatternPoint) -> Vec3 {
     let (u, v) = (at.u, at.v);
-    let WornPaint { left, asphalt } = WornPaint::of_albedo(base);
-    let coarse = value_noise(u * GONE_PER_M.0, v * GONE_PER_M.0, GONE_SALT);
-    let fine = value_noise(u * GONE_PER_M.1, v * GONE_PER_M.1, GONE_SALT + 1);
+    let WornPaint { left_share: left, asphalt_albedo: asphalt } = WornPaint::of_albedo(base);
+    let coarse = value_noise(u * COARSE_GONE_PER_M, v * COARSE_GONE_PER_M, GONE_SALT);
+    let fine = value_noise(u * FINE_GONE_PER_M, v * FINE_GONE_PER_M, GONE_SALT + 1);
     let noise = coarse + (fine - coarse) * GONE_FINE;
     let here = ((noise - gone_below(left)) * (1.0 / GONE_SOFT) + 0.5).clamp(0.0, 1.0);
     let here = left + (here - left) * keep(GONE_PATCH_M, at.footprint_m);

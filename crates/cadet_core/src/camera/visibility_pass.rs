@@ -13,7 +13,7 @@ use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
 #[derive(Debug, Clone)]
 pub struct View {
     /// fx, fy, cx, cy in pixels; pixel (0, 0) has its center at (0, 0).
-    pub intrinsics: [f64; 4],
+    pub intrinsics_px: [f64; 4],
     /// Columns.
     pub width: usize,
     /// Rows.
@@ -29,7 +29,7 @@ impl View {
         let camera = camera.pinhole();
         let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
         Self {
-            intrinsics: camera.intrinsics(),
+            intrinsics_px: camera.intrinsics_px(),
             width: camera.width,
             height: camera.height,
             world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
@@ -38,9 +38,9 @@ impl View {
 
     /// Some rows of the image, of a camera that has moved.
     pub(super) fn rows(&self, rows: Range<usize>, displacement: &DPose3) -> Self {
-        let [fx, fy, cx, cy] = self.intrinsics;
+        let [fx, fy, cx, cy] = self.intrinsics_px;
         Self {
-            intrinsics: [fx, fy, cx, cy - rows.start as f64],
+            intrinsics_px: [fx, fy, cx, cy - rows.start as f64],
             width: self.width,
             height: rows.len(),
             world_from_cam: *displacement * self.world_from_cam,
@@ -62,7 +62,7 @@ pub struct Visibility {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Maps {
     /// z along the optical axis, meters; infinite for the sky.
-    pub depth: Vec<f32>,
+    pub depth_m: Vec<f32>,
     /// -1 sky, 0 static world, actors from 1; transparent surfaces carry their car's id.
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
@@ -70,11 +70,11 @@ pub struct Maps {
 }
 
 impl Visibility {
-    /// As [`Maps::depth`], at the center of a pixel.
+    /// As [`Maps::depth_m`], at the center of a pixel.
     #[must_use]
-    pub fn depth_at(&self, row: usize, column: usize) -> f32 {
+    pub fn depth_m_at(&self, row: usize, column: usize) -> f32 {
         let (x, y) = (self.grid.columns_x(2 * row)[column], self.grid.rows_y()[2 * row]);
-        self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_at(x, y))
+        self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_m_at(x, y))
     }
 
     /// Returns the maps as a lens shows them; without a `warp`, as the pinhole camera sees them.
@@ -83,7 +83,7 @@ impl Visibility {
         let maps = self.maps(scene);
         let Some(warp) = warp else { return maps };
         Maps {
-            depth: warp.nearest(&maps.depth),
+            depth_m: warp.nearest(&maps.depth_m),
             instance: warp.nearest(&maps.instance),
             semantic: warp.nearest(&maps.semantic),
         }
@@ -99,7 +99,7 @@ impl Visibility {
         let mut semantic = vec![Semantic::Sky as u8; width * height];
         let (columns_x, rows_y) = (self.grid.columns_x(0), self.grid.rows_y());
         // Neighbors mostly show the same face.
-        let mut last = (u32::MAX, -1, Semantic::Sky as u8);
+        let (mut last_id, mut actor_id, mut class) = (u32::MAX, -1, Semantic::Sky as u8);
         for number in 0..buffer.num_blocks() {
             let opaque = buffer.opaque(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
@@ -109,50 +109,43 @@ impl Visibility {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
                 for j in 0..BLOCK.min(width - left) {
-                    let (mut inverse_depth, mut id) = (opaque.inverse_depth[i][j], opaque.face[i][j]);
-                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth[i][j] > inverse_depth) {
-                        (inverse_depth, id) = (transparent.inverse_depth[i][j], transparent.face[i][j]);
+                    let (mut inverse_depth, mut id) = (opaque.inverse_depth_per_m[i][j], opaque.face[i][j]);
+                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth_per_m[i][j] > inverse_depth) {
+                        (inverse_depth, id) = (transparent.inverse_depth_per_m[i][j], transparent.face[i][j]);
                     }
                     if inverse_depth <= 0.0 {
                         continue;
                     }
                     let face = &buffer.faces[id as usize];
-                    if last.0 != id {
+                    if last_id != id {
                         let posed = &scene.instances[face.instance as usize];
-                        last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
+                        (last_id, actor_id, class) = (id, posed.actor_id, posed.material(face.face).semantic as u8);
                     }
                     let at = line + j;
-                    depth[at] = face.depth_at(columns_x[left + j], y);
-                    (instance[at], semantic[at]) = (last.1, last.2);
+                    depth[at] = face.depth_m_at(columns_x[left + j], y);
+                    (instance[at], semantic[at]) = (actor_id, class);
                 }
             }
         }
-        Maps { depth, instance, semantic }
+        Maps { depth_m: depth, instance, semantic }
     }
 
-    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v +
-    /// 1 half a pixel to the right and below.
-    #[inline]
-    #[must_use]
-    pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
-        self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
-    }
-
-    /// How many samples of a window see an actor; see [`Visibility::actor_at_sample`].
+    /// How many samples of a window see an actor: those of row 2 v lie on the centers of the pixels of row v, those of row
+    /// 2 v + 1 half a pixel to the right and below.
     #[must_use]
     pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
         let buffer = &self.samples.0;
         // Neighbors mostly show the same face.
-        let mut last = (u32::MAX, false);
+        let (mut last_number, mut is_actor) = (u32::MAX, false);
         let mut count = 0;
         for row in rows {
             for column in columns.clone() {
                 let Some((number, _)) = buffer.front_number(row, column) else { continue };
-                if last.0 != number {
+                if last_number != number {
                     let instance = buffer.faces[number as usize].instance;
-                    last = (number, self.actor_ids[instance as usize] == actor_id);
+                    (last_number, is_actor) = (number, self.actor_ids[instance as usize] == actor_id);
                 }
-                count += usize::from(last.1);
+                count += usize::from(is_actor);
             }
         }
         count
@@ -181,7 +174,7 @@ impl Drop for Samples {
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let (width, height) = (view.width, view.height);
-    let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
+    let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics_px, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
     rasterize(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
@@ -189,7 +182,7 @@ pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.
-pub(super) struct Rays {
+pub(super) struct ImageRays {
     pub eye: Vec3,
     pub right: Vec3,
     pub down: Vec3,
@@ -199,9 +192,9 @@ pub(super) struct Rays {
     corner: Vec3,
 }
 
-impl Rays {
+impl ImageRays {
     pub fn new(view: &View) -> Self {
-        let [fx, fy, cx, cy] = view.intrinsics;
+        let [fx, fy, cx, cy] = view.intrinsics_px;
         let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
         let (right, down) = (turn(DVec3::X / fx), turn(DVec3::Y / fy));
         Self {
@@ -224,7 +217,7 @@ impl Rays {
 const POINT_ROWS: [usize; 4] = [0, 4, 2, 6];
 
 /// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
-pub(super) fn visible_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
+pub(super) fn visible_points(rays: &ImageRays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
     let across = buffer.blocks_across.max(1);
@@ -234,10 +227,12 @@ pub(super) fn visible_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>
     for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.
         rows.clear();
-        rows.extend((0..across).map(|column| buffer.opaque(first + column).inverse_depth[row_of(column, block_row)]));
+        rows.extend(
+            (0..across).map(|column| buffer.opaque(first + column).inverse_depth_per_m[row_of(column, block_row)]),
+        );
         for (block_column, opaque) in rows.iter().enumerate() {
             let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
-            let transparent = buffer.transparent(number).map(|transparent| &transparent.inverse_depth[i]);
+            let transparent = buffer.transparent(number).map(|transparent| &transparent.inverse_depth_per_m[i]);
             for j in (block_row % 2..BLOCK).step_by(2) {
                 let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
                 let direction = rays.direction(column as f32, row as f32 * 0.5);

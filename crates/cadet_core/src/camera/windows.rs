@@ -26,23 +26,22 @@ const FOLDS_PER_M: f32 = 7.0;
 /// What stands in rooms and behind shop windows: cells of noise per meter, and how dark it is.
 const THINGS_PER_M: f32 = 2.2;
 const THINGS: f32 = 0.85;
-const SHELVES_PER_M: (f32, f32) = (1.1, 2.7);
+const SHELVES_PER_M: [f32; 2] = [1.1, 2.7];
 
 /// A window's number and the middle of its pane, in its mesh's frame, by the corners of a half of it.
 #[inline]
 pub(super) fn window([a, b, c]: [Vec3; 3], normal: Vec3, place_hash: u32) -> (u32, Vec3) {
     // The halves of a rectangle share its diagonal, the longest edge.
-    let edges = [(a, b), (b, c), (c, a)];
-    let longest = |x: (Vec3, Vec3), y: (Vec3, Vec3)| {
-        if (x.1 - x.0).length_squared() >= (y.1 - y.0).length_squared() { x } else { y }
+    let longest = |[a, b]: [Vec3; 2], [c, d]: [Vec3; 2]| {
+        if (b - a).length_squared() >= (d - c).length_squared() { [a, b] } else { [c, d] }
     };
-    let diagonal = longest(longest(edges[0], edges[1]), edges[2]);
-    let middle = (diagonal.0 + diagonal.1) * 0.5;
+    let [from, to] = longest(longest([a, b], [b, c]), [c, a]);
+    let middle = (from + to) * 0.5;
     // Panes lie at other depths in other levels of detail.
     let flat = middle - normal * middle.dot(normal);
     let key = (flat * PLACES_PER_M + Vec3::splat(0.31)).floor();
     let hash = hash2(key.x as i32 ^ (key.z as i32).wrapping_mul(0x3D4D), key.y as i32, place_hash);
-    let is_shop = (diagonal.1 - diagonal.0).length() > SHOP_FROM_M;
+    let is_shop = (to - from).length() > SHOP_FROM_M;
     (hash & !SHOP_FLAG | if is_shop { SHOP_FLAG } else { 0 }, middle)
 }
 
@@ -57,7 +56,7 @@ pub(super) fn radiance(window: Vec3, at: &PatternPoint) -> Vec3 {
     }
     if hash & SHOP_FLAG != 0 {
         // Shelves, darker toward the floor.
-        let shelves = value_noise(at.u * SHELVES_PER_M.0, at.v * SHELVES_PER_M.1, hash);
+        let shelves = value_noise(at.u * SHELVES_PER_M[0], at.v * SHELVES_PER_M[1], hash);
         let low = (0.7 - at.v * 0.5).clamp(0.0, 1.0);
         return COOL * (window.z * (1.3 - THINGS * low * (0.4 + shelves)));
     }

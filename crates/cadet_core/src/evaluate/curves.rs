@@ -6,7 +6,7 @@ pub const MAX_THRESHOLDS: usize = 41;
 const STEPS: f64 = 40.0;
 
 /// Precision at the recall positions 0, 1/40, ..., 1; 0 beyond the last threshold.
-pub type Samples = [f64; MAX_THRESHOLDS];
+pub type PrecisionByRecall = [f64; MAX_THRESHOLDS];
 
 /// Changes from each threshold to the next, summed over frames.
 ///
@@ -53,17 +53,17 @@ impl Tally {
 
     /// True positives over detections. KITTI's program divides 0 by 0 where every detection was taken by an object
     /// that does not count; that is 0 here.
-    pub(super) fn precision(&self, num_thresholds: usize) -> Samples {
+    pub(super) fn precision(&self, num_thresholds: usize) -> PrecisionByRecall {
         self.envelope(num_thresholds, |i| self.num_tp[i] as f64)
     }
 
     /// Summed similarity over detections, 0 over 0 as above.
-    pub(super) fn heading_similarity(&self, num_thresholds: usize) -> Samples {
+    pub(super) fn heading_similarity(&self, num_thresholds: usize) -> PrecisionByRecall {
         self.envelope(num_thresholds, |i| self.similarity[i] as f64 / Self::UNIT)
     }
 
     /// Each sample is the largest of its own and all later ones.
-    fn envelope(&self, num_thresholds: usize, numerator: impl Fn(usize) -> f64) -> Samples {
+    fn envelope(&self, num_thresholds: usize, numerator: impl Fn(usize) -> f64) -> PrecisionByRecall {
         let mut samples = [0.0; MAX_THRESHOLDS];
         let mut most = 0.0_f64;
         for i in (0..num_thresholds).rev() {
@@ -101,19 +101,19 @@ pub fn choose_thresholds(scores: &[f64], num_valid: u64) -> Vec<f64> {
 
 /// The mean over the eleven recall positions 0, 0.1, ..., 1, in percent: KITTI's AP until October 2019.
 #[must_use]
-pub fn average_r11(samples: &Samples) -> f64 {
+pub fn average_r11(samples: &PrecisionByRecall) -> f64 {
     samples.iter().step_by(4).sum::<f64>() / 11.0 * 100.0
 }
 
 /// The mean over the forty recall positions 1/40, 2/40, ..., 1, in percent: KITTI's AP since.
 #[must_use]
-pub fn average_r40(samples: &Samples) -> f64 {
+pub fn average_r40(samples: &PrecisionByRecall) -> f64 {
     samples[1..].iter().sum::<f64>() / STEPS * 100.0
 }
 
 /// The curve of detections that are all right, which fewer than 41 objects keep short.
 #[must_use]
-pub fn perfect(num_valid: u64) -> Samples {
+pub fn perfect(num_valid: u64) -> PrecisionByRecall {
     let scores = vec![0.0; usize::try_from(num_valid).unwrap_or(usize::MAX).min(MAX_THRESHOLDS)];
     let num_thresholds = choose_thresholds(&scores, num_valid.min(MAX_THRESHOLDS as u64)).len();
     std::array::from_fn(|i| f64::from(u8::from(i < num_thresholds)))

@@ -7,7 +7,7 @@ use super::curves::{average_r11, average_r40};
 use super::matching::FirstPass;
 use super::metric::{Metric, Settings};
 use super::objects::FramePair;
-use super::prepared::Prepared;
+use super::prepared::{Prepared, Task};
 use crate::error::Error;
 use crate::parallel;
 
@@ -50,9 +50,9 @@ pub fn evaluate_draws<E: From<Error> + Send>(
     }
     parallel::run(|| {
         let prepared = Prepared::new(frames, settings);
-        let drawn = |&(class, metric, level): &(usize, Metric, usize)| {
-            let contest = prepared.contest(class, metric, level);
-            let passes = prepared.first_passes(&contest, class);
+        let drawn = |task: &Task| {
+            let (criteria, Task { class, metric, level }) = (prepared.criteria(task), *task);
+            let passes = prepared.first_passes(&criteria, class);
             let has_heading = prepared.has_heading(metric);
             let values: Vec<([f64; 2], [f64; 2])> = draws
                 .par_iter()
@@ -66,7 +66,7 @@ pub fn evaluate_draws<E: From<Error> + Send>(
                     if found.num_valid == 0 {
                         return ([f64::NAN; 2], [f64::NAN; 2]);
                     }
-                    let (thresholds, tally) = prepared.second_pass(&contest, class, draw, found);
+                    let (thresholds, tally) = prepared.second_pass(&criteria, class, draw, found);
                     let means = |samples| [average_r11(&samples), average_r40(&samples)];
                     (means(tally.precision(thresholds.len())), means(tally.heading_similarity(thresholds.len())))
                 })

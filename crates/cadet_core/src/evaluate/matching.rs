@@ -5,16 +5,16 @@
 //! overlaps. The second is not run once a threshold: its answer changes only where a detection that overlaps something
 //! comes in, so it is run there and the differences are noted.
 
+use super::class_records::{ClassDetection, ClassObject};
 use super::curves::{MAX_THRESHOLDS, Tally};
 use super::metric::{Level, Metric};
 use super::objects::{Detection, FramePair, ObjectTypes, Truth};
 use super::overlaps::FrameOverlaps;
-use super::roster::{Claim, Entrant};
 use crate::math;
 
 /// A class at a level in a metric.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Contest<'a> {
+pub(super) struct Criteria<'a> {
     pub kinds: &'a ObjectTypes,
     pub level: &'a Level,
     pub metric: Metric,
@@ -23,11 +23,11 @@ pub(super) struct Contest<'a> {
 
 /// A frame as a class sees it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct View<'a> {
+pub(super) struct ClassFrame<'a> {
     pub frame: &'a FramePair,
     pub overlaps: &'a FrameOverlaps,
-    pub entrants: &'a [Entrant],
-    pub claims: &'a [Claim],
+    pub class_objects: &'a [ClassObject],
+    pub class_detections: &'a [ClassDetection],
 }
 
 /// What finding an object that takes part is worth.
@@ -39,13 +39,14 @@ enum Mark {
     Ignored,
 }
 
-impl Contest<'_> {
-    fn mark(&self, entrant: &Entrant) -> Mark {
+impl Criteria<'_> {
+    fn mark(&self, class_object: &ClassObject) -> Mark {
         let level = self.level;
-        let height = entrant.height_px;
+        let height = class_object.height_px;
         let is_high = height > level.min_height_px || (level.is_inclusive && height == level.min_height_px);
-        let is_seen = entrant.occluded <= level.max_occlusion && entrant.truncated <= level.max_truncation;
-        if entrant.is_wanted && is_high && is_seen { Mark::Valid } else { Mark::Ignored }
+        let is_seen = class_object.occlusion_level <= level.max_occlusion_level
+            && class_object.truncation <= level.max_truncation;
+        if class_object.is_wanted && is_high && is_seen { Mark::Valid } else { Mark::Ignored }
     }
 
     /// Whether a detection, of any class, is too low to be right or wrong.
@@ -64,7 +65,7 @@ impl Contest<'_> {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Candidate {
+struct MatchCandidate {
     detection: usize,
     iou: f64,
     score: f64,
@@ -85,7 +86,7 @@ struct Object {
 #[derive(Debug, Default)]
 pub(super) struct Matcher {
     objects: Vec<Object>,
-    candidates: Vec<Candidate>,
+    candidates: Vec<MatchCandidate>,
     is_taken: Vec<bool>,
     steps: Vec<usize>,
 }
@@ -118,12 +119,12 @@ struct Outcome {
 
 impl Matcher {
     /// Adds a frame to the first pass.
-    pub(super) fn collect_scores(&mut self, contest: &Contest<'_>, view: &View<'_>, found: &mut FirstPass) {
-        let is_valid = |entrant: &&Entrant| contest.mark(entrant) == Mark::Valid;
-        found.num_valid += view.entrants.iter().filter(is_valid).count() as u64;
-        self.gather(contest, view, &[]);
+    pub(super) fn collect_scores(&mut self, criteria: &Criteria<'_>, view: &ClassFrame<'_>, found: &mut FirstPass) {
+        let is_valid = |class_object: &&ClassObject| criteria.mark(class_object) == Mark::Valid;
+        found.num_valid += view.class_objects.iter().filter(is_valid).count() as u64;
+        self.gather(criteria, view, &[]);
         for object in &self.objects {
-            let mut best: Option<&Candidate> = None;
+            let mut best: Option<&MatchCandidate> = None;
             for candidate in &self.candidates[object.start..object.end] {
                 if !self.is_taken[candidate.detection] && best.is_none_or(|best| candidate.score > best.score) {
                     best = Some(candidate);
@@ -139,16 +140,24 @@ impl Matcher {
     }
 
     /// Adds a frame to the second pass at all thresholds, which fall.
-    pub(super) fn count(&mut self, contest: &Contest<'_>, view: &View<'_>, thresholds: &[f64], tally: &mut Tally) {
-        for claim in view.claims {
-            if !contest.is_small(claim.height_px) && claim.covered[contest.metric as usize] <= contest.min_overlap {
-                let enters = first_threshold(thresholds, claim.score);
+    pub(super) fn count(
+        &mut self,
+        criteria: &Criteria<'_>,
+        view: &ClassFrame<'_>,
+        thresholds: &[f64],
+        tally: &mut Tally,
+    ) {
+        for class_detection in view.class_detections {
+            if !criteria.is_small(class_detection.height_px)
+                && class_detection.covered_share[criteria.metric as usize] <= criteria.min_overlap
+            {
+                let enters = first_threshold(thresholds, class_detection.score);
                 if enters < thresholds.len() {
                     tally.num_fp[enters] += 1;
                 }
             }
         }
-        self.gather(contest, view, thresholds);
+        self.gather(criteria, view, thresholds);
         self.steps.clear();
         self.steps.extend(self.candidates.iter().map(|candidate| candidate.enters));
         self.steps.sort_unstable();
@@ -159,7 +168,7 @@ impl Matcher {
             if threshold >= thresholds.len() {
                 break;
             }
-            let now = self.match_at(contest, view, threshold);
+            let now = self.match_at(criteria, view, threshold);
             tally.num_tp[threshold] += now.num_tp - before.num_tp;
             tally.num_fp[threshold] -= now.num_spared - before.num_spared;
             tally.similarity[threshold] += now.similarity - before.similarity;
@@ -168,19 +177,19 @@ impl Matcher {
     }
 
     /// Lists the objects that may be found and the detections that may find them.
-    fn gather(&mut self, contest: &Contest<'_>, view: &View<'_>, thresholds: &[f64]) {
+    fn gather(&mut self, criteria: &Criteria<'_>, view: &ClassFrame<'_>, thresholds: &[f64]) {
         self.objects.clear();
         self.candidates.clear();
-        for entrant in view.entrants {
+        for class_object in view.class_objects {
             let start = self.candidates.len();
-            for overlap in view.overlaps.of(contest.metric, entrant.truth as usize) {
-                if overlap.iou <= contest.min_overlap {
+            for overlap in view.overlaps.of(criteria.metric, class_object.truth as usize) {
+                if overlap.iou <= criteria.min_overlap {
                     continue;
                 }
                 let detection = &view.frame.detections[overlap.detection as usize];
-                let is_small = contest.is_small(detection.height_px());
-                if is_small || contest.kinds.contains(detection.kind) {
-                    self.candidates.push(Candidate {
+                let is_small = criteria.is_small(detection.height_px());
+                if is_small || criteria.kinds.contains(detection.kind) {
+                    self.candidates.push(MatchCandidate {
                         detection: overlap.detection as usize,
                         iou: overlap.iou,
                         score: detection.score,
@@ -191,8 +200,8 @@ impl Matcher {
             }
             let end = self.candidates.len();
             if end > start {
-                let is_valid = contest.mark(entrant) == Mark::Valid;
-                self.objects.push(Object { truth: entrant.truth as usize, is_valid, start, end });
+                let is_valid = criteria.mark(class_object) == Mark::Valid;
+                self.objects.push(Object { truth: class_object.truth as usize, is_valid, start, end });
             }
         }
         if !self.objects.is_empty() {
@@ -201,11 +210,11 @@ impl Matcher {
         }
     }
 
-    fn match_at(&mut self, contest: &Contest<'_>, view: &View<'_>, threshold: usize) -> Outcome {
+    fn match_at(&mut self, criteria: &Criteria<'_>, view: &ClassFrame<'_>, threshold: usize) -> Outcome {
         let mut outcome = Outcome::default();
         self.is_taken.fill(false);
         for object in &self.objects {
-            let mut chosen: Option<&Candidate> = None;
+            let mut chosen: Option<&MatchCandidate> = None;
             for candidate in &self.candidates[object.start..object.end] {
                 if candidate.enters > threshold || self.is_taken[candidate.detection] {
                     continue;
@@ -224,12 +233,12 @@ impl Matcher {
             if !chosen.is_active {
                 continue;
             }
-            let is_stuff = view.overlaps.covered(contest.metric, chosen.detection) > contest.min_overlap;
+            let is_stuff = view.overlaps.covered_share(criteria.metric, chosen.detection) > criteria.min_overlap;
             outcome.num_spared += i64::from(!is_stuff);
             if object.is_valid {
                 outcome.num_tp += 1;
                 let (truth, detection) = (&view.frame.truths[object.truth], &view.frame.detections[chosen.detection]);
-                outcome.similarity += Tally::fixed_point(contest.similarity(truth, detection));
+                outcome.similarity += Tally::fixed_point(criteria.similarity(truth, detection));
             }
         }
         outcome

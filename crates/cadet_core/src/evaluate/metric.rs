@@ -27,7 +27,7 @@ pub struct Level {
     /// Whether an object of exactly the least height belongs to the level. In KITTI it does not.
     pub is_inclusive: bool,
     /// The largest occlusion level, infinite for none.
-    pub max_occlusion: f64,
+    pub max_occlusion_level: f64,
     /// The largest truncation, infinite for none.
     pub max_truncation: f64,
 }
@@ -88,7 +88,7 @@ impl Settings {
             if !(level.min_height_px >= 0.0 && level.min_height_px.is_finite()) {
                 return Err(out_of_range("min_height_px", level.min_height_px, "a number of at least 0"));
             }
-            if level.max_occlusion.is_nan() || level.max_truncation.is_nan() {
+            if level.max_occlusion_level.is_nan() || level.max_truncation.is_nan() {
                 return Err(out_of_range("a level's limit", "NaN", "a number"));
             }
         }
@@ -96,7 +96,7 @@ impl Settings {
     }
 
     /// The lowest overlap that any class asks for, by metric.
-    pub(super) fn floors(&self) -> [f64; 3] {
+    pub(super) fn least_min_overlap(&self) -> [f64; 3] {
         std::array::from_fn(|metric| self.classes.iter().map(|c| c.min_overlap[metric]).fold(1.0, f64::min))
     }
 

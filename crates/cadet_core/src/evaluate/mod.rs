@@ -8,6 +8,7 @@
 //! Nothing depends on the number of threads or the order of frames, to the last bit: what is summed over frames are
 //! whole numbers. Within a frame the order of lines breaks ties, as in KITTI's program.
 
+mod class_records;
 mod curves;
 mod draws;
 mod files;
@@ -18,26 +19,25 @@ mod objects;
 mod overlaps;
 mod parse;
 mod prepared;
-mod roster;
 mod rotated_iou;
 mod sight;
 mod text;
 
 use rayon::prelude::*;
 
-pub use curves::{MAX_THRESHOLDS, Samples, average_r11, average_r40, choose_thresholds, perfect};
+pub use curves::{MAX_THRESHOLDS, PrecisionByRecall, average_r11, average_r40, choose_thresholds, perfect};
 pub use draws::{DrawnAp, evaluate_draws};
 pub use files::read_files;
 pub use metric::{ClassLimits, Level, Metric, Settings};
 pub use nms::{MAX_PAIRS, iou_matrix, nms_bev};
 pub use objects::{BoxImg, Detection, FramePair, MIN_SCORE, ObjectType, ObjectTypes, OtherNames, Truth};
 pub use parse::{Parsed, parse_detections, parse_truths};
-pub use rotated_iou::{RotatedBox, intersection_bev, iou_3d, iou_bev};
+pub use rotated_iou::{RotatedBox, intersection_bev_m2, iou_3d, iou_bev};
 pub use sight::{Sight, sight};
 
 use crate::error::Result;
 use crate::parallel;
-use prepared::Prepared;
+use prepared::{Prepared, Task};
 
 /// The result for one class, metric and level.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +57,11 @@ pub struct Curve {
     /// False positives at each threshold.
     pub num_fp: Vec<u64>,
     /// Precision by recall, made to fall.
-    pub precision: Samples,
+    pub precision: PrecisionByRecall,
     /// Precision by recall, made to fall, with each true positive worth (1 + cos d) / 2 of its heading's error: AOS of
     /// observation angles in the image, AHS of headings from above and in space. None in the image if any detection has
     /// no observation angle.
-    pub heading: Option<Samples>,
+    pub heading: Option<PrecisionByRecall>,
 }
 
 /// Compares detections with ground truth.
@@ -79,7 +79,7 @@ pub struct Curve {
 /// let frames = [FramePair { truths: truths.objects, detections: found.objects }];
 ///
 /// let class = ClassLimits::of(ObjectType::Car, [0.7; 3]);
-/// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion: 0.0, max_truncation: 0.15 };
+/// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion_level: 0.0, max_truncation: 0.15 };
 /// let curves = evaluate(&frames, &Settings { classes: vec![class], levels: vec![easy] })?;
 /// // In the image, from above, and in 3D.
 /// assert_eq!(curves.len(), 3);
@@ -97,11 +97,11 @@ pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>>
 fn curves_of(frames: &[FramePair], settings: &Settings) -> Vec<Curve> {
     let prepared = Prepared::new(frames, settings);
     let indices: Vec<u32> = (0..frames.len() as u32).collect();
-    let curve = |&(class, metric, level): &(usize, Metric, usize)| {
-        let contest = prepared.contest(class, metric, level);
-        let found = prepared.first_pass(&contest, class);
+    let curve = |task: &Task| {
+        let (criteria, Task { class, metric, level }) = (prepared.criteria(task), *task);
+        let found = prepared.first_pass(&criteria, class);
         let num_valid = found.num_valid;
-        let (thresholds, tally) = prepared.second_pass(&contest, class, &indices, found);
+        let (thresholds, tally) = prepared.second_pass(&criteria, class, &indices, found);
         let count = thresholds.len();
         Curve {
             class,

@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     fn at(x: f64) -> RotatedBox {
-        RotatedBox { x, y: 1.6, z: 20.0, length: 4.0, width: 2.0, height: 1.5, rotation_y: 0.0 }
+        RotatedBox { x, y: 1.6, z: 20.0, length_m: 4.0, width_m: 2.0, height_m: 1.5, rotation_y: 0.0 }
     }
 
     #[test]

@@ -138,41 +138,41 @@ impl OtherNames {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxImg {
     /// Left edge.
-    pub x1: f64,
+    pub left_px: f64,
     /// Upper edge.
-    pub y1: f64,
+    pub top_px: f64,
     /// Right edge.
-    pub x2: f64,
+    pub right_px: f64,
     /// Lower edge.
-    pub y2: f64,
+    pub bottom_px: f64,
 }
 
 impl BoxImg {
     /// The area in square pixels, as KITTI computes it: no pixel is added to a side.
     #[must_use]
-    pub fn area(&self) -> f64 {
-        (self.x2 - self.x1) * (self.y2 - self.y1)
+    pub fn area_px2(&self) -> f64 {
+        (self.right_px - self.left_px) * (self.bottom_px - self.top_px)
     }
 
     /// Whether nothing lies inside, as in what is written where no rectangle is known: `0 0 0 0`, `-1 -1 -1 -1`.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.x1 == self.x2 || self.y1 == self.y2
+        self.left_px == self.right_px || self.top_px == self.bottom_px
     }
 
     /// The area shared with another rectangle, 0 where they only touch.
     #[must_use]
-    pub fn intersection(&self, other: &Self) -> f64 {
-        let width = self.x2.min(other.x2) - self.x1.max(other.x1);
-        let height = self.y2.min(other.y2) - self.y1.max(other.y1);
+    pub fn intersection_px2(&self, other: &Self) -> f64 {
+        let width = self.right_px.min(other.right_px) - self.left_px.max(other.left_px);
+        let height = self.bottom_px.min(other.bottom_px) - self.top_px.max(other.top_px);
         if width <= 0.0 || height <= 0.0 { 0.0 } else { width * height }
     }
 
     /// Intersection over union.
     #[must_use]
     pub fn iou(&self, other: &Self) -> f64 {
-        let shared = self.intersection(other);
-        if shared > 0.0 { shared / (self.area() + other.area() - shared) } else { 0.0 }
+        let shared = self.intersection_px2(other);
+        if shared > 0.0 { shared / (self.area_px2() + other.area_px2() - shared) } else { 0.0 }
     }
 }
 
@@ -182,9 +182,9 @@ pub struct Truth {
     /// Its type.
     pub kind: ObjectType,
     /// Share outside the image, 0..1; -1 unknown.
-    pub truncated: f64,
+    pub truncation: f64,
     /// Occlusion level, 0 visible .. 3 unknown; -1 in regions that nobody labeled.
-    pub occluded: f64,
+    pub occlusion_level: f64,
     /// Observation angle in radians.
     pub alpha: f64,
     /// Rectangle in the image.
@@ -216,7 +216,7 @@ impl Detection {
     /// Height of the rectangle in the image, in pixels, also of one that stands on its head.
     #[must_use]
     pub fn height_px(&self) -> f64 {
-        (self.box_img.y2 - self.box_img.y1).abs()
+        (self.box_img.bottom_px - self.box_img.top_px).abs()
     }
 }
 

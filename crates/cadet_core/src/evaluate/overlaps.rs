@@ -2,11 +2,11 @@
 
 use super::metric::Metric;
 use super::objects::{Detection, FramePair, ObjectType, Truth};
-use super::rotated_iou::{intersection_bev, iou_3d_from, iou_bev_from};
+use super::rotated_iou::{intersection_bev_m2, iou_3d_from, iou_bev_from};
 
 /// A detection that overlaps an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Overlap {
+pub(super) struct DetectionOverlap {
     /// Index of the detection in its frame.
     pub detection: u32,
     /// Intersection over union, above the lowest limit that any class asks for.
@@ -15,8 +15,8 @@ pub(super) struct Overlap {
 
 /// The overlaps of one frame in one metric.
 #[derive(Debug, Clone, Default)]
-struct Table {
-    overlaps: Vec<Overlap>,
+struct MetricOverlaps {
+    overlaps: Vec<DetectionOverlap>,
     /// Where the overlaps of each object begin, and the end.
     starts: Vec<u32>,
     /// The largest share of each detection in one DontCare region, infinite for an optional one; empty if the frame has
@@ -27,13 +27,13 @@ struct Table {
 /// The overlaps of one frame.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FrameOverlaps {
-    tables: [Table; 3],
+    tables: [MetricOverlaps; 3],
 }
 
 impl FrameOverlaps {
-    /// Computes the overlaps above `floors` (one a metric) of objects whose kind `is_wanted`.
-    pub(super) fn new(frame: &FramePair, floors: [f64; 3], is_wanted: impl Fn(ObjectType) -> bool) -> Self {
-        let mut tables: [Table; 3] = Default::default();
+    /// Computes the overlaps above `min_iou` (one a metric) of objects whose kind `is_wanted`.
+    pub(super) fn new(frame: &FramePair, min_iou: [f64; 3], is_wanted: impl Fn(ObjectType) -> bool) -> Self {
+        let mut tables: [MetricOverlaps; 3] = Default::default();
         for truth in &frame.truths {
             for table in &mut tables {
                 table.starts.push(table.overlaps.len() as u32);
@@ -43,8 +43,8 @@ impl FrameOverlaps {
             }
             for (index, detection) in frame.detections.iter().enumerate() {
                 for (metric, iou) in ious(truth, detection).into_iter().enumerate() {
-                    if iou > floors[metric] {
-                        tables[metric].overlaps.push(Overlap { detection: index as u32, iou });
+                    if iou > min_iou[metric] {
+                        tables[metric].overlaps.push(DetectionOverlap { detection: index as u32, iou });
                     }
                 }
             }
@@ -70,13 +70,13 @@ impl FrameOverlaps {
     }
 
     /// The overlaps of an object, in the order of the detections.
-    pub(super) fn of(&self, metric: Metric, truth: usize) -> &[Overlap] {
+    pub(super) fn of(&self, metric: Metric, truth: usize) -> &[DetectionOverlap] {
         let table = &self.tables[metric as usize];
         &table.overlaps[table.starts[truth] as usize..table.starts[truth + 1] as usize]
     }
 
     /// The largest share of a detection that lies in one DontCare region, infinite for an optional one.
-    pub(super) fn covered(&self, metric: Metric, detection: usize) -> f64 {
+    pub(super) fn covered_share(&self, metric: Metric, detection: usize) -> f64 {
         self.tables[metric as usize].covered.get(detection).copied().unwrap_or(0.0)
     }
 }
@@ -85,7 +85,7 @@ impl FrameOverlaps {
 fn ious(truth: &Truth, detection: &Detection) -> [f64; 3] {
     let (a, b) = (&truth.box_cam, &detection.box_cam);
     let image = truth.box_img.iou(&detection.box_img);
-    let shared = intersection_bev(a, b);
+    let shared = intersection_bev_m2(a, b);
     if shared > 0.0 { [image, iou_bev_from(shared, a, b), iou_3d_from(shared, a, b)] } else { [image, 0.0, 0.0] }
 }
 
@@ -96,7 +96,7 @@ fn ious(truth: &Truth, detection: &Detection) -> [f64; 3] {
 fn covered_share(region: &Truth, detection: &Detection) -> [f64; 3] {
     let (a, b) = (&region.box_cam, &detection.box_cam);
     let share = |shared: f64, own: f64| if shared > 0.0 { shared / own } else { 0.0 };
-    let image = share(region.box_img.intersection(&detection.box_img), detection.box_img.area());
-    let shared = intersection_bev(a, b);
-    [image, share(shared, b.area_bev()), share(shared * a.shared_height(b), b.volume())]
+    let image = share(region.box_img.intersection_px2(&detection.box_img), detection.box_img.area_px2());
+    let shared = intersection_bev_m2(a, b);
+    [image, share(shared, b.area_bev_m2()), share(shared * a.shared_height_m(b), b.volume_m3())]
 }

@@ -54,16 +54,16 @@ impl<T> Default for Parsed<T> {
 pub fn parse_truths(text: &[u8], file: &str) -> Result<Parsed<Truth>> {
     let mut parsed = Parsed::default();
     for line in lines(text, file)? {
-        let (name, n) = line.columns::<15>(true)?;
+        let (name, n) = line.columns::<15>(Rest::PassedOver)?;
         let (box_img, box_cam) = boxes(&n);
-        let occluded = n[OCCLUDED];
-        if occluded.fract() != 0.0 {
-            return Err(line.error(OCCLUDED, format!("expected a whole number, got {occluded}")));
+        let occlusion_level = n[OCCLUDED];
+        if occlusion_level.fract() != 0.0 {
+            return Err(line.error(OCCLUDED, format!("expected a whole number, got {occlusion_level}")));
         }
         let kind = ObjectType::from_name(name);
         parsed.other_names.count(kind, name);
-        let (truncated, alpha) = (n[1], n[3]);
-        parsed.objects.push(Truth { kind, truncated, occluded, alpha, box_img, box_cam, is_optional: false });
+        let (truncation, alpha) = (n[1], n[3]);
+        parsed.objects.push(Truth { kind, truncation, occlusion_level, alpha, box_img, box_cam, is_optional: false });
     }
     Ok(parsed)
 }
@@ -76,7 +76,7 @@ pub fn parse_truths(text: &[u8], file: &str) -> Result<Parsed<Truth>> {
 pub fn parse_detections(text: &[u8], file: &str) -> Result<Parsed<Detection>> {
     let mut parsed = Parsed::default();
     for line in lines(text, file)? {
-        let (name, n) = line.columns::<16>(false)?;
+        let (name, n) = line.columns::<16>(Rest::Refused)?;
         let kind = ObjectType::from_name(name);
         parsed.other_names.count(kind, name);
         let (box_img, box_cam) = boxes(&n);
@@ -89,8 +89,15 @@ pub fn parse_detections(text: &[u8], file: &str) -> Result<Parsed<Detection>> {
 }
 
 fn boxes(n: &[f64]) -> (BoxImg, RotatedBox) {
-    let box_img = BoxImg { x1: n[4], y1: n[5], x2: n[6], y2: n[7] };
+    let box_img = BoxImg { left_px: n[4], top_px: n[5], right_px: n[6], bottom_px: n[7] };
     (box_img, RotatedBox::from_array([n[11], n[12], n[13], n[10], n[9], n[8], n[14]]))
+}
+
+/// What becomes of what follows the columns of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rest {
+    PassedOver,
+    Refused,
 }
 
 struct Line<'a> {
@@ -106,7 +113,7 @@ fn lines<'a>(bytes: &'a [u8], file: &'a str) -> Result<impl Iterator<Item = Line
 
 impl<'a> Line<'a> {
     /// The type, and the other columns at their own places.
-    fn columns<const N: usize>(&self, has_more: bool) -> Result<(&'a str, [f64; N])> {
+    fn columns<const N: usize>(&self, rest: Rest) -> Result<(&'a str, [f64; N])> {
         let mut numbers = [0.0; N];
         let mut parts = self.text.split_ascii_whitespace();
         let kind = parts.next().unwrap_or_default();
@@ -118,7 +125,7 @@ impl<'a> Line<'a> {
             let count = || format!("expected {N} columns, got {column}{remedy}");
             *number = self.number(column, parts.next().ok_or_else(|| self.error(column, count()))?)?;
         }
-        let num_more = if has_more { 0 } else { parts.count() };
+        let num_more = if rest == Rest::PassedOver { 0 } else { parts.count() };
         if num_more > 0 {
             return Err(self.error(N, format!("expected {N} columns, got {}", N + num_more)));
         }
@@ -167,8 +174,11 @@ mod tests {
     #[test]
     fn columns_land_where_kitti_documents_them() {
         let truth = parse_truths(CAR.as_bytes(), "").unwrap().objects[0];
-        assert_eq!((truth.kind, truth.truncated, truth.occluded, truth.alpha), (ObjectType::Car, 0.10, 1.0, 1.85));
-        assert_eq!(truth.box_img, BoxImg { x1: 387.63, y1: 181.54, x2: 423.81, y2: 203.12 });
+        assert_eq!(
+            (truth.kind, truth.truncation, truth.occlusion_level, truth.alpha),
+            (ObjectType::Car, 0.10, 1.0, 1.85)
+        );
+        assert_eq!(truth.box_img, BoxImg { left_px: 387.63, top_px: 181.54, right_px: 423.81, bottom_px: 203.12 });
         assert_eq!(truth.box_cam.to_array(), [-16.53, 2.39, 58.49, 3.69, 1.87, 1.67, 1.57]);
         let text = format!("{CAR} -3.5e0\n{0} 1\n{1} 1", CAR.replace("Car", "Bus"), CAR.replace("Car", "bus"));
         let found = parse_detections(text.as_bytes(), "").unwrap();

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::class_records::ClassRecords;
 use super::curves::{Tally, choose_thresholds};
-use super::matching::{Contest, FirstPass, Matcher, View};
+use super::matching::{ClassFrame, Criteria, FirstPass, Matcher};
 use super::metric::{ClassLimits, Metric, Settings};
 use super::objects::FramePair;
 use super::overlaps::FrameOverlaps;
-use super::roster::Roster;
 
 /// The mark of an observation angle that a detector does not estimate.
 const UNKNOWN_ALPHA: f64 = -10.0;
@@ -17,43 +17,53 @@ const UNKNOWN_PLACE: f64 = -1000.0;
 /// The fewest frames that are worth a thread.
 const FRAMES_A_TASK: usize = 256;
 
+/// A curve that is to be computed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Task {
+    /// Index of the class in the settings.
+    pub class: usize,
+    pub metric: Metric,
+    /// Index of the level in the settings.
+    pub level: usize,
+}
+
 /// Results that are computed once for all classes, metrics and levels.
 #[derive(Debug)]
 pub(super) struct Prepared<'a> {
     frames: &'a [FramePair],
     settings: &'a Settings,
     overlaps: Vec<FrameOverlaps>,
-    rosters: Vec<Roster>,
+    records_of_classes: Vec<ClassRecords>,
     has_alpha: bool,
 }
 
 impl<'a> Prepared<'a> {
     pub(super) fn new(frames: &'a [FramePair], settings: &'a Settings) -> Self {
-        let floors = settings.floors();
+        let floors = settings.least_min_overlap();
         let overlaps: Vec<FrameOverlaps> =
             frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
         let has_alpha = frames.iter().flat_map(|frame| &frame.detections).all(|d| d.alpha != UNKNOWN_ALPHA);
-        let rosters: Vec<Roster> =
-            settings.classes.par_iter().map(|limits| Roster::new(limits, frames, &overlaps)).collect();
-        Self { frames, settings, overlaps, rosters, has_alpha }
+        let records_of_classes: Vec<ClassRecords> =
+            settings.classes.par_iter().map(|limits| ClassRecords::new(limits, frames, &overlaps)).collect();
+        Self { frames, settings, overlaps, records_of_classes, has_alpha }
     }
 
-    /// Class, metric and level of each curve; a class without a detection that is usable in a metric has none there.
-    pub(super) fn tasks(&self) -> Vec<(usize, Metric, usize)> {
+    /// Lists the curves; a class without a detection that is usable in a metric has none there.
+    pub(super) fn tasks(&self) -> Vec<Task> {
         let mut tasks = Vec::new();
         for (class, limits) in self.settings.classes.iter().enumerate() {
             for metric in Metric::ALL {
                 if is_measured(self.frames, limits, metric) {
-                    tasks.extend((0..self.settings.levels.len()).map(|level| (class, metric, level)));
+                    tasks.extend((0..self.settings.levels.len()).map(|level| Task { class, metric, level }));
                 }
             }
         }
         tasks
     }
 
-    pub(super) fn contest(&self, class: usize, metric: Metric, level: usize) -> Contest<'a> {
+    pub(super) fn criteria(&self, &Task { class, metric, level }: &Task) -> Criteria<'a> {
         let limits = &self.settings.classes[class];
-        Contest {
+        Criteria {
             kinds: &limits.kinds,
             level: &self.settings.levels[level],
             metric,
@@ -67,12 +77,12 @@ impl<'a> Prepared<'a> {
     }
 
     /// The first pass over all frames.
-    pub(super) fn first_pass(&self, contest: &Contest<'_>, class: usize) -> FirstPass {
+    pub(super) fn first_pass(&self, criteria: &Criteria<'_>, class: usize) -> FirstPass {
         (0..self.frames.len())
             .into_par_iter()
             .with_min_len(FRAMES_A_TASK)
             .fold(Default::default, |(mut matcher, mut found): (Matcher, FirstPass), index| {
-                matcher.collect_scores(contest, &self.view(class, index), &mut found);
+                matcher.collect_scores(criteria, &self.view(class, index), &mut found);
                 (matcher, found)
             })
             .map(|(_, found)| found)
@@ -80,10 +90,10 @@ impl<'a> Prepared<'a> {
     }
 
     /// The first pass, frame by frame.
-    pub(super) fn first_passes(&self, contest: &Contest<'_>, class: usize) -> Vec<FirstPass> {
+    pub(super) fn first_passes(&self, criteria: &Criteria<'_>, class: usize) -> Vec<FirstPass> {
         let pass = |matcher: &mut Matcher, index: usize| {
             let mut found = FirstPass::default();
-            matcher.collect_scores(contest, &self.view(class, index), &mut found);
+            matcher.collect_scores(criteria, &self.view(class, index), &mut found);
             found
         };
         (0..self.frames.len()).into_par_iter().with_min_len(FRAMES_A_TASK).map_init(Matcher::default, pass).collect()
@@ -92,7 +102,7 @@ impl<'a> Prepared<'a> {
     /// Chooses thresholds and counts at each of them, over frames that may come more than once.
     pub(super) fn second_pass(
         &self,
-        contest: &Contest<'_>,
+        criteria: &Criteria<'_>,
         class: usize,
         indices: &[u32],
         mut found: FirstPass,
@@ -103,7 +113,7 @@ impl<'a> Prepared<'a> {
             .par_iter()
             .with_min_len(FRAMES_A_TASK)
             .fold(Default::default, |(mut matcher, mut tally): (Matcher, Tally), &index| {
-                matcher.count(contest, &self.view(class, index as usize), &thresholds, &mut tally);
+                matcher.count(criteria, &self.view(class, index as usize), &thresholds, &mut tally);
                 (matcher, tally)
             })
             .map(|(_, tally)| tally)
@@ -112,12 +122,12 @@ impl<'a> Prepared<'a> {
         (thresholds, tally)
     }
 
-    fn view(&self, class: usize, index: usize) -> View<'_> {
-        View {
+    fn view(&self, class: usize, index: usize) -> ClassFrame<'_> {
+        ClassFrame {
             frame: &self.frames[index],
             overlaps: &self.overlaps[index],
-            entrants: self.rosters[class].entrants(index),
-            claims: self.rosters[class].claims(index),
+            class_objects: self.records_of_classes[class].class_objects(index),
+            class_detections: self.records_of_classes[class].class_detections(index),
         }
     }
 }
@@ -126,11 +136,11 @@ impl<'a> Prepared<'a> {
 fn is_measured(frames: &[FramePair], class: &ClassLimits, metric: Metric) -> bool {
     frames.iter().flat_map(|frame| &frame.detections).filter(|d| class.kinds.contains(d.kind)).any(|d| {
         let b = &d.box_cam;
-        let is_on_ground = b.x != UNKNOWN_PLACE && b.z != UNKNOWN_PLACE && b.width > 0.0 && b.length > 0.0;
+        let is_on_ground = b.x != UNKNOWN_PLACE && b.z != UNKNOWN_PLACE && b.width_m > 0.0 && b.length_m > 0.0;
         match metric {
-            Metric::Image => d.box_img.x1 >= 0.0,
+            Metric::Image => d.box_img.left_px >= 0.0,
             Metric::Bev => is_on_ground,
-            Metric::Volume => is_on_ground && b.y != UNKNOWN_PLACE && b.height > 0.0,
+            Metric::Volume => is_on_ground && b.y != UNKNOWN_PLACE && b.height_m > 0.0,
         }
     })
 }

@@ -23,8 +23,8 @@ impl Bounds {
 
     /// The bounds moved outwards.
     #[must_use]
-    pub fn grown(&self, by: f32) -> Self {
-        Self { min: self.min - Vec3::splat(by), max: self.max + Vec3::splat(by) }
+    pub fn grown(&self, by_m: f32) -> Self {
+        Self { min: self.min - Vec3::splat(by_m), max: self.max + Vec3::splat(by_m) }
     }
 
     /// True if a point lies inside or on the bounds.

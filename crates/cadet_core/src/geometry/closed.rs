@@ -15,7 +15,7 @@ use crate::math::{DVec3, Vec3};
 pub(super) fn closed_surfaces(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8]) -> Vec<u64> {
     let places = lowest_at_place(vertices);
     let edges = Edges::of(vertices.len(), faces.iter().map(|corners| corners.map(|i| places[i as usize])));
-    let mut surfaces = Surfaces((0..faces.len() as u32).collect());
+    let mut surfaces = DisjointSets((0..faces.len() as u32).collect());
     let mut is_open = vec![false; faces.len()];
     for group in edges.by_corners() {
         let forth = group.iter().filter(|e| e.is_forth()).count();
@@ -49,9 +49,9 @@ pub(super) fn closed_surfaces(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8
 }
 
 /// Disjoint sets of faces.
-struct Surfaces(Vec<u32>);
+struct DisjointSets(Vec<u32>);
 
-impl Surfaces {
+impl DisjointSets {
     fn of(&mut self, face: u32) -> u32 {
         let mut at = face;
         while self.0[at as usize] != at {

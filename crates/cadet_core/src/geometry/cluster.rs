@@ -4,12 +4,14 @@ use super::bounds::Bounds;
 use super::closed::closed_surfaces;
 use super::lanes::{LANES, Lanes, lanes_of};
 use super::normal_cone::NormalCone;
-use super::pieces::{MeshPiece, Surface, pieces_of};
+use super::pieces::{MeshPiece, MeshSlices, pieces_of};
 use crate::material::slot_bit;
 use crate::math::Vec3;
 
 /// The most faces in a cluster.
 pub const CLUSTER_FACES: usize = 64;
+/// No cluster has more vertices: a `u8` counts them.
+pub const CLUSTER_VERTICES: usize = 256;
 
 /// Up to [`CLUSTER_FACES`] neighboring faces of a mesh, with their own short list of vertices.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +34,7 @@ pub struct Cluster {
     /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
     pub closed_faces: u64,
     /// The faces as they are drawn: two that form a flat convex quadrilateral are one piece.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<ClusterPiece>,
     /// About the faces' normals, if all of them belong to closed surfaces.
     pub normal_cone: NormalCone,
     /// As `closed_faces`, for each piece.
@@ -83,7 +85,7 @@ impl Cluster {
 
 /// A triangle or a quadrilateral, of one plane, one material and one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Piece {
+pub struct ClusterPiece {
     /// Its corners in the order of its first face's, as indices into [`Cluster::lanes`]; a triangle's last one stands
     /// twice.
     pub corners: [u8; 4],
@@ -91,7 +93,7 @@ pub struct Piece {
     pub first: u8,
 }
 
-impl Piece {
+impl ClusterPiece {
     /// True for two faces.
     #[inline]
     #[must_use]
@@ -111,7 +113,7 @@ pub fn clusters_of(
     bounds: &Bounds,
 ) -> Vec<Cluster> {
     let closed = closed_surfaces(vertices, faces, slots);
-    let surface = Surface { vertices, normals, faces, slots, closed: &closed };
+    let surface = MeshSlices { vertices, normals, faces, slots, closed: &closed };
     let scale = 1023.0 / bounds.size().max_element().max(1e-6);
     // Of a pair the first face goes for both.
     let key = |piece: &MeshPiece| {
@@ -150,8 +152,8 @@ fn spread(x: f32) -> u64 {
     (x | x << 2) & 0x0924_9249
 }
 
-fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
-    let Surface { vertices, faces, slots, closed, .. } = *surface;
+fn cluster(surface: &MeshSlices<'_>, of: &[MeshPiece]) -> Cluster {
+    let MeshSlices { vertices, faces, slots, closed, .. } = *surface;
     let mut chunk = Vec::with_capacity(of.iter().map(|piece| piece.faces().count()).sum());
     chunk.extend(of.iter().flat_map(MeshPiece::faces));
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
@@ -182,7 +184,7 @@ fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
         if piece.corners[2] == piece.corners[3] {
             places[3] = places[2];
         }
-        pieces.push(Piece { corners: places, first: corners.len() as u8 });
+        pieces.push(ClusterPiece { corners: places, first: corners.len() as u8 });
         let place = |vertex: u32| places[piece.corners.iter().position(|v| *v == vertex).unwrap_or(0)];
         corners.extend(piece.faces().map(|f| faces[f as usize].map(place)));
     }

@@ -13,19 +13,19 @@ const MAX_CELLS: f32 = 512.0;
 
 /// What a cluster has in a cell, local coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Column {
+pub struct SurfaceColumn {
     /// Where it stands.
     pub x: f32,
     /// Where it stands.
     pub y: f32,
     /// The lowest surface.
-    pub low: f32,
+    pub low_m: f32,
     /// The highest surface.
-    pub high: f32,
+    pub high_m: f32,
 }
 
 /// Those of one cluster, found when they are first needed: of open country few clusters are ever near a camera.
-type OfCluster = OnceLock<Box<[Column]>>;
+type OfCluster = OnceLock<Box<[SurfaceColumn]>>;
 
 /// The columns of a mesh, cluster by cluster. They follow from the mesh, so that all are equal.
 #[derive(Debug, Clone, Default)]
@@ -39,7 +39,7 @@ impl PartialEq for LazyColumns {
 
 impl LazyColumns {
     /// The columns of a cluster.
-    pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[Column] {
+    pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[SurfaceColumn] {
         let all = self.0.get_or_init(|| vec![OfCluster::new(); clusters.len()].into());
         all[cluster].get_or_init(|| columns_of(&clusters[cluster]))
     }
@@ -51,8 +51,8 @@ impl LazyColumns {
     }
 }
 
-fn columns_of(cluster: &Cluster) -> Box<[Column]> {
-    let mut grid = Grid::about(cluster);
+fn columns_of(cluster: &Cluster) -> Box<[SurfaceColumn]> {
+    let mut grid = ColumnGrid::about(cluster);
     let corner = |i: u8| {
         let [x, y, z] = &cluster.lanes[usize::from(i) / LANES];
         let k = usize::from(i) % LANES;
@@ -61,24 +61,24 @@ fn columns_of(cluster: &Cluster) -> Box<[Column]> {
     for corners in &cluster.corners {
         grid.mark_face(corners.map(corner));
     }
-    grid.columns.into_iter().filter(|c| c.low <= c.high).collect()
+    grid.columns.into_iter().filter(|c| c.low_m <= c.high_m).collect()
 }
 
 /// A grid about a cluster, seen from above.
-struct Grid {
+struct ColumnGrid {
     min: [f32; 2],
     pitch_m: f32,
     cells: usize,
-    columns: Vec<Column>,
+    columns: Vec<SurfaceColumn>,
 }
 
-impl Grid {
+impl ColumnGrid {
     fn about(cluster: &Cluster) -> Self {
         let (c, r) = (cluster.center, cluster.radius_m);
         let pitch_m = PITCH_M.max(2.0 * r / MAX_CELLS);
         let cells = (2.0 * r / pitch_m) as usize + 1;
         let half = cells as f32 * pitch_m * 0.5;
-        let none = Column { x: 0.0, y: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
+        let none = SurfaceColumn { x: 0.0, y: 0.0, low_m: f32::INFINITY, high_m: f32::NEG_INFINITY };
         Self { min: [c.x - half, c.y - half], pitch_m, cells, columns: vec![none; cells * cells] }
     }
 
@@ -86,10 +86,10 @@ impl Grid {
     fn mark(&mut self, x: usize, y: usize, low: f32, high: f32, at: Vec3) {
         let middle = self.center(x, y);
         let column = &mut self.columns[y * self.cells + x];
-        if column.low > column.high || (at.x, at.y) == (middle.x, middle.y) {
+        if column.low_m > column.high_m || (at.x, at.y) == (middle.x, middle.y) {
             (column.x, column.y) = (at.x, at.y);
         }
-        (column.low, column.high) = (column.low.min(low), column.high.max(high));
+        (column.low_m, column.high_m) = (column.low_m.min(low), column.high_m.max(high));
     }
 
     fn center(&self, x: usize, y: usize) -> Vec3 {
@@ -190,7 +190,7 @@ mod tests {
         assert!((columns.len() as f32 * PITCH_M * PITCH_M - 240.0).abs() < 24.0, "{}", columns.len());
         for c in columns {
             assert!(c.x.abs() <= 10.0 && c.y.abs() <= 6.0, "{c:?}");
-            assert!((c.low - height(c.x, c.y)).abs() < 1e-4 && c.low == c.high, "{c:?}");
+            assert!((c.low_m - height(c.x, c.y)).abs() < 1e-4 && c.low_m == c.high_m, "{c:?}");
         }
         // Turned by any angle, each square meter well inside has one.
         for turn in [0.0_f32, 0.3, 0.785, 1.2] {
@@ -213,7 +213,7 @@ mod tests {
         assert!(!columns.is_empty());
         for c in columns {
             let aside = (0.6 * c.x - 0.8 * c.y).abs();
-            assert!(aside <= 0.71 * PITCH_M && (c.low, c.high) == (0.0, 5.0), "{c:?}");
+            assert!(aside <= 0.71 * PITCH_M && (c.low_m, c.high_m) == (0.0, 5.0), "{c:?}");
         }
         // Without gaps along the wall.
         let mut along: Vec<f32> = columns.iter().map(|c| 0.8 * c.x + 0.6 * c.y).collect();

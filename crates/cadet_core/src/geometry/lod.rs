@@ -85,19 +85,19 @@ impl LodSet {
 
     /// The mesh for a distance from the ego; `None` where the shape is too far to matter.
     ///
-    /// `detail`: how much further than for KITTI's camera each level reaches. The last one reaches no less far with coarse
+    /// `reach_factor`: how much further than for KITTI's camera each level reaches. The last one reaches no less far with coarse
     /// sensors: it is all that is left of the shape.
     #[must_use]
-    pub fn select(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
-        self.select_with_shadow_proxy(distance_m, detail).map(|(mesh, _)| &**mesh)
+    pub fn select(&self, distance_m: f32, reach_factor: f32) -> Option<&Arc<Mesh>> {
+        self.select_with_shadow_proxy(distance_m, reach_factor).map(|(mesh, _)| &**mesh)
     }
 
     /// As [`LodSet::select`], and the mesh that casts the shadow.
     #[must_use]
-    pub fn select_with_shadow_proxy(&self, distance_m: f32, detail: f32) -> Option<(&LazyMesh, &LazyMesh)> {
+    pub fn select_with_shadow_proxy(&self, distance_m: f32, reach_factor: f32) -> Option<(&LazyMesh, &LazyMesh)> {
         let last = self.levels.len().checked_sub(1)?;
         let reaches = |(level, (limit_m, _)): (usize, &(f32, LazyMesh))| {
-            distance_m <= limit_m * if level == last { detail.max(1.0) } else { detail }
+            distance_m <= limit_m * if level == last { reach_factor.max(1.0) } else { reach_factor }
         };
         let level = self.levels.iter().enumerate().position(reaches)?;
         let proxy = if level < self.coarse_shadow_proxies { level + 1 } else { level };

@@ -2,7 +2,7 @@
 
 use super::bounds::Bounds;
 use super::cluster::{Cluster, clusters_of};
-use super::columns::{Column, LazyColumns};
+use super::columns::{LazyColumns, SurfaceColumn};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
@@ -69,7 +69,7 @@ impl Mesh {
 
     /// Where a cluster has surfaces, seen from above; found at the first question.
     #[must_use]
-    pub fn columns_of(&self, cluster: usize) -> &[Column] {
+    pub fn columns_of(&self, cluster: usize) -> &[SurfaceColumn] {
         self.columns.of(&self.clusters, cluster)
     }
 

@@ -14,8 +14,8 @@ mod pieces;
 mod places;
 
 pub use bounds::Bounds;
-pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};
-pub use columns::Column;
+pub use cluster::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, clusters_of};
+pub use columns::SurfaceColumn;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use lod::{LazyMesh, LodSet};
 pub use mesh::Mesh;

@@ -4,7 +4,7 @@ use super::edges::Edges;
 use crate::math::{DVec3, Vec3};
 
 /// What [`pieces_of`] needs of a mesh.
-pub(super) struct Surface<'a> {
+pub(super) struct MeshSlices<'a> {
     pub vertices: &'a [Vec3],
     /// Shading normals, one a vertex.
     pub normals: &'a [Vec3],
@@ -44,7 +44,7 @@ const LEAST_TURN: f64 = 1e-3;
 
 /// Every face once, in order; two that share an edge, a plane and a material, and form a convex quadrilateral over which the
 /// shading normal changes evenly, are one piece, which goes by its first face.
-pub(super) fn pieces_of(surface: &Surface<'_>) -> Vec<MeshPiece> {
+pub(super) fn pieces_of(surface: &MeshSlices<'_>) -> Vec<MeshPiece> {
     let edges = Edges::of(surface.vertices.len(), surface.faces.iter().copied());
     let mut pairs: Vec<MeshPiece> = Vec::with_capacity(surface.faces.len() / 2);
     for group in edges.by_corners() {
@@ -72,7 +72,7 @@ pub(super) fn pieces_of(surface: &Surface<'_>) -> Vec<MeshPiece> {
 }
 
 /// The corners of the quadrilateral that two faces form, in the order of the first, whose corners are the first three.
-fn quad(surface: &Surface<'_>, pair: [u32; 2]) -> Option<[u32; 4]> {
+fn quad(surface: &MeshSlices<'_>, pair: [u32; 2]) -> Option<[u32; 4]> {
     let [f, g] = pair.map(|f| f as usize);
     if surface.slots[f] != surface.slots[g] || surface.closed[f] != surface.closed[g] {
         return None;
@@ -124,7 +124,7 @@ mod tests {
     fn partners_of(vertices: &[Vec3], normals: &[Vec3], faces: &[[u32; 3]]) -> Vec<u32> {
         let (slots, closed) = (vec![0; faces.len()], vec![0; faces.len()]);
         let mut partners = vec![ALONE; faces.len()];
-        for piece in pieces_of(&Surface { vertices, normals, faces, slots: &slots, closed: &closed }) {
+        for piece in pieces_of(&MeshSlices { vertices, normals, faces, slots: &slots, closed: &closed }) {
             if let Some(second) = piece.second {
                 (partners[piece.first as usize], partners[second as usize]) = (second, piece.first);
             }

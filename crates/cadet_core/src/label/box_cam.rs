@@ -12,20 +12,20 @@ const NEAR_M: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
     /// Left.
-    pub u1: f64,
+    pub left_px: f64,
     /// Top.
-    pub v1: f64,
+    pub top_px: f64,
     /// Right.
-    pub u2: f64,
+    pub right_px: f64,
     /// Bottom.
-    pub v2: f64,
+    pub bottom_px: f64,
 }
 
 impl Rect {
     /// Area in square pixels; 0 for an empty rectangle.
     #[must_use]
-    pub fn area(&self) -> f64 {
-        (self.u2 - self.u1).max(0.0) * (self.v2 - self.v1).max(0.0)
+    pub fn area_px2(&self) -> f64 {
+        (self.right_px - self.left_px).max(0.0) * (self.bottom_px - self.top_px).max(0.0)
     }
 
     /// The part inside the image: within [0, width - 1] x [0, height - 1]. `None` where nothing is left.
@@ -33,12 +33,12 @@ impl Rect {
     pub fn clipped(&self, width: usize, height: usize) -> Option<Self> {
         let (right, bottom) = ((width - 1) as f64, (height - 1) as f64);
         let inside = Self {
-            u1: self.u1.clamp(0.0, right),
-            v1: self.v1.clamp(0.0, bottom),
-            u2: self.u2.clamp(0.0, right),
-            v2: self.v2.clamp(0.0, bottom),
+            left_px: self.left_px.clamp(0.0, right),
+            top_px: self.top_px.clamp(0.0, bottom),
+            right_px: self.right_px.clamp(0.0, right),
+            bottom_px: self.bottom_px.clamp(0.0, bottom),
         };
-        (inside.area() > 0.0).then_some(inside)
+        (inside.area_px2() > 0.0).then_some(inside)
     }
 }
 
@@ -149,8 +149,13 @@ impl BoxCam {
         });
         let points = corners.into_iter().chain(between).filter(|p| p.z >= NEAR_M).chain(crossings);
         points.filter_map(|p| camera.project(p)).map(|p| p.uv).fold(None, |rect, p| {
-            let r: Rect = rect.unwrap_or(Rect { u1: p.x, v1: p.y, u2: p.x, v2: p.y });
-            Some(Rect { u1: r.u1.min(p.x), v1: r.v1.min(p.y), u2: r.u2.max(p.x), v2: r.v2.max(p.y) })
+            let r: Rect = rect.unwrap_or(Rect { left_px: p.x, top_px: p.y, right_px: p.x, bottom_px: p.y });
+            Some(Rect {
+                left_px: r.left_px.min(p.x),
+                top_px: r.top_px.min(p.y),
+                right_px: r.right_px.max(p.x),
+                bottom_px: r.bottom_px.max(p.y),
+            })
         })
     }
 }
@@ -158,7 +163,7 @@ impl BoxCam {
 /// 1 - visible area / whole area of a projected box.
 #[must_use]
 pub(super) fn truncation(whole: &Rect, inside: &Rect) -> f64 {
-    (1.0 - inside.area() / whole.area()).clamp(0.0, 1.0)
+    (1.0 - inside.area_px2() / whole.area_px2()).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -250,14 +255,14 @@ mod tests {
         let whole = beside.project(&camera).expect("partly in front");
         let inside = whole.clipped(camera.width, camera.height).expect("partly in view");
         let t = truncation(&whole, &inside);
-        assert!(whole.u1 < 0.0 && t > 0.9 && t < 1.0, "{whole:?} {t}");
+        assert!(whole.left_px < 0.0 && t > 0.9 && t < 1.0, "{whole:?} {t}");
         let behind = BoxCam::of(&actor(DVec3::new(-10.0, 0.0, 0.0), 0.0), Boxes::Exact, &level_camera());
         assert!(behind.project(&camera).is_none());
     }
 
     #[test]
     fn truncation_of_a_box_half_outside_is_a_half() {
-        let whole = Rect { u1: -50.0, v1: 10.0, u2: 50.0, v2: 20.0 };
+        let whole = Rect { left_px: -50.0, top_px: 10.0, right_px: 50.0, bottom_px: 20.0 };
         let inside = whole.clipped(100, 100).expect("in view");
         assert!((truncation(&whole, &inside) - 0.5).abs() < 1e-12);
     }

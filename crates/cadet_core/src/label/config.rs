@@ -70,7 +70,7 @@ impl LabelConfig {
         let reach_m = self.max_depth_m.min(self.boxes.of(actor).farthest_m);
         let depth_m = placed.box_cam.location_cam.z;
         (self.min_depth_m..=reach_m).contains(&depth_m)
-            && placed.bbox.v2 - placed.bbox.v1 >= self.min_height_px
+            && placed.bbox.bottom_px - placed.bbox.top_px >= self.min_height_px
             && placed.truncation <= self.max_truncation
     }
 
@@ -128,7 +128,7 @@ mod tests {
     }
 
     fn placed(depth_m: f64, height_px: f64, truncation: f64) -> Placed {
-        let bbox = Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 150.0 + height_px };
+        let bbox = Rect { left_px: 500.0, top_px: 150.0, right_px: 600.0, bottom_px: 150.0 + height_px };
         Placed { box_cam: box_at(depth_m), bbox, truncation }
     }
 
@@ -140,10 +140,10 @@ mod tests {
             is_labeled: true,
             truncation: 0.0,
             occlusion_level: 0,
-            observation_angle: 0.0,
-            bbox: Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 190.0 },
+            observation_angle_rad: 0.0,
+            bbox: Rect { left_px: 500.0, top_px: 150.0, right_px: 600.0, bottom_px: 190.0 },
             visible_fraction: contrast,
-            visible_pixels: 1000.0,
+            visible_px: 1000.0,
             contrast,
             num_points,
             least_points,

@@ -27,6 +27,6 @@ pub(super) fn visible_corners(
             .into_iter()
             .map(|(du, dv)| (u + du, v + dv))
             .filter(|(u, v)| inside(*u, *v))
-            .any(|(u, v)| f64::from(seen.depth_at(v as usize, u as usize)) >= pixel.depth_m - tolerance_m)
+            .any(|(u, v)| f64::from(seen.depth_m_at(v as usize, u as usize)) >= pixel.depth_m - tolerance_m)
     })
 }

@@ -8,7 +8,7 @@ use crate::sense::{PosedScene, VisibilityBuffer};
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::sighting::{Placed, Sighting};
-use super::silhouette::{ActorInstances, SAMPLES_PER_PIXEL, silhouette};
+use super::silhouette::{ActorInstances, Hidden, SAMPLES_PER_PIXEL, silhouette};
 
 /// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
 #[must_use]
@@ -52,13 +52,13 @@ pub fn sightings(
     let cam_from_world = world_from_cam.inverse();
     let mut found = Vec::new();
     // By default what is hidden altogether gets nothing.
-    let even_if_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
+    let is_wanted_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
+    let hidden = if is_wanted_hidden { Hidden::Drawn } else { Hidden::Skipped };
     let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some(placed) = Placed::new(actor, config.boxes, camera, &cam_from_world) else { continue };
-        let outline =
-            silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, even_if_hidden, &mut buffer);
+        let outline = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, hidden, &mut buffer);
         let uncovered_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         // Koschmieder: contrast falls exponentially with the way through the air.
@@ -88,10 +88,10 @@ pub fn sightings(
             is_labeled,
             truncation,
             occlusion_level,
-            observation_angle: box_cam.alpha(),
+            observation_angle_rad: box_cam.alpha(),
             bbox,
             visible_fraction,
-            visible_pixels,
+            visible_px: visible_pixels,
             contrast,
             num_points: 0,
             least_points: actor.annotated.least_points,
@@ -172,7 +172,7 @@ mod tests {
                 let expected = math::exp(-extinction_per_m * (center - EYE).length());
                 assert!((foggy.contrast - expected).abs() < 1e-12 && clear.contrast == 1.0);
                 assert!((foggy.visible_fraction - clear.visible_fraction * expected).abs() < 1e-12);
-                assert_eq!(foggy.visible_pixels, clear.visible_pixels);
+                assert_eq!(foggy.visible_px, clear.visible_px);
             }
         }
     }
@@ -186,7 +186,7 @@ mod tests {
             assert_eq!((seen.is_labeled, seen.occlusion_level), (true, occluded));
         }
         let hidden = &labels(&exact(), &at_20_m, 0.13)[0];
-        assert!(!hidden.is_labeled && hidden.visible_pixels > 100.0);
+        assert!(!hidden.is_labeled && hidden.visible_px > 100.0);
     }
 
     #[test]

@@ -15,7 +15,7 @@ impl TakenView {
     /// The ego has moved if it is at least this far from where it was.
     pub const EGO_MOVED_M: f64 = 0.5;
     /// An object has moved visibly if a side of its rectangle has, by this fraction of the image's width: 8 px of KITTI's.
-    pub const OBJECT_MOVED: f64 = 8.0 / 1242.0;
+    pub const OBJECT_MOVED_SHARE: f64 = 8.0 / 1242.0;
 
     /// Remembers a view.
     #[must_use]
@@ -33,12 +33,13 @@ impl TakenView {
     /// Whether a labeled object has come into view since, or moved visibly.
     #[must_use]
     pub fn object_has_moved(&self, sightings: &[Sighting], image_width: usize) -> bool {
-        let least_px = Self::OBJECT_MOVED * image_width as f64;
+        let least_px = Self::OBJECT_MOVED_SHARE * image_width as f64;
         sightings.iter().filter(|s| s.is_labeled).any(|s| {
-            let before = self.objects.iter().find(|o| o.0 == s.actor_id);
+            let before = self.objects.iter().find(|(id, _)| *id == s.actor_id);
             before.is_none_or(|(_, before)| {
                 let (a, b) = (before, &s.bbox);
-                let sides = [a.u1 - b.u1, a.v1 - b.v1, a.u2 - b.u2, a.v2 - b.v2];
+                let sides =
+                    [a.left_px - b.left_px, a.top_px - b.top_px, a.right_px - b.right_px, a.bottom_px - b.bottom_px];
                 sides.iter().any(|d| d.abs() >= least_px)
             })
         })
@@ -64,10 +65,10 @@ mod tests {
             is_labeled,
             truncation: 0.0,
             occlusion_level: 0,
-            observation_angle: 0.0,
-            bbox: Rect { u1, v1: 150.0, u2: u1 + 80.0, v2: 210.0 },
+            observation_angle_rad: 0.0,
+            bbox: Rect { left_px: u1, top_px: 150.0, right_px: u1 + 80.0, bottom_px: 210.0 },
             visible_fraction: 1.0,
-            visible_pixels: 4800.0,
+            visible_px: 4800.0,
             contrast: 1.0,
             least_points: 0,
             num_points: 0,

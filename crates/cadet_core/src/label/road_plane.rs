@@ -1,11 +1,13 @@
 //! The ground plane of a frame.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use crate::math::{DPose3, DVec2, DVec3};
 
 /// Where the plane is fitted: ahead of the camera, and to either side.
-const AHEAD_M: (f64, f64) = (2.0, 30.0);
+const AHEAD_M: Range<f64> = 2.0..30.0;
 const ASIDE_M: f64 = 5.0;
 const STEP_M: f64 = 1.0;
 /// Fewer samples of road than this do not make a plane: sidewalks and verges join in.
@@ -26,7 +28,7 @@ pub fn road_plane_cam(
     let origin = world_from_cam.translation.truncate();
     let steps = |from: f64, to: f64| (0..=((to - from) / STEP_M) as usize).map(move |i| from + i as f64 * STEP_M);
     let sample = |height_m: &dyn Fn(DVec2) -> Option<f64>| -> Vec<DVec3> {
-        steps(AHEAD_M.0, AHEAD_M.1)
+        steps(AHEAD_M.start, AHEAD_M.end)
             .flat_map(|x| steps(-ASIDE_M, ASIDE_M).map(move |y| origin + ahead * x + aside * y))
             .filter_map(|p| height_m(p).map(|z| p.extend(z)))
             .collect()

@@ -21,13 +21,13 @@ pub struct Sighting {
     /// 0 visible, 1 partly hidden, 2 mostly hidden.
     pub occlusion_level: u8,
     /// Heading of the box less its bearing from the camera, radians.
-    pub observation_angle: f64,
+    pub observation_angle_rad: f64,
     /// The box's projection inside the image.
     pub bbox: Rect,
     /// Visible samples / samples of the silhouette inside the image, times `contrast`.
     pub visible_fraction: f64,
     /// Visible pixels (half of the visible samples).
-    pub visible_pixels: f64,
+    pub visible_px: f64,
     /// Share of its contrast that is left through fog, rain and snow; 1 in clear air.
     pub contrast: f64,
     /// Returns of the scan from the actor.

@@ -21,6 +21,15 @@ pub(super) struct Silhouette {
     pub bounds: Option<Rect>,
 }
 
+/// What becomes of actors of which nothing is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hidden {
+    /// Their outlines are drawn.
+    Drawn,
+    /// They are taken to have none.
+    Skipped,
+}
+
 /// The instances of every actor, by the actor's id.
 pub(super) struct ActorInstances(Vec<(i32, usize)>);
 
@@ -40,7 +49,7 @@ impl ActorInstances {
 }
 
 /// Draws the actor alone over the part of the camera's samples that its bounds cover; of an actor of which nothing is
-/// seen only if `even_if_hidden`.
+/// seen only if `hidden` says so.
 pub(super) fn silhouette(
     scene: &PosedScene,
     instances: &ActorInstances,
@@ -48,7 +57,7 @@ pub(super) fn silhouette(
     camera: &CameraModel,
     world_from_cam: &DPose3,
     seen: &Visibility,
-    even_if_hidden: bool,
+    hidden: Hidden,
     buffer: &mut VisibilityBuffer,
 ) -> Silhouette {
     let mut found = Silhouette { samples: 0, visible_samples: 0, bounds: None };
@@ -65,12 +74,12 @@ pub(super) fn silhouette(
         return found;
     }
     found.visible_samples = seen.samples_of_actor(actor_id, r1..r2, c1..c2);
-    if found.visible_samples == 0 && !even_if_hidden {
+    if found.visible_samples == 0 && hidden == Hidden::Skipped {
         return found;
     }
     let (rows, columns) = (r2 - r1, c2 - c1);
     let first = [c1 as f64, r1 as f64 / 2.0];
-    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics(), first, rows, columns)
+    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics_px(), first, rows, columns)
         .expect("a checked camera and a window that is not empty");
     rasterize_instances(scene, &grid, instances.of(actor_id), buffer);
     // Rows and columns by halves of a pixel.
@@ -87,7 +96,8 @@ pub(super) fn silhouette(
     if found.samples > 0 {
         let (u, v) = (|h: usize| (2 * c1 + h) as f64 / 2.0, |r: usize| (r1 + r) as f64 / 2.0);
         let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
-        found.bounds = Some(Rect { u1, v1: v(of_rows.start), u2, v2: v(of_rows.end - 1) });
+        found.bounds =
+            Some(Rect { left_px: u1, top_px: v(of_rows.start), right_px: u2, bottom_px: v(of_rows.end - 1) });
     }
     found
 }
@@ -106,7 +116,7 @@ pub fn pixels_of_actors(
     let mut buffer = VisibilityBuffer::default();
     let pixels = |samples: usize| samples as f64 / SAMPLES_PER_PIXEL as f64;
     let of = |actor: &ActorState| {
-        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, true, &mut buffer);
+        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, Hidden::Drawn, &mut buffer);
         [pixels(found.samples), pixels(found.visible_samples)]
     };
     actors.iter().map(of).collect()

@@ -1,12 +1,39 @@
 //! The first step of a scan: what each beam meets.
 
-use super::divergence::{DivergentBeams, SubBeam};
+use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
 use crate::math::{DMat3, DPose3, DVec3};
-use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
+use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SurfaceFilter, cast};
+
+/// What a beam or a sub-beam met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BeamHit {
+    /// Range from the laser's origin, infinite for a miss.
+    pub range_m: f32,
+    /// Index into the scene's instances, [`NO_HIT`] for a miss.
+    pub instance: u32,
+    /// Face of the instance's mesh.
+    pub face: u32,
+}
+
+impl BeamHit {
+    /// A miss.
+    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
+
+    #[inline]
+    fn of(hits: &Hits, at: usize) -> Self {
+        Self { range_m: hits.depth_m[at], instance: hits.instance[at], face: hits.face[at] }
+    }
+
+    /// True where something was met.
+    #[inline]
+    pub(super) fn is_hit(&self) -> bool {
+        self.instance != NO_HIT
+    }
+}
 
 /// What the beams of a turn meet, row-major.
-pub(super) struct BeamHits {
+pub(super) struct TurnHits {
     /// The first opaque surface.
     pub opaque: Hits,
     /// The first opaque surface, or a transparent one where it stands before that.
@@ -19,10 +46,10 @@ pub(super) trait Casting {
     fn scene(&self) -> &PosedScene;
 
     /// Casts the middle of every beam.
-    fn cast(&self, spec: &LidarSpec) -> BeamHits;
+    fn cast(&self, spec: &LidarSpec) -> TurnHits;
 
     /// Casts the sub-beams of some beams at opaque surfaces.
-    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]>;
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]>;
 
     /// A direction of a column's firing as it stands to an instance's triangles where [`Casting::scene`] has them.
     fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3;
@@ -37,13 +64,13 @@ pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
 }
 
 /// A sensor that stands still in a world that stands still.
-pub(super) struct Standing<'a> {
+pub(super) struct StillCasting<'a> {
     scene: &'a PosedScene,
     world_from_velo: &'a DPose3,
     rotation: DMat3,
 }
 
-impl<'a> Standing<'a> {
+impl<'a> StillCasting<'a> {
     pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3) -> Self {
         Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation) }
     }
@@ -54,35 +81,35 @@ impl<'a> Standing<'a> {
     }
 }
 
-impl Casting for Standing<'_> {
+impl Casting for StillCasting<'_> {
     fn scene(&self) -> &PosedScene {
         self.scene
     }
 
-    fn cast(&self, spec: &LidarSpec) -> BeamHits {
+    fn cast(&self, spec: &LidarSpec) -> TurnHits {
         let grid = spec.grid(*self.world_from_velo);
         let mut opaque = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-        cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut opaque);
+        cast(self.scene, &grid, SurfaceFilter::Opaque, self.in_range(spec), &mut opaque);
         // Only transparent surfaces in front of opaque ones matter: they alone replace them.
         let mut first = opaque.clone();
-        cast(self.scene, &grid, Layer::Transparent, self.in_range(spec), &mut first);
-        BeamHits { opaque, first }
+        cast(self.scene, &grid, SurfaceFilter::Transparent, self.in_range(spec), &mut first);
+        TurnHits { opaque, first }
     }
 
-    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
         let (rows, columns) = (2 * spec.rings().len(), spec.azimuths_rad().len());
-        let mut out = vec![[SubBeam::MISS; 4]; beams.len()];
+        let mut out = vec![[BeamHit::MISS; 4]; beams.len()];
         for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
             // The kernel keeps what is nearer: a depth below 0 switches a beam off.
             let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
-            let mut hits = Hits { rows, columns, depth, instance: nothing.clone(), face: nothing };
+            let mut hits = Hits { rows, columns, depth_m: depth, instance: nothing.clone(), face: nothing };
             for at in beams.iter().flat_map(|beam| DivergentBeams::cells(*beam, columns)) {
-                hits.depth[at] = f32::INFINITY;
+                hits.depth_m[at] = f32::INFINITY;
             }
-            cast(self.scene, grid, Layer::Opaque, self.in_range(spec), &mut hits);
+            cast(self.scene, grid, SurfaceFilter::Opaque, self.in_range(spec), &mut hits);
             for (quarters, beam) in out.iter_mut().zip(beams) {
                 for (up, at) in DivergentBeams::cells(*beam, columns).into_iter().enumerate() {
-                    quarters[2 * side + up] = of(&hits, at);
+                    quarters[2 * side + up] = BeamHit::of(&hits, at);
                 }
             }
         }
@@ -100,30 +127,17 @@ impl Casting for Standing<'_> {
     }
 }
 
-impl BeamHits {
+impl TurnHits {
     /// The transparent surface before a beam's opaque one.
     #[inline]
-    pub(super) fn transparent(&self, at: usize) -> Option<SubBeam> {
-        let (first, opaque) = (of(&self.first, at), of(&self.opaque, at));
+    pub(super) fn transparent(&self, at: usize) -> Option<BeamHit> {
+        let (first, opaque) = (BeamHit::of(&self.first, at), BeamHit::of(&self.opaque, at));
         ((first.instance, first.face) != (opaque.instance, opaque.face)).then_some(first)
     }
 
     /// A beam's opaque surface.
     #[inline]
-    pub(super) fn opaque(&self, at: usize) -> SubBeam {
-        of(&self.opaque, at)
-    }
-}
-
-#[inline]
-fn of(hits: &Hits, at: usize) -> SubBeam {
-    SubBeam { range_m: hits.depth[at], instance: hits.instance[at], face: hits.face[at] }
-}
-
-impl SubBeam {
-    /// True where something was met.
-    #[inline]
-    pub(super) fn is_hit(&self) -> bool {
-        self.instance != NO_HIT
+    pub(super) fn opaque(&self, at: usize) -> BeamHit {
+        BeamHit::of(&self.opaque, at)
     }
 }

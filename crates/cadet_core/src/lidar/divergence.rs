@@ -14,27 +14,11 @@ use super::returns::{echo_power, is_echo_detected};
 use super::ring_receiver::RingReceiver;
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
-use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};
+use crate::sense::{BeamGrid, Hits, LaserRing, SpinningGrid};
 
 /// Ranges of neighboring beams that differ by more than this, and by more than twice what the slope beside them
 /// explains, belong to different surfaces.
 const EDGE_M: f32 = 0.25;
-
-/// What a beam or a sub-beam met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SubBeam {
-    /// Range from the laser's origin, infinite for a miss.
-    pub range_m: f32,
-    /// Index into the scene's instances, [`NO_HIT`] for a miss.
-    pub instance: u32,
-    /// Face of the instance's mesh.
-    pub face: u32,
-}
-
-impl SubBeam {
-    /// A miss.
-    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
-}
 
 /// The sub-beams of a sensor: a grid with two rings for each, turned a little to the right and to the left.
 #[derive(Debug, Clone)]
@@ -96,33 +80,41 @@ impl DivergentBeams {
     /// The beams whose spots may reach over a jump in range, rising.
     pub(super) fn edge_beams(&self, hits: &Hits) -> Vec<u32> {
         let columns = hits.columns as u32;
-        let mut edges = Edges { hits, is_edge: vec![false; hits.depth.len()] };
+        let mut edges = DepthEdges { hits, is_edge: vec![false; hits.depth_m.len()] };
         let mut line: Vec<u32> = Vec::new();
         for ring in 0..hits.rows as u32 {
             line.clear();
             line.extend(ring * columns..(ring + 1) * columns);
-            edges.look_along(&line, true, self.reach[0].min(line.len() / 2));
+            edges.look_along(&line, Ends::Joined, self.reach[0].min(line.len() / 2));
         }
         for column in 0..columns {
             line.clear();
             line.extend(self.rings_upwards.iter().map(|ring| ring * columns + column));
-            edges.look_along(&line, false, self.reach[1]);
+            edges.look_along(&line, Ends::Apart, self.reach[1]);
         }
         edges.is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
     }
 }
 
+/// How the ends of a line of beams lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ends {
+    /// Side by side, as in a ring.
+    Joined,
+    Apart,
+}
+
 /// Marks the beams whose spots may reach over a jump in range, and lists them, rising.
-struct Edges<'a> {
+struct DepthEdges<'a> {
     hits: &'a Hits,
     is_edge: Vec<bool>,
 }
 
-impl Edges<'_> {
+impl DepthEdges<'_> {
     /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
-    fn look_along(&mut self, line: &[u32], is_closed: bool, reach: usize) {
-        let n = line.len();
-        let range = |i: usize| self.hits.depth[line[i % n] as usize].min(FAR_M);
+    fn look_along(&mut self, line: &[u32], ends: Ends, reach: usize) {
+        let (n, is_closed) = (line.len(), ends == Ends::Joined);
+        let range = |i: usize| self.hits.depth_m[line[i % n] as usize].min(FAR_M);
         let num_steps = if is_closed { n } else { n.saturating_sub(1) };
         for i in 0..num_steps {
             let (here, next) = (range(i), range(i + 1));
@@ -167,7 +159,7 @@ pub(super) fn chosen_echo(
     mode: ReturnMode,
     air: &Air,
     receiver: &RingReceiver,
-    detection: f64,
+    detection_chance: f64,
 ) -> Option<Echo> {
     let pulse_m = receiver.receiver.pulse_m();
     let mut sorted = quarters;
@@ -183,7 +175,7 @@ pub(super) fn chosen_echo(
         rest = &rest[joined..];
         let is_better = match mode {
             ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
-            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection),
+            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection_chance),
         };
         if is_better {
             chosen = Some(echo);
@@ -306,20 +298,20 @@ mod tests {
         assert!(edges_of(&hits).is_empty(), "the sky has no edges");
         // A ring of road: from row to row the range grows by steps that grow themselves.
         for row in 0..rows {
-            hits.depth[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
+            hits.depth_m[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
         }
         assert!(edges_of(&hits).is_empty(), "{:?}", edges_of(&hits).len());
         // A wall seen at a grazing angle, up to the top row.
         for row in 0..rows {
             for column in 0..60 {
-                hits.depth[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
+                hits.depth_m[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
             }
         }
         let inside = |b: &&u32| (103..157).contains(&(**b as usize % columns));
         assert_eq!(edges_of(&hits).iter().filter(inside).count(), 0);
         // A post one beam wide, and a hole to the sky.
-        hits.depth[2 * columns + 300] = 9.0;
-        hits.depth[2 * columns + 350] = f32::INFINITY;
+        hits.depth_m[2 * columns + 300] = 9.0;
+        hits.depth_m[2 * columns + 350] = f32::INFINITY;
         let edges = edges_of(&hits);
         for column in [299, 300, 301, 349, 350, 351] {
             assert!(edges.contains(&(2 * columns as u32 + column)), "{column}");

@@ -6,13 +6,13 @@ use crate::rng::{Stream, nearly_normal};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
     /// Whether a pane is met where it is dirty, or snowed over.
-    pub(super) pane: f64,
-    pub(super) detection: f64,
-    pub(super) saturation: f64,
+    pub(super) pane_chance: f64,
+    pub(super) detection_chance: f64,
+    pub(super) saturation_chance: f64,
     /// Names the beam to the air.
     pub(super) air_key: u64,
-    pub(super) range_normal: f64,
-    pub(super) gain_normal: f64,
+    pub(super) range_deviate: f64,
+    pub(super) gain_deviate: f64,
 }
 
 impl Draws {
@@ -20,12 +20,12 @@ impl Draws {
         let [a, b, c, d, e] = std::array::from_fn(|_| stream.next_u64());
         let unit = |bits: u64| (bits & 0xffff_ffff) as f64 * (1.0 / 4_294_967_296.0);
         Self {
-            pane: unit(a >> 32),
-            detection: unit(a),
-            saturation: unit(b >> 32),
+            pane_chance: unit(a >> 32),
+            detection_chance: unit(a),
+            saturation_chance: unit(b >> 32),
             air_key: b << 32 | c >> 32,
-            range_normal: nearly_normal(d),
-            gain_normal: nearly_normal(e),
+            range_deviate: nearly_normal(d),
+            gain_deviate: nearly_normal(e),
         }
     }
 }
@@ -40,13 +40,13 @@ mod tests {
         let n = 50_000;
         let draws: Vec<Draws> = (0..n).map(|_| Draws::new(&mut stream)).collect();
         for (pick, mean, var) in [
-            ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
-            (|d| d.detection, 0.5, 1.0 / 12.0),
-            (|d| d.saturation, 0.5, 1.0 / 12.0),
+            ((|d: &Draws| d.pane_chance) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
+            (|d| d.detection_chance, 0.5, 1.0 / 12.0),
+            (|d| d.saturation_chance, 0.5, 1.0 / 12.0),
             (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
             (|d| (d.air_key & 0xffff_ffff) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
-            (|d| d.range_normal, 0.0, 1.0),
-            (|d| d.gain_normal, 0.0, 1.0),
+            (|d| d.range_deviate, 0.0, 1.0),
+            (|d| d.gain_deviate, 0.0, 1.0),
         ] {
             let m = draws.iter().map(pick).sum::<f64>() / f64::from(n);
             let v = draws.iter().map(|d| (pick(d) - m) * (pick(d) - m)).sum::<f64>() / f64::from(n);

@@ -2,8 +2,8 @@
 
 use super::air::{FALLEN_SNOW, under_snow};
 use super::draws::Draws;
+use super::intensity::reading_noise;
 use super::reflection::{pane, reflectance};
-use super::response::reading_noise;
 use crate::material::{LidarMaterial, Material, Semantic};
 
 /// Share of a glass surface's area that is dusty or printed enough to return light itself, and the reflectance there: fitted
@@ -15,15 +15,15 @@ const GLINT_COS: f64 = 0.999;
 
 /// A surface in a beam's way.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Surface<'a> {
+pub(super) struct HitSurface<'a> {
     pub range_m: f64,
     /// Cosine of the incidence angle, 0..1.
     pub cos_incidence: f64,
     pub material: &'a Material,
     /// What the place on the surface makes of the material's reflectance: 1 for what is alike everywhere.
-    pub texture: f64,
+    pub texture_factor: f64,
     /// The share of it that snow covers; 0 for ground, whose snow is the air's affair.
-    pub snow: f64,
+    pub snow_cover: f64,
     pub actor_id: i32,
 }
 
@@ -49,7 +49,11 @@ impl Echo {
 }
 
 /// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
-pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+pub(super) fn first_echo(
+    transparent: Option<HitSurface<'_>>,
+    opaque: Option<HitSurface<'_>>,
+    draws: &Draws,
+) -> Option<Echo> {
     let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
     if let Some(transparent) = transparent {
@@ -63,13 +67,13 @@ pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surfac
             semantic: transparent.material.semantic,
         };
         // The other end of the draw is dirt's.
-        if draws.pane > 1.0 - transparent.snow {
+        if draws.pane_chance > 1.0 - transparent.snow_cover {
             return Some(own(reflectance(&FALLEN_SNOW, transparent.cos_incidence)));
         }
         if transparent.cos_incidence > GLINT_COS {
             return Some(own(1.0));
         }
-        if draws.pane < DIRTY_SHARE {
+        if draws.pane_chance < DIRTY_SHARE {
             return Some(own(reflectance(&DIRT, transparent.cos_incidence)));
         }
         let once = f64::from(transparent.material.lidar.transmission) * (1.0 - pane(transparent.cos_incidence));
@@ -81,10 +85,10 @@ pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surfac
     }
     let opaque = opaque?;
     let lidar = &opaque.material.lidar;
-    let bare = reflectance(lidar, opaque.cos_incidence) * opaque.texture;
+    let bare = reflectance(lidar, opaque.cos_incidence) * opaque.texture_factor;
     Some(Echo {
         range_m: opaque.range_m,
-        reflectance: under_snow(bare, opaque.cos_incidence, opaque.snow) * transmittance,
+        reflectance: under_snow(bare, opaque.cos_incidence, opaque.snow_cover) * transmittance,
         cos_incidence: opaque.cos_incidence,
         reading_noise: reading_noise(opaque.material.pattern),
         retro: lidar.retro && transmittance > 0.05,

@@ -18,7 +18,8 @@ const OCTAVES: [(usize, f64); 4] = [(2, 0.45), (8, 0.25), (32, 0.2), (64, 0.1)];
 /// Standard deviation of the reflectance, as a share of it.
 const SPREAD: f64 = 0.27;
 /// No place is darker or brighter than this.
-const LIMITS: (f32, f32) = (0.3, 1.9);
+const DARKEST: f32 = 0.3;
+const BRIGHTEST: f32 = 1.9;
 
 /// True for what [`paved`] describes: asphalt, slabs and blocks of the ground, and the paint on them.
 #[inline]
@@ -77,7 +78,7 @@ static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
         let scale = (share / variance).sqrt();
         sum.iter_mut().zip(&layer).for_each(|(s, z)| *s += (z - mean) * scale);
     }
-    sum.iter().map(|z| ((1.0 + SPREAD * z) as f32).clamp(LIMITS.0, LIMITS.1)).collect()
+    sum.iter().map(|z| ((1.0 + SPREAD * z) as f32).clamp(DARKEST, BRIGHTEST)).collect()
 });
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What one laser's receiver does otherwise than its sensor's others.
 
-use crate::error::{Error, Result, finite};
+use crate::error::{Result, within};
 
 /// What tells a laser's receiver from those of its sensor's others.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,17 +30,14 @@ impl LaserReceiver {
     /// Checks the fields, which anyone may have set.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`], naming the field.
+    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`], naming the field.
     pub fn check(&self) -> Result<()> {
         for (what, value, least, most) in [
             ("laser gain", self.gain, 0.0, f64::MAX),
             ("laser's range offset", self.range_offset_m, -MOST_RANGE_OFFSET_M, MOST_RANGE_OFFSET_M),
             ("laser's focus", self.focus_m, 0.0, MOST_FOCUS_M),
         ] {
-            if !(least..=most).contains(&finite(what, value)?) {
-                let expected = format!("{least:?} to {most:?}");
-                return Err(Error::OutOfRange { what, value: value.to_string(), expected });
-            }
+            let _ = within(what, value, least..=most)?;
         }
         Ok(())
     }

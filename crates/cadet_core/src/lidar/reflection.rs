@@ -1,6 +1,6 @@
 //! How much of a laser pulse a surface throws back to where it came from.
 
-use super::response::Receiver;
+use super::receiver::Receiver;
 use crate::material::LidarMaterial;
 use crate::math::{exp, lerp};
 
@@ -58,31 +58,31 @@ fn lobe(roughness: f64, cos_incidence: f64) -> f64 {
 
 /// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge return it one after the other.
 ///
-/// `spot_per_pulse` is [`spot_per_pulse`]'s.
+/// `spot_pulses_per_m` is [`spot_pulses_per_m`]'s.
 #[inline(always)]
-pub(super) fn peak_share(spot_per_pulse: f64, range_m: f64, cos_incidence: f64) -> f64 {
+pub(super) fn peak_share(spot_pulses_per_m: f64, range_m: f64, cos_incidence: f64) -> f64 {
     let square = (cos_incidence * cos_incidence).max(1e-6);
-    let depth = spot_per_pulse * range_m;
+    let depth = spot_pulses_per_m * range_m;
     1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
 }
 
 /// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per meter.
-pub(super) fn spot_per_pulse(receiver: &Receiver) -> f64 {
+pub(super) fn spot_pulses_per_m(receiver: &Receiver) -> f64 {
     receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }
 
 /// Fresnel's reflectance for light without polarization of a face to what has a refractive index, from the air.
-pub(super) fn fresnel(index: f64, cos_incidence: f64) -> f64 {
+pub(super) fn fresnel(refractive_index: f64, cos_incidence: f64) -> f64 {
     let cos = cos_incidence.clamp(0.0, 1.0);
-    let inside = (1.0 - (1.0 - cos * cos) / (index * index)).sqrt();
-    let s = (cos - index * inside) / (cos + index * inside);
-    let p = (inside - index * cos) / (inside + index * cos);
+    let inside = (1.0 - (1.0 - cos * cos) / (refractive_index * refractive_index)).sqrt();
+    let s = (cos - refractive_index * inside) / (cos + refractive_index * inside);
+    let p = (inside - refractive_index * cos) / (inside + refractive_index * cos);
     lerp(s * s, p * p, 0.5)
 }
 
 /// The reflectance of a pane of glass: both faces, and what goes to and fro between them.
 pub(super) fn pane(cos_incidence: f64) -> f64 {
-    let face = fresnel(f64::from(LidarMaterial::LACQUER), cos_incidence);
+    let face = fresnel(f64::from(LidarMaterial::LACQUER_INDEX), cos_incidence);
     2.0 * face / (1.0 + face)
 }
 
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn a_slanted_spot_returns_late_and_low() {
         let receiver = Receiver { pulse_s: 5e-9, divergence_rad: 2e-3, ..Receiver::default() };
-        let share = |range_m, cos| peak_share(spot_per_pulse(&receiver), range_m, cos);
+        let share = |range_m, cos| peak_share(spot_pulses_per_m(&receiver), range_m, cos);
         assert_eq!(share(50.0, 1.0), 1.0);
         // Depth of the spot, in pulses, by hand: 30 m * 0.5 mrad * tan / 0.75 m = 0.35 at 86.7 degrees.
         let cos = 1.73 / 30.0;

@@ -46,7 +46,7 @@ pub(super) fn arrival(
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
     let share = echo.map_or(1.0, |e| receiver.detected_share(&e));
-    let detected = |power: f64| receiver.receiver.detects(power * share, draws.detection);
+    let detected = |power: f64| receiver.receiver.detects(power * share, draws.detection_chance);
     // The last echo that is detected is the target's, whatever stands before it.
     let air_return = spray.or_stronger(meeting.air_return, power * bright, air);
     if let Some(air_return) = air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
@@ -93,24 +93,24 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
     clear_power(echo, air) * air.transmittance(echo.range_m)
 }
 
-/// Whether the receiver detects an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &RingReceiver, detection: f64) -> bool {
-    receiver.receiver.detects(echo_power(echo, air) * receiver.detected_share(echo), detection)
+/// Whether the receiver detects an echo; `detection_chance` is uniform in [0, 1).
+pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &RingReceiver, detection_chance: f64) -> bool {
+    receiver.receiver.detects(echo_power(echo, air) * receiver.detected_share(echo), detection_chance)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lidar::echo::{Surface, first_echo};
-    use crate::lidar::receiver::EchoBatch;
+    use crate::lidar::echo::{HitSurface, first_echo};
+    use crate::lidar::echo_batch::EchoBatch;
     use crate::lidar::{LidarSpec, Receiver, Scan};
     use crate::material::{Material, Pattern};
     use crate::rng::Stream;
     use crate::sense::LaserRing;
     use crate::weather::Weather;
 
-    fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> Surface<'_> {
-        Surface { range_m, cos_incidence, material, texture: 1.0, snow: 0.0, actor_id }
+    fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> HitSurface<'_> {
+        HitSurface { range_m, cos_incidence, material, texture_factor: 1.0, snow_cover: 0.0, actor_id }
     }
 
     /// The point that is written of one beam.
@@ -141,8 +141,8 @@ mod tests {
     }
 
     fn receive(
-        transparent: Option<Surface<'_>>,
-        opaque: Option<Surface<'_>>,
+        transparent: Option<HitSurface<'_>>,
+        opaque: Option<HitSurface<'_>>,
         air: &Air,
         laser_gain: f64,
         draws: &Draws,
@@ -164,7 +164,7 @@ mod tests {
     }
 
     /// Share of beams that return, share of zeros among them, mean intensity, over all lasers of KITTI's sensor.
-    fn statistics(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
+    fn statistics(transparent: Option<HitSurface<'_>>, opaque: Option<HitSurface<'_>>, air: &Air) -> (f64, f64, f64) {
         let mut stream = Stream::from_seed("returns", 1);
         let n = 20_000;
         let lasers = LidarSpec::hdl64e_kitti().laser_receivers;
@@ -241,7 +241,7 @@ mod tests {
         let mut glass = Material::matt(Semantic::Car, [0.1; 3], Pattern::Plain, 0.04);
         (glass.transmission, glass.lidar.transmission) = (0.8, 0.8);
         let paint = Material::matt(Semantic::Car, [0.02; 3], Pattern::Plain, 0.01);
-        let of_snow = |material, range_m, snow| Surface { snow, ..surface(material, range_m, 0.3, 3) };
+        let of_snow = |material, range_m, snow| HitSurface { snow_cover: snow, ..surface(material, range_m, 0.3, 3) };
         let seat = Some(surface(&paint, 9.0, 0.9, 3));
         let mut stream = Stream::from_seed("snow", 0);
         let n = 5000;

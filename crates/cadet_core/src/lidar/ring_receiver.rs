@@ -2,16 +2,16 @@
 
 use super::echo::Echo;
 use super::laser_receiver::LaserReceiver;
-use super::reflection::{peak_share, spot_per_pulse};
-use super::response::Receiver;
+use super::receiver::Receiver;
+use super::reflection::{peak_share, spot_pulses_per_m};
 
 /// What all echoes of a ring have in common.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RingReceiver {
     pub receiver: Receiver,
     pub laser: LaserReceiver,
-    /// [`spot_per_pulse`]'s of the receiver.
-    spot_per_pulse: f64,
+    /// [`spot_pulses_per_m`]'s of the receiver.
+    spot_pulses_per_m: f64,
     pub min_range_m: f64,
     pub max_range_m: f64,
 }
@@ -19,13 +19,13 @@ pub(super) struct RingReceiver {
 impl RingReceiver {
     /// The receiver of a laser whose points from the first range to the second are kept, meters.
     pub fn new(receiver: Receiver, laser: LaserReceiver, [min_range_m, max_range_m]: [f64; 2]) -> Self {
-        Self { receiver, laser, spot_per_pulse: spot_per_pulse(&receiver), min_range_m, max_range_m }
+        Self { receiver, laser, spot_pulses_per_m: spot_pulses_per_m(&receiver), min_range_m, max_range_m }
     }
 
     /// What the slant of a surface leaves of its echo's peak.
     #[inline]
     pub fn peak_share(&self, echo: &Echo) -> f64 {
-        peak_share(self.spot_per_pulse, echo.range_m, echo.cos_incidence)
+        peak_share(self.spot_pulses_per_m, echo.range_m, echo.cos_incidence)
     }
 
     /// What an echo's power counts for detection: its peak, as far as it falls on the detector.

@@ -2,24 +2,24 @@
 //!
 //! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
 //! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
-//! (`receiver`).
+//! (`echo_batch`).
 
 use super::air::{Air, Plumes, Sprayed};
-use super::casting::{Casting, Standing};
+use super::casting::{Casting, StillCasting};
 use super::divergence::chosen_echo;
 use super::draws::Draws;
 use super::echo::first_echo;
-use super::receiver::EchoBatch;
+use super::echo_batch::EchoBatch;
 use super::returned_points::Scan;
 use super::returns::arrival;
 use super::spec::LidarSpec;
-use super::surfaces::Surfaces;
+use super::surfaces::SurfaceLookup;
 use super::turning::Turning;
 use crate::error::Result;
 use crate::material::Semantic;
-use crate::math::{self, DPose3, DVec3};
+use crate::math::{DPose3, DVec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, PosedScene, cast};
+use crate::sense::{Hits, PosedScene, SurfaceFilter, cast};
 use crate::spray::Spray;
 use crate::weather::Weather;
 
@@ -56,11 +56,10 @@ impl IdealScan {
         let columns = spec.azimuths_rad().len();
         assert_eq!(self.range_m.len(), spec.num_beams(), "as many ranges as beams");
         for ((ring, laser), ranges_m) in spec.rings().iter().enumerate().zip(self.range_m.chunks_exact(columns)) {
-            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            let direction_velo = laser.directions_velo();
             let point = |(heading, range_m): (&[f64; 2], &f32)| {
                 let range = f64::from(*range_m);
-                let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
-                let p = laser.origin_velo(*heading) + direction_velo * range;
+                let p = laser.origin_velo(*heading) + direction_velo(*heading) * range;
                 if *range_m < f32::INFINITY { [p.x as f32, p.y as f32, p.z as f32, 0.0] } else { [f32::NAN; 4] }
             };
             points.extend(spec.headings(ring).iter().zip(ranges_m).map(point));
@@ -91,11 +90,11 @@ impl IdealScan {
 #[must_use]
 pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
     let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-    cast(scene, &spec.grid(*world_from_velo), Layer::All, |_| true, &mut hits);
+    cast(scene, &spec.grid(*world_from_velo), SurfaceFilter::All, |_| true, &mut hits);
     // Close together, so that looking them up costs nothing.
     let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
     let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
-    IdealScan { range_m: hits.depth, instance: hits.instance, face: hits.face, actor_id }
+    IdealScan { range_m: hits.depth_m, instance: hits.instance, face: hits.face, actor_id }
 }
 
 /// One turn as the sensor reports it, all of it at one instant. Every beam draws the same count of numbers from
@@ -125,7 +124,7 @@ pub fn scan_through(
     stream: &mut Stream,
 ) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, air, stream))
+    Ok(scan_by(&StillCasting::new(scene, world_from_velo), spec, air, stream))
 }
 
 /// One turn as the sensor reports it while it and the world move; spray hangs in the air meanwhile. Every beam draws the same
@@ -164,12 +163,12 @@ fn scan_by<C: Casting>(
     let air = Air::new(weather, receiver);
     let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
     let snow_cover = weather.snow_cover();
-    let (mut behind, mut in_front) = (Surfaces::new(casting, snow_cover), Surfaces::new(casting, snow_cover));
+    let (mut behind, mut in_front) = (SurfaceLookup::new(casting, snow_cover), SurfaceLookup::new(casting, snow_cover));
     let mut out = Scan::with_capacity(spec.num_beams());
     let mut batch = EchoBatch::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
-        let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+        let direction_of = laser.directions_velo();
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
         let receiver = &spec.ring_receiver(ring);
@@ -180,13 +179,13 @@ fn scan_by<C: Casting>(
             if is_blind[column] {
                 continue;
             }
-            let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
+            let direction_velo = direction_of(*heading);
             let origin_velo = laser.origin_velo(*heading);
             let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
             let echo = if let Some((_, quarters)) = quarters {
                 let quarters = quarters
                     .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
-                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection)
+                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection_chance)
             } else {
                 first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
             };

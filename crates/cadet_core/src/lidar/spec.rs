@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::divergence::DivergentBeams;
 use super::firing::Firing;
 use super::laser_receiver::LaserReceiver;
-use super::response::{MAX_DIVERGENCE_RAD, Receiver};
+use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
 use super::ring_receiver::RingReceiver;
 use crate::error::{Error, Result, finite};
-use crate::math::{self, DPose3, DVec3, TAU};
+use crate::math::{DPose3, DVec3, TAU};
 use crate::sense::{LaserRing, SpinningGrid};
 
 /// A spinning LIDAR.
@@ -115,12 +115,13 @@ impl LidarSpec {
         self.respread()
     }
 
-    fn respread(mut self) -> Result<Self> {
-        if self.divergent.is_some() {
-            let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
-            self.divergent =
-                Some(Arc::new(DivergentBeams::new(rings, azimuths, offsets, self.receiver.divergence_rad)?));
-        }
+    fn respread(self) -> Result<Self> {
+        if self.divergent.is_some() { self.spread() } else { Ok(self) }
+    }
+
+    fn spread(mut self) -> Result<Self> {
+        let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
+        self.divergent = Some(Arc::new(DivergentBeams::new(rings, azimuths, offsets, self.receiver.divergence_rad)?));
         Ok(self)
     }
 
@@ -206,9 +207,7 @@ impl LidarSpec {
         let receiver = Receiver { divergence_rad, ..self.receiver };
         receiver.check()?;
         self.receiver = receiver;
-        let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
-        self.divergent = Some(Arc::new(DivergentBeams::new(rings, azimuths, offsets, divergence_rad)?));
-        Ok(self)
+        self.spread()
     }
 
     pub(super) fn divergent(&self) -> Option<&DivergentBeams> {
@@ -306,10 +305,10 @@ impl LidarSpec {
         let mut rays =
             Rays { origins_velo: Vec::with_capacity(n), directions_velo: Vec::with_capacity(n), ring, column };
         for (ring, laser) in self.rings.iter().enumerate() {
-            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            let direction_velo = laser.directions_velo();
             for heading in self.headings(ring) {
                 rays.origins_velo.push(laser.origin_velo(*heading));
-                rays.directions_velo.push(DVec3::new(cos * heading[0], cos * heading[1], sin));
+                rays.directions_velo.push(direction_velo(*heading));
             }
         }
         rays
@@ -343,7 +342,7 @@ mod tests {
         }
         assert!(rays.directions_velo[538].y > 0.99, "a quarter turn is to the left");
         let ring_40 = rays.directions_velo[40 * 2152];
-        assert!((math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
+        assert!((crate::math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
         assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, -0.026, 0.1229));
         // Odd rings sit on the left: looking to the left, that is behind.
         assert!((rays.origins_velo[41 * 2152 + 538] - DVec3::new(-0.026, 0.0, 0.1226)).length() < 1e-4);

@@ -1,48 +1,48 @@
 //! The second step of a scan: the surface behind a hit.
 
-use super::casting::Casting;
-use super::divergence::SubBeam;
-use super::echo::Surface;
+use super::casting::{BeamHit, Casting};
+use super::echo::HitSurface;
 use super::ground_texture;
 use crate::math::DVec3;
 use crate::sense::NO_HIT;
 use crate::weather::snow_share;
 
 /// Looks surfaces up. Neighbors often meet the same face, so the last one is remembered.
-pub(super) struct Surfaces<'a, C> {
+pub(super) struct SurfaceLookup<'a, C> {
     casting: &'a C,
     /// Share of level surfaces under snow.
     snow_cover: f64,
-    last: (u32, u32),
+    /// Instance and face.
+    last: [u32; 2],
     normal_world: DVec3,
 }
 
-impl<'a, C: Casting> Surfaces<'a, C> {
+impl<'a, C: Casting> SurfaceLookup<'a, C> {
     pub(super) fn new(casting: &'a C, snow_cover: f64) -> Self {
-        Self { casting, snow_cover, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
+        Self { casting, snow_cover, last: [NO_HIT; 2], normal_world: DVec3::ZERO }
     }
 
     /// The surface that a beam of a column met in a direction.
     #[inline]
     pub(super) fn at(
         &mut self,
-        hit: SubBeam,
+        hit: BeamHit,
         column: usize,
         origin_velo: DVec3,
         direction_velo: DVec3,
-    ) -> Option<Surface<'a>> {
+    ) -> Option<HitSurface<'a>> {
         if !hit.is_hit() {
             return None;
         }
         let (instance, face) = (hit.instance, hit.face);
         let posed = &self.casting.scene().instances[instance as usize];
-        if self.last != (instance, face) {
+        if self.last != [instance, face] {
             let [a, b, c] = posed.mesh.faces[face as usize];
             let corner = |i: u32| posed.mesh.vertices[i as usize].as_dvec3();
             let a = corner(a);
             let normal_local = (corner(b) - a).cross(corner(c) - a).normalize_or_zero();
             self.normal_world = posed.placement.rotation * normal_local;
-            self.last = (instance, face);
+            self.last = [instance, face];
         }
         let direction_world = self.casting.direction_world(column, instance, direction_velo);
         let range_m = f64::from(hit.range_m);
@@ -61,12 +61,12 @@ impl<'a, C: Casting> Surfaces<'a, C> {
             let rise = if cosine > 0.0 { -self.normal_world.z } else { self.normal_world.z };
             self.snow_cover * f64::from(snow_share(rise as f32))
         };
-        Some(Surface {
+        Some(HitSurface {
             range_m,
             cos_incidence: cosine.abs().min(1.0),
             material,
-            texture,
-            snow,
+            texture_factor: texture,
+            snow_cover: snow,
             actor_id: posed.actor_id,
         })
     }

@@ -11,11 +11,11 @@
 
 use std::sync::Arc;
 
-use super::casting::{BeamHits, Casting, reach_m};
-use super::divergence::{DivergentBeams, SubBeam};
+use super::casting::{BeamHit, Casting, TurnHits, reach_m};
+use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
 use crate::math::{self, DPose3, DVec3, TAU};
-use crate::sense::{FaceHit, FaceTrees, Hits, Moment, Motion, MovingCaster, PosedScene};
+use crate::sense::{FaceHit, FaceTrees, Hits, Moment, MovingCaster, PosedScene, RigidMotion};
 
 /// How long a turn takes, seconds: 10 turns a second.
 pub const TURN_S: f64 = 0.1;
@@ -31,7 +31,7 @@ pub fn firing_time_s(azimuth_rad: f64) -> f64 {
 pub struct Turning {
     caster: MovingCaster,
     world_from_velo: DPose3,
-    sensor: Motion,
+    sensor: RigidMotion,
 }
 
 impl Turning {
@@ -42,8 +42,8 @@ impl Turning {
         trees: &mut FaceTrees,
         spec: &LidarSpec,
         world_from_velo: DPose3,
-        sensor: Motion,
-        motion_of: impl Fn(i32) -> Motion,
+        sensor: RigidMotion,
+        motion_of: impl Fn(i32) -> RigidMotion,
     ) -> Self {
         let span_s = TURN_S / 2.0;
         let sensor_m = sensor.reach_m((world_from_velo.translation - sensor.pivot_world).length(), span_s);
@@ -60,7 +60,8 @@ impl Turning {
     pub(super) fn firings(&self, spec: &LidarSpec) -> Firings<'_> {
         let at = |azimuth: &f64| {
             let time_s = firing_time_s(*azimuth);
-            (self.caster.at(time_s), self.sensor.displacement(time_s) * self.world_from_velo)
+            let world_from_velo = self.sensor.displacement(time_s) * self.world_from_velo;
+            ColumnFiring { moment: self.caster.at(time_s), world_from_velo }
         };
         Firings { scene: self.caster.scene(), columns: spec.azimuths_rad().iter().map(at).collect() }
     }
@@ -69,8 +70,13 @@ impl Turning {
 /// One turn, column by column.
 pub(super) struct Firings<'a> {
     scene: &'a PosedScene,
-    /// The world and the sensor's pose at the column's moment.
-    columns: Vec<(Moment<'a>, DPose3)>,
+    columns: Vec<ColumnFiring<'a>>,
+}
+
+/// The world and the sensor's pose at the moment at which a column fires.
+struct ColumnFiring<'a> {
+    moment: Moment<'a>,
+    world_from_velo: DPose3,
 }
 
 impl Casting for Firings<'_> {
@@ -78,35 +84,34 @@ impl Casting for Firings<'_> {
         self.scene
     }
 
-    fn cast(&self, spec: &LidarSpec) -> BeamHits {
+    fn cast(&self, spec: &LidarSpec) -> TurnHits {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
         let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
-            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, (heading, (moment, world_from_velo))) in
-                spec.headings(ring).iter().zip(&self.columns).enumerate()
-            {
+            let direction_velo = laser.directions_velo();
+            for (column, (heading, firing)) in spec.headings(ring).iter().zip(&self.columns).enumerate() {
+                let ColumnFiring { moment, world_from_velo } = firing;
                 let origin = world_from_velo.transform_point(laser.origin_velo(*heading));
-                let direction = world_from_velo.rotation * DVec3::new(cos * heading[0], cos * heading[1], sin);
+                let direction = world_from_velo.rotation * direction_velo(*heading);
                 let found = moment.cast(origin, direction);
                 let at = ring * columns + column;
                 put(&mut opaque, at, found.opaque);
                 put(&mut first, at, found.transparent.or(found.opaque));
             }
         }
-        BeamHits { opaque, first }
+        TurnHits { opaque, first }
     }
 
-    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
         let columns = spec.azimuths_rad().len();
         let cast = |beam: &u32| {
             let (ring, column) = (*beam as usize / columns, *beam as usize % columns);
-            let (moment, world_from_velo) = &self.columns[column];
+            let ColumnFiring { moment, world_from_velo } = &self.columns[column];
             let origin_velo = spec.rings()[ring].origin_velo(spec.headings(ring)[column]);
             let origin = world_from_velo.transform_point(origin_velo);
             divergent.directions_velo(*beam).map(|direction_velo| {
                 let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
-                found.map_or(SubBeam::MISS, |f| SubBeam {
+                found.map_or(BeamHit::MISS, |f| BeamHit {
                     range_m: f.range_m as f32,
                     instance: f.instance,
                     face: f.face,
@@ -118,19 +123,19 @@ impl Casting for Firings<'_> {
 
     #[inline]
     fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3 {
-        let (moment, world_from_velo) = &self.columns[column];
+        let ColumnFiring { moment, world_from_velo } = &self.columns[column];
         moment.direction_now(instance, world_from_velo.rotation * direction_velo)
     }
 
     #[inline]
     fn place_world(&self, column: usize, place_velo: DVec3) -> DVec3 {
-        self.columns[column].1.transform_point(place_velo)
+        self.columns[column].world_from_velo.transform_point(place_velo)
     }
 }
 
 fn put(hits: &mut Hits, at: usize, found: Option<FaceHit>) {
     if let Some(found) = found {
-        hits.depth[at] = found.range_m as f32;
+        hits.depth_m[at] = found.range_m as f32;
         hits.instance[at] = found.instance;
         hits.face[at] = found.face;
     }

@@ -13,14 +13,14 @@ use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_
 use crate::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::rig::Mounted;
-use crate::sense::Motion;
+use crate::sense::RigidMotion;
 use crate::spray::Spray;
 use crate::town::GroundKind;
 use crate::world::{EgoState, Snapshot};
 
 /// Request for more than the first camera's image and the first LIDAR's scan. What is not asked for costs nothing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Request {
+pub struct CaptureRequest {
     /// Names the random streams of noise.
     pub sample: u64,
     /// Depth, instances and classes with every image.
@@ -46,9 +46,18 @@ pub struct Image {
     pub rendered: Rendered,
 }
 
+/// A scan with the name of its LIDAR.
+#[derive(Debug, Clone)]
+pub struct NamedScan {
+    /// The LIDAR's name.
+    pub name: String,
+    /// Its returns.
+    pub scan: Scan,
+}
+
 /// Everything that was asked for at one instant.
 #[derive(Debug, Clone)]
-pub struct Frame {
+pub struct CapturedFrame {
     /// Seconds since the scene's start.
     pub time_s: f64,
     /// The ego's pose.
@@ -66,11 +75,11 @@ pub struct Frame {
     /// Which boxes the sightings hold.
     pub boxes: Boxes,
     /// The road's plane in the first camera's frame.
-    pub plane: [f64; 4],
+    pub plane_cam: [f64; 4],
     /// The first camera's image, then the others in the order in which they were asked for.
     pub images: Vec<Image>,
-    /// The first LIDAR's scan, then the others with their names.
-    pub scans: Vec<(String, Scan)>,
+    /// The first LIDAR's scan, then the others in the order in which they were asked for.
+    pub scans: Vec<NamedScan>,
 }
 
 /// What the first camera looks at, before light and color.
@@ -85,7 +94,7 @@ impl Scene {
     ///
     /// # Errors
     /// A sensor that the rig lacks; [`Error::Scene`] where no ground lies ahead of the first camera.
-    pub fn capture(&mut self, request: &Request) -> Result<Frame> {
+    pub fn capture(&mut self, request: &CaptureRequest) -> Result<CapturedFrame> {
         self.check(request)?;
         let looked = self.look()?;
         self.finish(request, looked)
@@ -97,9 +106,9 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::capture`].
-    pub fn capture_labeled(&mut self, request: &Request) -> Result<Option<Frame>> {
+    pub fn capture_labeled(&mut self, request: &CaptureRequest) -> Result<Option<CapturedFrame>> {
         self.check(request)?;
-        let (_, world_from_cam) = self.sensor_poses();
+        let world_from_cam = self.world_from_cam();
         let sensed = self.sensed();
         let actors = Arc::clone(&sensed.snapshot);
         if !may_label(&self.label, &actors.actors, self.rig.camera(), &world_from_cam) {
@@ -124,7 +133,7 @@ impl Scene {
         Ok(Some(frame))
     }
 
-    fn check(&self, request: &Request) -> Result<()> {
+    fn check(&self, request: &CaptureRequest) -> Result<()> {
         let counts = [
             ("camera", &request.cameras, self.rig.cameras().len()),
             ("LIDAR", &request.lidars, self.rig.lidars().len()),
@@ -142,7 +151,7 @@ impl Scene {
     }
 
     fn look(&mut self) -> Result<Looked> {
-        let (_, world_from_cam) = self.sensor_poses();
+        let world_from_cam = self.world_from_cam();
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let camera = self.rig.camera();
         let view = View::new(camera, &world_from_cam);
@@ -153,7 +162,7 @@ impl Scene {
         Ok(Looked { view, seen, sightings })
     }
 
-    fn finish(&mut self, request: &Request, looked: Looked) -> Result<Frame> {
+    fn finish(&mut self, request: &CaptureRequest, looked: Looked) -> Result<CapturedFrame> {
         let snapshot = Arc::clone(&self.sensed().snapshot);
         let Looked { view, seen, mut sightings } = looked;
         let mut images = vec![self.image(0, request, &view, &seen)?];
@@ -173,12 +182,13 @@ impl Scene {
         }
         let mut scans = Vec::with_capacity(1 + request.lidars.len());
         for index in std::iter::once(0).chain(request.lidars.iter().copied()) {
-            scans.push((self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?));
+            let (name, scan) = (self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?);
+            scans.push(NamedScan { name, scan });
         }
-        add_points(&self.label, &mut sightings, &scans[0].1.actor_id);
+        add_points(&self.label, &mut sightings, &scans[0].scan.actor_id);
         let labeled: Vec<i32> = sightings.iter().filter(|s| s.is_labeled).map(|s| s.actor_id).collect();
         self.world.note_labeled(&labeled);
-        Ok(Frame {
+        Ok(CapturedFrame {
             time_s: snapshot.time_s,
             world_from_ego: snapshot.ego.world_from_ego,
             ego_velocity_world: snapshot.ego.velocity_world,
@@ -187,13 +197,13 @@ impl Scene {
             pixels,
             sightings,
             boxes: self.label.boxes,
-            plane: self.plane()?,
+            plane_cam: self.plane()?,
             images,
             scans,
         })
     }
 
-    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Visibility) -> Result<Image> {
+    fn image(&mut self, index: usize, request: &CaptureRequest, view: &View, seen: &Visibility) -> Result<Image> {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
@@ -240,7 +250,7 @@ impl Scene {
     }
 
     fn plane(&mut self) -> Result<[f64; 4]> {
-        let (_, world_from_cam) = self.sensor_poses();
+        let world_from_cam = self.world_from_cam();
         let ego_z_m = self.sensed().snapshot.ego.world_from_ego.translation.z;
         let ground = &self.world.town().ground;
         let surface_near = |p: DVec2| ground.surface_near(p.extend(ego_z_m));
@@ -279,19 +289,19 @@ impl Scene {
     }
 }
 
-fn motion_of_ego(snapshot: &Snapshot) -> Motion {
+fn motion_of_ego(snapshot: &Snapshot) -> RigidMotion {
     let EgoState { world_from_ego, velocity_world, angular_velocity_world } = snapshot.ego;
-    Motion { pivot_world: world_from_ego.translation, velocity_world, angular_velocity_world }
+    RigidMotion { pivot_world: world_from_ego.translation, velocity_world, angular_velocity_world }
 }
 
 /// How the actor of an id moves.
-fn motion_of_actor(snapshot: &Snapshot, id: i32) -> Motion {
+fn motion_of_actor(snapshot: &Snapshot, id: i32) -> RigidMotion {
     // They stand in the order of their ids.
     snapshot.actors.binary_search_by_key(&id, |a| a.id).map_or_else(
-        |_| Motion::default(),
+        |_| RigidMotion::default(),
         |i| {
             let ActorState { world_from_box, velocity_world, angular_velocity_world, .. } = snapshot.actors[i];
-            Motion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
+            RigidMotion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
         },
     )
 }

@@ -1,11 +1,11 @@
 //! Azimuths of a spinning LIDAR: of points, and of its columns on the ticks of an encoder.
 
 /// Error of the single-precision azimuth, in radians: its polynomial and the rounding of coordinates.
-pub(super) const AZIMUTH_MARGIN: f32 = 4e-5;
-/// Triangles narrower than this are bounded by their corners, with [`super::row_lookup::BULGE`] for their edges.
+pub(super) const AZIMUTH_MARGIN_RAD: f32 = 4e-5;
+/// Triangles narrower than this are bounded by their corners, with [`super::row_lookup::BULGE_SHARE`] for their edges.
 pub(super) const NARROW_RAD: f32 = 0.08;
-pub(super) const TURN: f32 = std::f32::consts::TAU;
-pub(super) const HALF_TURN: f32 = std::f32::consts::PI;
+pub(super) const TURN_RAD: f32 = std::f32::consts::TAU;
+pub(super) const HALF_TURN_RAD: f32 = std::f32::consts::PI;
 
 /// A turn in equal steps on which the columns lie, exactly or nearly: an encoder has such.
 #[derive(Debug)]
@@ -24,15 +24,15 @@ const LEAST_TICKS: u32 = 2048;
 const MOST_TICKS: u32 = 16_384;
 
 impl Ticks {
-    pub(super) fn new(azimuths_rad: &[f64], max_offset: f32) -> Self {
+    pub(super) fn new(azimuths_rad: &[f64], max_offset_rad: f32) -> Self {
         let off_by = |n: u32| {
             let ticks = azimuths_rad.iter().map(move |a| a * f64::from(n) / std::f64::consts::TAU);
             ticks.map(|t: f64| (t - t.round()).abs())
         };
         let fits = |n: &u32| off_by(*n).all(|off| off < 1e-4);
         let n = (LEAST_TICKS..=MOST_TICKS).find(fits).unwrap_or(MOST_TICKS);
-        let per_rad = n as f32 / TURN;
-        let margin = off_by(n).fold(0.0, f64::max) as f32 + AZIMUTH_MARGIN * per_rad + 1e-6 * n as f32;
+        let per_rad = n as f32 / TURN_RAD;
+        let margin = off_by(n).fold(0.0, f64::max) as f32 + AZIMUTH_MARGIN_RAD * per_rad + 1e-6 * n as f32;
         let mut before = vec![0_u16; n as usize + 3];
         for azimuth in azimuths_rad {
             before[(azimuth * f64::from(n) / std::f64::consts::TAU).round() as usize + 1] += 1;
@@ -40,7 +40,7 @@ impl Ticks {
         for i in 1..before.len() {
             before[i] += before[i - 1];
         }
-        Self { per_rad, margin, narrow: ((NARROW_RAD + max_offset) * per_rad) as u16 - 1, before }
+        Self { per_rad, margin, narrow: ((NARROW_RAD + max_offset_rad) * per_rad) as u16 - 1, before }
     }
 
     /// The first tick and the end of the ticks from one azimuth to another, in 0..=2 pi.
@@ -62,7 +62,7 @@ impl Ticks {
 
 /// The azimuth in [0, 2 pi] of a point, within 2e-6 rad; some number for the axis itself.
 #[inline]
-pub(super) fn azimuth_of(x: f32, y: f32) -> f32 {
+pub(super) fn azimuth_rad_of(x: f32, y: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
     let t = small / large.max(f32::MIN_POSITIVE);
@@ -74,8 +74,8 @@ pub(super) fn azimuth_of(x: f32, y: f32) -> f32 {
     let p = p * s - 0.332_623_47;
     let p = (p * s + 0.999_977_26) * t;
     let p = if ax < ay { std::f32::consts::FRAC_PI_2 - p } else { p };
-    let p = if x < 0.0 { HALF_TURN - p } else { p };
-    if y < 0.0 { TURN - p } else { p }
+    let p = if x < 0.0 { HALF_TURN_RAD - p } else { p };
+    if y < 0.0 { TURN_RAD - p } else { p }
 }
 
 #[cfg(test)]
@@ -88,8 +88,8 @@ mod tests {
         for i in 0..200_000 {
             let exact = f64::from(i) * TAU / 200_000.0;
             let (x, y) = ((3.0 * math::cos(exact)) as f32, (3.0 * math::sin(exact)) as f32);
-            let error = math::wrap_angle(f64::from(azimuth_of(x, y)) - exact).abs();
-            assert!(error < 0.5 * f64::from(AZIMUTH_MARGIN), "{error} at {exact}");
+            let error = math::wrap_angle(f64::from(azimuth_rad_of(x, y)) - exact).abs();
+            assert!(error < 0.5 * f64::from(AZIMUTH_MARGIN_RAD), "{error} at {exact}");
         }
     }
 }

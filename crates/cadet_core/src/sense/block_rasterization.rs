@@ -6,13 +6,13 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
-use super::outline::Outline;
+use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
-use crate::math::DVec3;
+use crate::math::{DVec3, greater, lesser};
 
 /// The most edges.
 const EDGES: usize = 4;
@@ -49,7 +49,7 @@ pub(super) struct FaceOnImage {
     is_quad: bool,
     /// Turned towards the camera, and volume: inverse depth = normal · (x, y, 1) / volume.
     normal: DVec3,
-    volume: f64,
+    volume6_m3: f64,
     /// Of the edges, by x / z, by y / z, and the rest.
     by_x: [f64; EDGES],
     by_y: [f64; EDGES],
@@ -74,19 +74,19 @@ impl FaceOnImage {
     ///
     /// `most_z_m`: the largest z of its corners, to a thousandth.
     #[inline(always)]
-    pub(super) fn new(outline: &Outline, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
-        if outline.volume == 0.0 {
+    pub(super) fn new(outline: &FacePlanes, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
+        if outline.volume6_m3 == 0.0 {
             return None;
         }
-        let sign = if outline.volume > 0.0 { 1.0 } else { -1.0 };
+        let sign = if outline.volume6_m3 > 0.0 { 1.0 } else { -1.0 };
         let edges = outline.edges.map(|n| n * sign);
         let normal = outline.normal * sign;
-        let volume = outline.volume.abs();
+        let volume = outline.volume6_m3.abs();
         let [a, b, c, d] = edges;
         let (mut by_x, mut by_y) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
         let mut rest = [a.z, b.z, c.z, d.z];
         let (column, row) = (1.0 / grid.column_scale, 1.0 / grid.row_scale);
-        let (shift, half) = (grid.odd_shift * 0.5, f64::from(HALF));
+        let (shift, half) = (grid.odd_shift_columns * 0.5, f64::from(HALF));
         let mut most = [0.0; EDGES];
         let (mut across, mut down, mut reach) = ([0.0_f32; EDGES], [0.0_f32; EDGES], [0.0_f32; EDGES]);
         for k in 0..EDGES {
@@ -109,7 +109,7 @@ impl FaceOnImage {
             edges,
             is_quad: outline.is_quad,
             normal,
-            volume,
+            volume6_m3: volume,
             by_x,
             by_y,
             rest,
@@ -125,7 +125,7 @@ impl FaceOnImage {
 
     /// The record that is kept of a drawn face.
     pub(super) fn drawn(&self, [instance, face]: [u32; 2]) -> DrawnFace {
-        DrawnFace { instance, face, is_quad: self.is_quad, normal: self.normal.to_array(), volume: self.volume }
+        DrawnFace { instance, face, is_quad: self.is_quad, normal: self.normal.to_array(), volume6_m3: self.volume6_m3 }
     }
 
     /// The functions at the middle of a block, given by x / z and y / z.
@@ -141,7 +141,7 @@ impl FaceOnImage {
 
     /// An inverse depth that the face's plane does not reach on a block.
     #[inline(always)]
-    pub(super) fn most_inverse_depth(&self, at: &AffineValues) -> f32 {
+    pub(super) fn most_inverse_depth_per_m(&self, at: &AffineValues) -> f32 {
         if self.is_flat(at) { at.inverse_depth + self.reach.inverse_depth } else { f32::INFINITY }
     }
 
@@ -150,7 +150,7 @@ impl FaceOnImage {
     fn is_flat(&self, at: &AffineValues) -> bool {
         let (inverse_depth, reach) = (at.inverse_depth, self.reach.inverse_depth);
         let least = inverse_depth - reach;
-        let least = if least > self.least_inverse_depth { least } else { self.least_inverse_depth };
+        let least = greater(least, self.least_inverse_depth);
         inverse_depth.abs() + reach < STEEP * least
     }
 
@@ -166,9 +166,9 @@ impl FaceOnImage {
                 let least = least - 1e-6 * (1.0 + least.abs());
                 let cut = least / self.by_x[k];
                 if self.by_x[k] > 0.0 {
-                    from = if cut > from { cut } else { from };
+                    from = greater(cut, from);
                 } else if self.by_x[k] < 0.0 {
-                    to = if cut < to { cut } else { to };
+                    to = lesser(cut, to);
                 }
             }
         }
@@ -265,7 +265,7 @@ impl FaceOnImage {
     #[inline(never)]
     fn draw_exactly(&self, block: &mut Block, id: u32, mask: u64, exact: &ExactBlock<'_>) -> u64 {
         let mut nearer = 0;
-        let inverse = 1.0 / self.volume;
+        let inverse = 1.0 / self.volume6_m3;
         for (row, y) in exact.rows_y.iter().enumerate() {
             let rests = self.edges.map(|e| e.y * y + e.z);
             let facing = self.normal.y * y + self.normal.z;
@@ -276,7 +276,7 @@ impl FaceOnImage {
                 }
                 let is_in = (0..EDGES).all(|k| self.edges[k].x * x + rests[k] >= 0.0);
                 let value = ((self.normal.x * x + facing) * inverse) as f32;
-                let old = &mut block.inverse_depth[row][i];
+                let old = &mut block.inverse_depth_per_m[row][i];
                 if is_in && value > *old {
                     (*old, block.face[row][i]) = (value, id);
                     nearer |= bit;
@@ -290,7 +290,7 @@ impl FaceOnImage {
 /// Sets the rows' bits where the triangle is nearer, and where single precision does not tell. Rows are drawn by twos.
 ///
 /// A function of its own, without the packing of bits: so the compiler takes whole registers.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn draw_within<const EDGES: usize>(
     face: &FaceOnImage,
     block: &mut Block,
@@ -308,7 +308,7 @@ fn draw_within<const EDGES: usize>(
         for i in 0..2 * BLOCK {
             let mut least = f32::INFINITY;
             for (inside, _) in &edges {
-                least = if least < inside[i] { least } else { inside[i] };
+                least = lesser(least, inside[i]);
             }
             bits[i] = mask(least >= DOUBT) & value[i].to_bits();
             doubt[i] |= mask(least.abs() < DOUBT) & (ROW_BITS[i] << row);

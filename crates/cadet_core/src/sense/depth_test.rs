@@ -3,7 +3,7 @@
 use super::visibility_buffer::{BLOCK, Block};
 
 /// The bits of a row and the next, before they are shifted to the row.
-pub(super) const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
+pub const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// Keeps what is nearer in an even row and the next: `bits` are those of positive numbers, or 0.
 ///
@@ -17,7 +17,7 @@ pub(super) fn keep_nearer(
     nearer: &mut [u32; 2 * BLOCK],
 ) {
     let (Some(inverse_depth), Some(face)) = (
-        block.inverse_depth.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
+        block.inverse_depth_per_m.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
         block.face.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
     ) else {
         return;

@@ -22,7 +22,7 @@ impl Resolution {
 
     /// How much further than for KITTI's camera each level reaches: so far that its parts look as many pixels large there.
     #[must_use]
-    pub fn detail(self) -> f32 {
+    pub fn reach_factor(self) -> f32 {
         Self::KITTI.finest_rad / self.finest_rad
     }
 }

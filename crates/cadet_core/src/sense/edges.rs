@@ -19,7 +19,7 @@ pub struct EdgePlanes {
     /// (b - a) x (c - a).
     pub normal: DVec3,
     /// a · normal: six times the volume of the tetrahedron with the frame's origin.
-    pub volume: f64,
+    pub volume6_m3: f64,
 }
 
 impl EdgePlanes {
@@ -32,7 +32,7 @@ impl EdgePlanes {
             cross: [a.cross(b), b.cross(c), c.cross(a)],
             delta: [b - a, c - b, a - c],
             normal,
-            volume: a.dot(normal),
+            volume6_m3: a.dot(normal),
         }
     }
 }

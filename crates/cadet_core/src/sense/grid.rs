@@ -34,20 +34,20 @@ impl Window {
     }
 }
 
-/// Tangents of the directions in which a circle is seen from the origin of its plane: the middle lies at `across` and
+/// Tangents of the directions in which a circle is seen from the origin of its plane: the middle lies at `across_m` and
 /// `along > 0` or behind. Infinite where the circle reaches beyond a right angle, None where it lies behind altogether.
 #[inline]
-pub(super) fn tangents_of_circle(across: f32, along: f32, radius_m: f32) -> Option<[f32; 2]> {
-    if along < -radius_m {
+pub(super) fn tangents_of_circle(across_m: f32, along_m: f32, radius_m: f32) -> Option<[f32; 2]> {
+    if along_m < -radius_m {
         return None;
     }
     // Points (across, along) with slope t touch the circle where |across - t along| = radius sqrt(1 + t^2).
-    let a = along * along - radius_m * radius_m;
-    if along <= 0.0 || a <= 1e-3 * along * along {
+    let a = along_m * along_m - radius_m * radius_m;
+    if along_m <= 0.0 || a <= 1e-3 * along_m * along_m {
         return Some([f32::NEG_INFINITY, f32::INFINITY]);
     }
-    let reach = radius_m * (across * across + a).sqrt();
-    Some([(across * along - reach) / a, (across * along + reach) / a])
+    let reach = radius_m * (across_m * across_m + a).sqrt();
+    Some([(across_m * along_m - reach) / a, (across_m * along_m + reach) / a])
 }
 
 /// Beams in rows and columns, and what the visibility kernel needs of them.
@@ -90,7 +90,7 @@ pub trait BeamGrid {
 
     /// A depth that no point of a piece falls below.
     #[inline(always)]
-    fn near_depth(&self, _corners_grid: &[DVec3; 4]) -> f32 {
+    fn near_m(&self, _corners_grid: &[DVec3; 4]) -> f32 {
         f32::NEG_INFINITY
     }
 

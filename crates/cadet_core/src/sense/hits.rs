@@ -11,7 +11,7 @@ pub struct Hits {
     /// Number of columns.
     pub columns: usize,
     /// The grid's depth in meters: range for a LIDAR, z along the optical axis for a camera; infinite for a miss.
-    pub depth: Vec<f32>,
+    pub depth_m: Vec<f32>,
     /// Index into [`super::PosedScene::instances`], [`NO_HIT`] for a miss.
     pub instance: Vec<u32>,
     /// Face of the instance's mesh, [`NO_HIT`] for a miss.
@@ -23,22 +23,22 @@ impl Hits {
     #[must_use]
     pub fn new(rows: usize, columns: usize) -> Self {
         let n = rows * columns;
-        Self { rows, columns, depth: vec![f32::INFINITY; n], instance: vec![NO_HIT; n], face: vec![NO_HIT; n] }
+        Self { rows, columns, depth_m: vec![f32::INFINITY; n], instance: vec![NO_HIT; n], face: vec![NO_HIT; n] }
     }
 
     /// Forgets every hit.
     pub fn clear(&mut self) {
-        self.depth.fill(f32::INFINITY);
+        self.depth_m.fill(f32::INFINITY);
         self.instance.fill(NO_HIT);
         self.face.fill(NO_HIT);
     }
 
     /// Keeps the nearer hit; of two equal ones the earlier instance and face.
     #[inline(always)]
-    pub(super) fn keep_nearer(&mut self, at: usize, depth: f32, instance: u32, face: u32) {
-        let nearest = self.depth[at];
-        if depth < nearest || (depth == nearest && (instance, face) < (self.instance[at], self.face[at])) {
-            self.depth[at] = depth;
+    pub(super) fn keep_nearer(&mut self, at: usize, depth_m: f32, instance: u32, face: u32) {
+        let nearest = self.depth_m[at];
+        if depth_m < nearest || (depth_m == nearest && (instance, face) < (self.instance[at], self.face[at])) {
+            self.depth_m[at] = depth_m;
             self.instance[at] = instance;
             self.face[at] = face;
         }

@@ -1,6 +1,6 @@
 //! The visibility kernel: which triangle each beam of a grid meets first.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
 use super::coarse_depth::CoarseDepth;
@@ -9,12 +9,12 @@ use super::grid::{BeamGrid, Window};
 use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
-use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
+use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES};
 use crate::math::DVec3;
 
 /// Which materials a beam notices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Layer {
+pub enum SurfaceFilter {
     /// Every triangle.
     All,
     /// All but transparent surfaces.
@@ -31,7 +31,7 @@ pub enum Layer {
 pub fn cast<G: BeamGrid>(
     scene: &PosedScene,
     grid: &G,
-    layer: Layer,
+    filter: SurfaceFilter,
     keep: impl Fn(&PosedInstance) -> bool,
     hits: &mut Hits,
 ) {
@@ -39,13 +39,14 @@ pub fn cast<G: BeamGrid>(
         *hits = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
-    let slots: Vec<u64> = scene.instances.iter().map(|i| slots_of_layer(i, layer)).collect();
-    let clusters = visible_clusters(scene, grid, &to_grid, &slots, keep);
+    let slots: Vec<u64> = scene.instances.iter().map(|i| noticed_slots(i, filter)).collect();
+    let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
+    let clusters = visible_clusters(scene, grid, &to_grid, kept.map(|((index, _), slots)| (index, *slots)));
     let mut caster = Caster {
         scene,
         grid,
         to_grid,
-        layer,
+        filter,
         slots,
         farthest: CoarseDepth::new(hits.rows, hits.columns),
         scratch: Box::default(),
@@ -56,10 +57,10 @@ pub fn cast<G: BeamGrid>(
 
 /// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
 /// operation and none of them fused, so that the outcome is the same to the bit.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[VisibleCluster]) {
     for item in front_to_back(clusters) {
-        if !caster.is_hidden(&item.windows(), item.near_depth) {
+        if !caster.is_hidden(&item.windows(), item.near_m) {
             caster.cast_cluster(&item);
         }
     }
@@ -69,39 +70,36 @@ struct Caster<'a, G: BeamGrid> {
     scene: &'a PosedScene,
     grid: &'a G,
     to_grid: ToGrid,
-    layer: Layer,
-    /// The bits of the material slots that the layer notices, for each instance.
+    filter: SurfaceFilter,
+    /// The bits of the material slots that the beams notice, for each instance.
     slots: Vec<u64>,
     farthest: CoarseDepth,
-    scratch: Box<Scratch<G::Footprint>>,
+    scratch: Box<VerticesOnGrid<G::Footprint>>,
     hits: &'a mut Hits,
 }
 
-/// More than the vertices of a cluster: any `u8` is an index.
-const MAX_POINTS: usize = 256;
-
 /// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
-struct Scratch<F> {
-    x: [f64; MAX_POINTS],
-    y: [f64; MAX_POINTS],
-    z: [f64; MAX_POINTS],
-    footprints: [F; MAX_POINTS],
+struct VerticesOnGrid<F> {
+    x: [f64; CLUSTER_VERTICES],
+    y: [f64; CLUSTER_VERTICES],
+    z: [f64; CLUSTER_VERTICES],
+    footprints: [F; CLUSTER_VERTICES],
     candidates: [u8; CLUSTER_FACES + 1],
 }
 
-impl<F: Copy + Default> Default for Scratch<F> {
+impl<F: Copy + Default> Default for VerticesOnGrid<F> {
     fn default() -> Self {
         Self {
-            x: [0.0; MAX_POINTS],
-            y: [0.0; MAX_POINTS],
-            z: [0.0; MAX_POINTS],
-            footprints: [F::default(); MAX_POINTS],
+            x: [0.0; CLUSTER_VERTICES],
+            y: [0.0; CLUSTER_VERTICES],
+            z: [0.0; CLUSTER_VERTICES],
+            footprints: [F::default(); CLUSTER_VERTICES],
             candidates: [0; CLUSTER_FACES + 1],
         }
     }
 }
 
-impl<F> Scratch<F> {
+impl<F> VerticesOnGrid<F> {
     #[inline(always)]
     fn point(&self, i: u8) -> DVec3 {
         let i = usize::from(i);
@@ -115,12 +113,12 @@ impl<F> Scratch<F> {
 }
 
 impl<G: BeamGrid> Caster<'_, G> {
-    /// True if all beams of the windows have met something nearer than `near_depth`.
+    /// True if all beams of the windows have met something nearer than `near_m`.
     #[inline(always)]
-    fn is_hidden(&mut self, windows: &[Window; 2], near_depth: f32) -> bool {
+    fn is_hidden(&mut self, windows: &[Window; 2], near_m: f32) -> bool {
         let [a, b] = windows;
-        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, a, near_depth))
-            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, b, near_depth))
+        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, a, near_m))
+            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, b, near_m))
     }
 
     /// True if every beam starts behind one of a cluster's faces.
@@ -142,7 +140,7 @@ impl<G: BeamGrid> Caster<'_, G> {
         for candidate in 0..num_candidates {
             let piece = &cluster.pieces[usize::from(self.scratch.candidates[candidate])];
             let first = usize::from(piece.first);
-            if !uniform && !in_layer(instance, cluster.faces[first], self.layer) {
+            if !uniform && !is_noticed(instance, cluster.faces[first], self.filter) {
                 continue;
             }
             let has_one_side = one_sided >> first & 1 == 1;
@@ -157,7 +155,7 @@ impl<G: BeamGrid> Caster<'_, G> {
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
-            if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_depth)) {
+            if self.is_hidden(&windows, self.grid.near_m(&corners).max(item.near_m)) {
                 continue;
             }
             for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
@@ -172,7 +170,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     /// Poses the vertices and finds where they fall on the grid.
     #[inline(always)]
     fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
-        let Scratch { x, y, z, footprints, .. } = &mut *self.scratch;
+        let VerticesOnGrid { x, y, z, footprints, .. } = &mut *self.scratch;
         let places = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
         for ((local, ((x, y), z)), out) in cluster.lanes.iter().zip(places).zip(footprints.chunks_exact_mut(LANES)) {
             let points = self.to_grid.lanes(&instance.placement.pose_lanes(local));
@@ -187,7 +185,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     /// Lists the pieces between whose corners there is a beam; most of them meet none.
     #[inline(always)]
     fn find_candidates(&mut self, cluster: &Cluster) -> usize {
-        let Scratch { footprints, candidates, .. } = &mut *self.scratch;
+        let VerticesOnGrid { footprints, candidates, .. } = &mut *self.scratch;
         let mut n = 0;
         for (number, piece) in cluster.pieces.iter().enumerate() {
             let footprints = piece.corners.map(|i| footprints[usize::from(i)]);
@@ -199,15 +197,15 @@ impl<G: BeamGrid> Caster<'_, G> {
     }
 }
 
-/// The bits of the material slots that belong to a layer.
-fn slots_of_layer(instance: &PosedInstance, layer: Layer) -> u64 {
-    match layer {
-        Layer::All => u64::MAX,
-        Layer::Transparent => instance.palette.transparent_slots(),
-        Layer::Opaque => instance.palette.opaque_slots(),
+/// The bits of the material slots that a filter lets beams notice.
+fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
+    match filter {
+        SurfaceFilter::All => u64::MAX,
+        SurfaceFilter::Transparent => instance.palette.transparent_slots(),
+        SurfaceFilter::Opaque => instance.palette.opaque_slots(),
     }
 }
 
-fn in_layer(instance: &PosedInstance, face: u32, layer: Layer) -> bool {
-    layer == Layer::All || instance.material(face).is_transparent() == (layer == Layer::Transparent)
+fn is_noticed(instance: &PosedInstance, face: u32, filter: SurfaceFilter) -> bool {
+    filter == SurfaceFilter::All || instance.material(face).is_transparent() == (filter == SurfaceFilter::Transparent)
 }

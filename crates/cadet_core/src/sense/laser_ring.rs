@@ -1,6 +1,6 @@
 //! One laser of a spinning LIDAR.
 
-use crate::math::DVec3;
+use crate::math::{self, DVec3};
 
 /// One laser of a spinning LIDAR.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +18,12 @@ impl LaserRing {
     #[must_use]
     pub fn on_axis(elevation_rad: f64, height_m: f64) -> Self {
         Self { elevation_rad, height_m, left_m: 0.0 }
+    }
+
+    /// The unit vectors along its beams in the sensor's frame, by their headings (cosine and sine of the azimuth).
+    pub fn directions_velo(&self) -> impl Fn([f64; 2]) -> DVec3 + use<> {
+        let (level, up) = (math::cos(self.elevation_rad), math::sin(self.elevation_rad));
+        move |[cos, sin]| DVec3::new(level * cos, level * sin, up)
     }
 
     /// Where a beam with this heading (cosine and sine of its azimuth) starts, in the sensor's frame.

@@ -5,7 +5,7 @@ use crate::math::{DPose3, DQuat, DVec3};
 /// A steady motion: the pivot moves along a line while the body turns about it. Exact for constant velocities; over
 /// 0.05 s a car that brakes at 8 m/s^2 strays from it by 1 cm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct RigidMotion {
     /// A point of the body at the instant 0.
     pub pivot_world: DVec3,
     /// That point's velocity, m/s.
@@ -14,7 +14,7 @@ pub struct Motion {
     pub angular_velocity_world: DVec3,
 }
 
-impl Motion {
+impl RigidMotion {
     /// True for a body that rests.
     #[must_use]
     pub fn is_rest(&self) -> bool {
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn a_body_circles_its_pivot_while_that_moves_on() {
-        let motion = Motion {
+        let motion = RigidMotion {
             pivot_world: DVec3::new(10.0, 0.0, 0.0),
             velocity_world: DVec3::new(0.0, 4.0, 0.0),
             angular_velocity_world: DVec3::new(0.0, 0.0, PI),
@@ -60,6 +60,6 @@ mod tests {
         let back = motion.displacement(0.5).inverse().transform_point(then);
         assert!((back - DVec3::new(11.0, 0.0, 0.3)).length() < 1e-12, "{back}");
         assert!((then - DVec3::new(11.0, 0.0, 0.3)).length() <= motion.reach_m(1.0, 0.5));
-        assert!(Motion::default().is_rest() && Motion::default().displacement(3.0) == DPose3::IDENTITY);
+        assert!(RigidMotion::default().is_rest() && RigidMotion::default().displacement(3.0) == DPose3::IDENTITY);
     }
 }

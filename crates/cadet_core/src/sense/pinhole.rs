@@ -6,7 +6,7 @@ use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
-use crate::math::{DPose3, DVec3, Vec3};
+use crate::math::{DPose3, DVec3, Vec3, greater, lesser};
 
 /// Samples of an image: row r, column c lies at `u = u0 + c * du`, `v = v0 + r * dv`, where the beam's direction is
 /// `((u - cx) / fx, (v - cy) / fy, 1)` in the camera's frame. Depth is z along the optical axis.
@@ -21,11 +21,11 @@ pub struct PinholeGrid {
     rows_y: Vec<f64>,
     /// Column = x / z * scale + offset, and the same for rows.
     pub(super) column_scale: f64,
-    pub(super) column_offset: f64,
+    pub(super) offset_columns: f64,
     pub(super) row_scale: f64,
-    pub(super) row_offset: f64,
+    pub(super) offset_rows: f64,
     /// Columns by which the samples of odd rows lie further to the right: 0 or 1/2.
-    pub(super) odd_shift: f64,
+    pub(super) odd_shift_columns: f64,
 }
 
 /// How far the single-precision projection may err, in samples.
@@ -69,10 +69,10 @@ impl PinholeGrid {
             columns_x: [columns_x.clone(), columns_x],
             rows_y: (0..rows).map(|r| (v0 + r as f64 * dv - cy) / fy).collect(),
             column_scale: fx / du,
-            column_offset: (cx - u0) / du,
+            offset_columns: (cx - u0) / du,
             row_scale: fy / dv,
-            row_offset: (cy - v0) / dv,
-            odd_shift: 0.0,
+            offset_rows: (cy - v0) / dv,
+            odd_shift_columns: 0.0,
         })
     }
 
@@ -89,7 +89,7 @@ impl PinholeGrid {
         columns: usize,
     ) -> Result<Self> {
         let mut grid = Self::new(world_from_cam, [fx, fy, cx, cy], [u0, v0, 1.0, 0.5], rows, columns)?;
-        grid.odd_shift = 0.5;
+        grid.odd_shift_columns = 0.5;
         for (c, x) in grid.columns_x[1].iter_mut().enumerate() {
             *x = (u0 + (c as f64 + 0.5) - cx) / fx;
         }
@@ -157,8 +157,8 @@ impl BeamGrid for PinholeGrid {
             let (lo, hi) = (lo * scale as f32 + offset as f32, hi * scale as f32 + offset as f32);
             (lo - 1.0).max(0.0) as usize..((hi + 2.0).max(0.0) as usize).min(n)
         };
-        let columns = range(c.x, self.column_scale, self.column_offset, self.columns());
-        let rows = range(c.y, self.row_scale, self.row_offset, self.rows());
+        let columns = range(c.x, self.column_scale, self.offset_columns, self.columns());
+        let rows = range(c.y, self.row_scale, self.offset_rows, self.rows());
         ([Window { rows, columns }, Window::default()], c.z - radius_m)
     }
 
@@ -181,11 +181,11 @@ impl BeamGrid for PinholeGrid {
 
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
-        let volume = triangle.volume.abs();
+        let volume = triangle.volume6_m3.abs();
         if volume == 0.0 {
             return;
         }
-        let sign = if triangle.volume > 0.0 { 1.0 } else { -1.0 };
+        let sign = if triangle.volume6_m3 > 0.0 { 1.0 } else { -1.0 };
         let [e0, e1, e2] = triangle.cross.map(|n| n * sign);
         let n = triangle.normal * sign;
         for row in window.rows.clone() {
@@ -259,8 +259,8 @@ impl PinholeGrid {
     /// As [`BeamGrid::footprints`], columns and rows apart.
     #[inline(always)]
     pub(super) fn footprint_lanes(&self, [x, y, z]: &Lanes, columns: &mut [f32; LANES], rows: &mut [f32; LANES]) {
-        let (cs, co) = (self.column_scale as f32, self.column_offset as f32);
-        let (rs, ro) = (self.row_scale as f32, self.row_offset as f32);
+        let (cs, co) = (self.column_scale as f32, self.offset_columns as f32);
+        let (rs, ro) = (self.row_scale as f32, self.offset_rows as f32);
         let (last_column, last_row) = (self.columns() as f32, self.rows() as f32);
         for i in 0..LANES {
             let in_front = (z[i] > 0.01 * (x[i].abs() + y[i].abs())) & (z[i] > 1e-4);
@@ -285,21 +285,21 @@ impl PinholeGrid {
         let none = [[0; LANES]; 2];
         let mut out = WindowLanes { may_meet: [false; LANES], rows: none, columns: none, crosses: [false; LANES] };
         let (row_count, column_count) = (self.rows() as u32, self.columns() as u32);
-        let odd_shift = self.odd_shift as f32;
+        let odd_shift = self.odd_shift_columns as f32;
         let bounds = |corners: [&[f32; LANES]; N], i: usize| {
             let (mut low, mut high) = (corners[0][i], corners[0][i]);
             for corner in &corners[1..] {
-                low = if corner[i] < low { corner[i] } else { low };
-                high = if corner[i] > high { corner[i] } else { high };
+                low = lesser(corner[i], low);
+                high = greater(corner[i], high);
             }
             [low, high]
         };
         // Not where a bound is NaN, which is told below.
         let window = |[low, high]: [f32; 2], count: u32| {
-            let low = if low > 0.0 { low } else { 0.0 };
-            let high = if high + 1.0 > 0.0 { high + 1.0 } else { 0.0 };
+            let low = greater(low, 0.0);
+            let high = greater(high + 1.0, 0.0);
             let (start, end) = (ceil_and_floor(low)[0], ceil_and_floor(high)[1]);
-            [start, if end < count { end } else { count }]
+            [start, lesser(end, count)]
         };
         for i in 0..LANES {
             let [low, high] = bounds(rows, i);
@@ -333,9 +333,9 @@ impl PinholeGrid {
 
     /// x / z of every column of even and of odd rows, and of those that would follow up to a multiple of `block`.
     pub(super) fn padded_columns_x(&self, block: usize) -> [Vec<f64>; 2] {
-        [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift)].map(|(columns_x, shift)| {
+        [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift_columns)].map(|(columns_x, shift)| {
             let n = columns_x.len();
-            let at = |i: usize| (i as f64 + shift - self.column_offset) / self.column_scale;
+            let at = |i: usize| (i as f64 + shift - self.offset_columns) / self.column_scale;
             columns_x.iter().copied().chain((n..n.next_multiple_of(block)).map(at)).collect()
         })
     }
@@ -343,7 +343,7 @@ impl PinholeGrid {
     /// y / z of every row, and of those that would follow up to a multiple of `block`.
     pub(super) fn padded_rows_y(&self, block: usize) -> Vec<f64> {
         let n = self.rows_y.len();
-        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.row_offset) / self.row_scale);
+        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.offset_rows) / self.row_scale);
         self.rows_y.iter().copied().chain(beyond).collect()
     }
 
@@ -352,7 +352,7 @@ impl PinholeGrid {
     #[inline]
     fn narrow(&self, row: usize, columns: &mut Range<usize>, slope: f64, rest: f64) {
         // Wide enough for odd rows.
-        let root = (-rest / slope) * self.column_scale + self.column_offset;
+        let root = (-rest / slope) * self.column_scale + self.offset_columns;
         let columns_x = self.columns_x(row);
         let is_in = |column: usize| slope * columns_x[column] + rest >= 0.0;
         if slope > 0.0 {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::detail::{Resolution, distance_m};
-use crate::geometry::{Cluster, LANES, Lanes, Mesh};
+use crate::geometry::{LANES, Lanes, Mesh};
 use crate::instance::Instance;
 use crate::lamp::Lamp;
 use crate::material::{Material, Palette};
@@ -112,17 +112,15 @@ impl PosedInstance {
     pub fn vertices_world(&self) -> impl Iterator<Item = Vec3> {
         self.mesh.vertices.iter().map(|v| self.placement.pose(*v))
     }
+}
 
-    /// Puts the vertices of one of its clusters, in the cluster's order, into `out`, which is emptied first. A few more
-    /// may follow.
-    #[inline]
-    pub fn pose_cluster(&self, cluster: &Cluster, out: &mut Vec<Vec3>) {
-        out.clear();
-        for local in &cluster.lanes {
-            let [x, y, z] = self.placement.pose_lanes(local);
-            out.extend((0..LANES).map(|i| Vec3::new(x[i], y[i], z[i])));
-        }
-    }
+/// A light source in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PosedLamp {
+    /// In the world.
+    pub lamp: Lamp,
+    /// The actor that carries it; 0 for the static world and the car that carries the sensors.
+    pub actor_id: i32,
 }
 
 /// The very triangles that the sensors see.
@@ -130,8 +128,8 @@ impl PosedInstance {
 pub struct PosedScene {
     /// The instances, in the snapshot's order, without those that are too far to matter.
     pub instances: Vec<PosedInstance>,
-    /// What shines at night, in the world, with the actor that carries it.
-    pub lamps: Vec<(Lamp, i32)>,
+    /// What shines at night.
+    pub lamps: Vec<PosedLamp>,
 }
 
 impl PosedScene {
@@ -147,13 +145,14 @@ impl PosedScene {
     pub fn for_resolution(instances: &[Instance], viewer_world: DVec3, resolution: Resolution) -> Self {
         let mut scene = Self { instances: Vec::with_capacity(instances.len()), lamps: Vec::new() };
         let mut num_vertices = 0;
-        let detail = resolution.detail();
+        let detail = resolution.reach_factor();
         for instance in instances {
             let distance_m = distance_m(instance, viewer_world);
             // Wheels and drivers wear the palette of their vehicle.
             if instance.is_body || instance.actor_id == 0 {
-                let placed = |lamp: &Lamp| (lamp.placed(&instance.world_from_local), instance.actor_id);
-                scene.lamps.extend(instance.palette.lamps().iter().map(placed));
+                let placed = |lamp: &Lamp| lamp.placed(&instance.world_from_local);
+                let posed = |lamp| PosedLamp { lamp: placed(lamp), actor_id: instance.actor_id };
+                scene.lamps.extend(instance.palette.lamps().iter().map(posed));
             }
             let Some((mesh, shadow_proxy)) = instance.shape.select_with_shadow_proxy(distance_m, detail) else {
                 continue;
@@ -189,8 +188,8 @@ impl PosedScene {
             *translation = displacement.transform_point(*translation);
             instance.center_world = displacement.transform_point(instance.center_world);
         }
-        for (lamp, actor_id) in scene.lamps.iter_mut().filter(|(_, actor_id)| *actor_id > 0) {
-            *lamp = lamp.placed(&displacement_of(*actor_id));
+        for posed in scene.lamps.iter_mut().filter(|posed| posed.actor_id > 0) {
+            posed.lamp = posed.lamp.placed(&displacement_of(posed.actor_id));
         }
         scene
     }
@@ -198,7 +197,7 @@ impl PosedScene {
     /// Adds lamps to the scene, such as those of the car that carries the sensors.
     #[must_use]
     pub fn with_lamps(mut self, lamps_world: &[Lamp]) -> Self {
-        self.lamps.extend(lamps_world.iter().map(|lamp| (*lamp, 0)));
+        self.lamps.extend(lamps_world.iter().map(|lamp| PosedLamp { lamp: *lamp, actor_id: 0 }));
         self
     }
 

@@ -6,17 +6,19 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::{apply, derive};
 
 use super::block_rasterization::{ExactBlock, FaceOnImage};
-use super::cluster_culling::OUTSIDE_M;
+use super::cluster_culling::{VisibleCluster, sort_by_depth, visible_clusters};
 use super::grid::{BeamGrid, Window};
-use super::outline::Outline;
+use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
-use super::visibility_buffer::{BLOCK, CLEARLY, VisibilityBuffer};
-use crate::geometry::{Cluster, LANES};
-use crate::math::{DMat3, DVec3, Vec3};
+use super::to_grid::ToGrid;
+use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
+use crate::geometry::{CLUSTER_VERTICES, Cluster, LANES};
+use crate::math::{DVec3, greater, lesser};
+use crate::zeros::DefaultZeros;
 
 /// [`rasterize_instances`], of every instance.
 pub fn rasterize(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffer) {
@@ -35,126 +37,48 @@ pub fn rasterize_instances(
     buffer: &mut VisibilityBuffer,
 ) {
     buffer.reset(grid.rows(), grid.columns());
-    let pose = grid.world_from_grid();
-    let cam_from_world = DMat3::from_quat(pose.rotation).transpose();
-    let front_to_back = clusters_in_view(scene, grid, instances, cam_from_world, pose.translation);
+    let to_grid = ToGrid::new(grid);
+    let mut clusters = visible_clusters(scene, grid, &to_grid, instances.map(|index| (index, u64::MAX)));
+    sort_by_depth(&mut clusters);
     let mut rasterizer = Rasterizer {
         scene,
         grid,
         buffer,
-        cam_from_world,
-        eye_world: pose.translation,
+        to_grid,
         columns_x: grid.padded_columns_x(BLOCK),
         rows_y: grid.padded_rows_y(BLOCK),
         corners: Box::default(),
     };
-    draw_clusters(&mut rasterizer, &front_to_back);
-}
-
-/// A cluster in view.
-struct InView {
-    near_m: f32,
-    /// Of the middle: what is large reaches far beyond its nearest point, and hides little.
-    order_m: f32,
-    instance: u32,
-    cluster: u32,
-    window: Window,
-    /// Bits of the slots that are transparent.
-    transparent_slots: u64,
-    /// The camera is outside of the mesh, and closed surfaces hide their inner sides.
-    is_solid: bool,
-}
-
-fn clusters_in_view(
-    scene: &PosedScene,
-    grid: &PinholeGrid,
-    instances: impl Iterator<Item = usize>,
-    cam_from_world: DMat3,
-    eye_world: DVec3,
-) -> Vec<InView> {
-    let mut out = Vec::new();
-    for (index, instance) in instances.map(|i| (i, &scene.instances[i])) {
-        let center_cam = cam_from_world * (instance.center_world - eye_world);
-        let radius_m = loosened(instance.radius_m as f32, center_cam.as_vec3());
-        let ([window, _], _) = grid.sphere_windows(center_cam.as_vec3(), radius_m);
-        if window.is_empty() {
-            continue;
-        }
-        let transparent_slots = instance.palette.transparent_slots();
-        let cam_from_local = cam_from_world * instance.placement.rotation;
-        let origin_cam = center_cam - cam_from_local * instance.mesh.bounds.center().as_dvec3();
-        let eye_local = instance.placement.rotation.transpose() * (eye_world - instance.placement.translation);
-        let eye_local = eye_local.as_vec3();
-        let is_outside = !instance.mesh.bounds.grown(OUTSIDE_M).contains(eye_local);
-        let (linear, offset) = (cam_from_local.as_mat3(), origin_cam.as_vec3());
-        for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
-            let is_solid = is_outside && cluster.is_of_solid(transparent_slots);
-            if is_solid && cluster.normal_cone.is_turned_away(cluster.center, cluster.radius_m, eye_local, OUTSIDE_M) {
-                continue;
-            }
-            let center_cam = linear * cluster.center + offset;
-            let ([window, _], near_m) = grid.sphere_windows(center_cam, loosened(cluster.radius_m, center_cam));
-            if !window.is_empty() {
-                out.push(InView {
-                    near_m,
-                    order_m: near_m + cluster.radius_m,
-                    instance: index as u32,
-                    cluster: number as u32,
-                    window,
-                    transparent_slots,
-                    is_solid,
-                });
-            }
-        }
-    }
-    out.sort_unstable_by(|a, b| {
-        a.order_m.total_cmp(&b.order_m).then((a.instance, a.cluster).cmp(&(b.instance, b.cluster)))
-    });
-    out
-}
-
-/// A radius that covers the rounding of vertices to single precision, world coordinates of some kilometres included.
-#[inline]
-fn loosened(radius_m: f32, center_cam: Vec3) -> f32 {
-    radius_m * 1.000_01 + 1e-3 + 1e-6 * center_cam.abs().max_element()
+    draw_clusters(&mut rasterizer, &clusters);
 }
 
 /// Share of a point's coordinates by which single precision may err in its z.
 const SLACK: f32 = 1e-6;
-/// A cluster's corners are bytes.
-const MAX_CORNERS: usize = 256;
 
 /// The vertices of the cluster at hand, axis by axis.
-struct Corners {
-    cam: [[f64; MAX_CORNERS]; 3],
+#[derive(DefaultZeros!)]
+struct VerticesOnImage {
+    cam: [[f64; CLUSTER_VERTICES]; 3],
     /// Clamped to just outside of the image; NaN where a vertex is not clearly in front.
-    column: [f32; MAX_CORNERS],
-    row: [f32; MAX_CORNERS],
+    column: [f32; CLUSTER_VERTICES],
+    row: [f32; CLUSTER_VERTICES],
     /// A little less than z.
-    z_m: [f32; MAX_CORNERS],
-}
-
-impl Default for Corners {
-    fn default() -> Self {
-        let none = [0.0; MAX_CORNERS];
-        Self { cam: [[0.0; MAX_CORNERS]; 3], column: none, row: none, z_m: none }
-    }
+    z_m: [f32; CLUSTER_VERTICES],
 }
 
 struct Rasterizer<'a> {
     scene: &'a PosedScene,
     grid: &'a PinholeGrid,
     buffer: &'a mut VisibilityBuffer,
-    cam_from_world: DMat3,
-    eye_world: DVec3,
+    to_grid: ToGrid,
     /// As the grid's, to the ends of the last blocks.
     columns_x: [Vec<f64>; 2],
     rows_y: Vec<f64>,
-    corners: Box<Corners>,
+    corners: Box<VerticesOnImage>,
 }
 
 /// A face that may be seen.
-struct Candidate {
+struct FaceCandidate {
     instance: u32,
     face: u32,
     is_transparent: bool,
@@ -164,10 +88,11 @@ struct Candidate {
     most_z_m: f32,
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn draw_clusters(rasterizer: &mut Rasterizer<'_>, front_to_back: &[InView]) {
+#[apply(for_wide_registers)]
+fn draw_clusters(rasterizer: &mut Rasterizer<'_>, front_to_back: &[VisibleCluster]) {
     for item in front_to_back {
-        if !rasterizer.buffer.is_hidden(&item.window, item.near_m) {
+        let [window, _] = item.windows();
+        if !rasterizer.buffer.is_hidden(&window, item.near_m) {
             rasterizer.draw_cluster(item);
         }
     }
@@ -175,12 +100,13 @@ fn draw_clusters(rasterizer: &mut Rasterizer<'_>, front_to_back: &[InView]) {
 
 impl Rasterizer<'_> {
     #[inline(always)]
-    fn draw_cluster(&mut self, item: &InView) {
+    fn draw_cluster(&mut self, item: &VisibleCluster) {
         let instance = &self.scene.instances[item.instance as usize];
         let cluster = &instance.mesh.clusters[item.cluster as usize];
         self.project(instance, cluster);
+        let transparent_slots = instance.palette.transparent_slots();
         // Bit 63 may stand for several slots.
-        let is_mixed = (cluster.slots & item.transparent_slots != 0 && cluster.slots & !item.transparent_slots != 0)
+        let is_mixed = (cluster.slots & transparent_slots != 0 && cluster.slots & !transparent_slots != 0)
             || cluster.slots >> 63 != 0;
         let one_sided = if item.is_solid { cluster.closed_pieces } else { 0 };
         for (pieces, first) in cluster.pieces.chunks(LANES).zip((0..).step_by(LANES)) {
@@ -216,10 +142,10 @@ impl Rasterizer<'_> {
                 let is_transparent = if is_mixed {
                     instance.material(face).is_transparent()
                 } else {
-                    cluster.slots & item.transparent_slots != 0
+                    cluster.slots & transparent_slots != 0
                 };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
-                let mut candidate = Candidate {
+                let mut candidate = FaceCandidate {
                     instance: item.instance,
                     face,
                     is_transparent,
@@ -230,13 +156,13 @@ impl Rasterizer<'_> {
                 };
                 let [a, b, c, d] = corners;
                 if !piece.is_quad() {
-                    self.draw_face(&candidate, &Outline::triangle([a, b, c]));
-                } else if let Some(outline) = Outline::quad(corners) {
+                    self.draw_face(&candidate, &FacePlanes::triangle([a, b, c]));
+                } else if let Some(outline) = FacePlanes::quad(corners) {
                     self.draw_face(&candidate, &outline);
                 } else {
-                    self.draw_face(&candidate, &Outline::triangle([a, b, c]));
+                    self.draw_face(&candidate, &FacePlanes::triangle([a, b, c]));
                     candidate.face = cluster.faces[first + 1];
-                    self.draw_face(&candidate, &Outline::triangle([a, c, d]));
+                    self.draw_face(&candidate, &FacePlanes::triangle([a, c, d]));
                 }
             }
         }
@@ -264,27 +190,13 @@ impl Rasterizer<'_> {
     /// Poses a cluster's vertices and finds where they fall on the image.
     #[inline(always)]
     fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
-        let (r, o) = (&self.cam_from_world, self.eye_world);
         let corners = &mut *self.corners;
-        for (local, at) in cluster.lanes.iter().zip((0..MAX_CORNERS).step_by(LANES)) {
-            let world = instance.placement.pose_lanes(local);
-            let [cam_x, cam_y, cam_z] = &mut corners.cam;
-            let (Some(cam_x), Some(cam_y), Some(cam_z)) = (
-                cam_x[at..].first_chunk_mut::<LANES>(),
-                cam_y[at..].first_chunk_mut::<LANES>(),
-                cam_z[at..].first_chunk_mut::<LANES>(),
-            ) else {
-                return;
-            };
-            let mut lanes = [[0.0_f32; LANES]; 3];
-            for i in 0..LANES {
-                let [x, y, z] =
-                    [f64::from(world[0][i]) - o.x, f64::from(world[1][i]) - o.y, f64::from(world[2][i]) - o.z];
-                cam_x[i] = r.x_axis.x * x + r.y_axis.x * y + r.z_axis.x * z;
-                cam_y[i] = r.x_axis.y * x + r.y_axis.y * y + r.z_axis.y * z;
-                cam_z[i] = r.x_axis.z * x + r.y_axis.z * y + r.z_axis.z * z;
-                (lanes[0][i], lanes[1][i], lanes[2][i]) = (cam_x[i] as f32, cam_y[i] as f32, cam_z[i] as f32);
+        for (local, at) in cluster.lanes.iter().zip((0..CLUSTER_VERTICES).step_by(LANES)) {
+            let cam = self.to_grid.lanes(&instance.placement.pose_lanes(local));
+            for (axis, lanes) in corners.cam.iter_mut().zip(&cam) {
+                axis[at..at + LANES].copy_from_slice(lanes);
             }
+            let lanes = cam.map(|axis| axis.map(|v| v as f32));
             let (Some(column), Some(row), Some(z_m)) = (
                 corners.column[at..].first_chunk_mut::<LANES>(),
                 corners.row[at..].first_chunk_mut::<LANES>(),
@@ -300,8 +212,8 @@ impl Rasterizer<'_> {
     }
 
     #[inline(always)]
-    fn draw_face(&mut self, candidate: &Candidate, outline: &Outline) {
-        if outline.volume > 0.0 && candidate.has_one_side {
+    fn draw_face(&mut self, candidate: &FaceCandidate, outline: &FacePlanes) {
+        if outline.volume6_m3 > 0.0 && candidate.has_one_side {
             return;
         }
         let Some(on_image) = FaceOnImage::new(outline, self.grid, candidate.most_z_m) else {
@@ -327,7 +239,8 @@ impl Rasterizer<'_> {
                 let at = on_image.at((even[0] + odd[BLOCK - 1]) * 0.5, y);
                 let number = block_row * self.buffer.blocks_across + block_column;
                 if on_image.misses(&at)
-                    || self.buffer.states[number].least_inverse_depth > on_image.most_inverse_depth(&at) * CLEARLY
+                    || self.buffer.states[number].least_inverse_depth_per_m
+                        > on_image.most_inverse_depth_per_m(&at) * CLEARLY_NEARER_RATIO
                     || self.buffer.is_block_hidden(number, z_m)
                 {
                     continue;
@@ -348,7 +261,7 @@ impl Rasterizer<'_> {
     fn block_columns(&self, on_image: &FaceOnImage, window: &Window, y: f64) -> Range<usize> {
         let (mut first, mut end) = (window.columns.start / BLOCK, (window.columns.end - 1) / BLOCK + 1);
         if end - first > WIDE {
-            let column = |x: f64| (x * self.grid.column_scale + self.grid.column_offset) / BLOCK as f64;
+            let column = |x: f64| (x * self.grid.column_scale + self.grid.offset_columns) / BLOCK as f64;
             let [from, to] = on_image.span(y);
             // The middle of a block lies less than one block right of its first column.
             first = first.max(column(from).max(1.0) as usize - 1);
@@ -366,12 +279,8 @@ const WIDE: usize = 3;
 fn z_bounds(corners: &[[[f32; LANES]; 3]; 4]) -> [[f32; LANES]; 2] {
     let (mut least, mut most) = (corners[0][2], corners[0][2]);
     for corner in &corners[1..] {
-        for i in 0..LANES {
-            least[i] = if corner[2][i] < least[i] { corner[2][i] } else { least[i] };
-        }
-        for i in 0..LANES {
-            most[i] = if corner[2][i] > most[i] { corner[2][i] } else { most[i] };
-        }
+        least = std::array::from_fn(|i| lesser(corner[2][i], least[i]));
+        most = std::array::from_fn(|i| greater(corner[2][i], most[i]));
     }
     [least, most]
 }

@@ -2,7 +2,7 @@
 
 /// An edge is an arc of a great circle. Between corners `w` apart in azimuth it rises over the tangent of their
 /// elevations by a factor of at most 1 / cos(w / 2), which is 1.0008 for [`super::azimuth_ticks::NARROW_RAD`].
-pub(super) const BULGE: f32 = 1e-3;
+pub(super) const BULGE_SHARE: f32 = 1e-3;
 
 /// A laser's row, by falling elevation.
 #[derive(Debug, Clone, Copy)]
@@ -64,9 +64,9 @@ impl Lookup {
     }
 }
 
-/// Bins of 1 / rho: [`INVERSE_RHO_PER_BIN`] each, the last without an end.
+/// Bins of 1 / rho: [`INVERSE_RHO_STEP_PER_M`] each, the last without an end.
 pub(super) const INVERSE_RHO_BINS: usize = 48;
-pub(super) const INVERSE_RHO_PER_BIN: f32 = 1.0 / 60.0;
+pub(super) const INVERSE_RHO_STEP_PER_M: f32 = 1.0 / 60.0;
 /// Bins of `row_of_tangent` that share a range in [`rows_of_place`], as a power of two.
 pub(super) const SHARED_BITS: u32 = 2;
 pub(super) const TANGENT_BINS: usize = 4096;
@@ -76,9 +76,9 @@ pub(super) const PLACE_STRIDE: usize = TANGENT_BINS >> SHARED_BITS;
 ///
 /// Seen from the middle, a row at height h passes at the tangent `tan + (h - middle) / rho`: linear in 1 / rho, so
 /// that its ends in a bin bound it.
-pub(super) fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f32; 2]) -> Vec<[u16; 2]> {
-    let middle = 0.5 * (height_span[0] + height_span[1]);
-    let half_span = 0.5 * (height_span[1] - height_span[0]);
+pub(super) fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span_m: [f32; 2]) -> Vec<[u16; 2]> {
+    let middle = 0.5 * (height_span_m[0] + height_span_m[1]);
+    let half_span = 0.5 * (height_span_m[1] - height_span_m[0]);
     let edge = |bin: f32| (bin - lookup.offset) / lookup.scale;
     let mut out = Vec::with_capacity(INVERSE_RHO_BINS * PLACE_STRIDE);
     for near in 0..INVERSE_RHO_BINS {
@@ -86,7 +86,7 @@ pub(super) fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f
             out.resize(INVERSE_RHO_BINS * PLACE_STRIDE, [0, rows.len() as u16]);
             break;
         }
-        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * INVERSE_RHO_PER_BIN);
+        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * INVERSE_RHO_STEP_PER_M);
         let passes = |r: &SortedRow, inverse_rho: f32| r.tangent as f32 + (r.height_m as f32 - middle) * inverse_rho;
         let (mut lowest, mut highest): (Vec<f32>, Vec<f32>) =
             rows.iter().map(|r| (passes(r, least), passes(r, most))).map(|(a, b)| (a.min(b), a.max(b))).unzip();
@@ -99,7 +99,7 @@ pub(super) fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f
             let (from, to) = ((bin << SHARED_BITS) as f32 - 0.51, (((bin + 1) << SHARED_BITS) - 1) as f32 + 0.51);
             // The lookup's tangents fall as the rows' rise.
             let (high, low) = (-edge(from), -edge(to));
-            let slack = |t: f32| (BULGE + 6e-4) * (t.abs() + half_span * most) + 1e-4;
+            let slack = |t: f32| (BULGE_SHARE + 6e-4) * (t.abs() + half_span * most) + 1e-4;
             let first = if bin == 0 { 0 } else { lowest.partition_point(|t| *t > high + slack(high)) };
             let end =
                 if bin + 1 == PLACE_STRIDE { rows.len() } else { highest.partition_point(|t| *t >= low - slack(low)) };

@@ -21,7 +21,7 @@ impl RowPlanes {
     #[inline(always)]
     pub(super) fn sides(triangle: &EdgePlanes, row: &SortedRow) -> [Option<Self>; 2] {
         let (n, left) = (triangle.normal, row.left_m);
-        let volume = [-left * n.y, left * n.x, triangle.volume - row.height_m * n.z];
+        let volume = [-left * n.y, left * n.x, triangle.volume6_m3 - row.height_m * n.z];
         let changes = volume[0].abs() + volume[1].abs();
         if volume[2].abs() > changes {
             let sign = if volume[2] > 0.0 { 1.0 } else { -1.0 };
@@ -92,7 +92,7 @@ impl RowPlanes {
             inside[i] &= volume[i] > 0.0;
         }
         let (Ok(depths), Ok(instances), Ok(faces)) = (
-            <&mut [f32; EIGHT]>::try_from(&mut hits.depth[at..at + EIGHT]),
+            <&mut [f32; EIGHT]>::try_from(&mut hits.depth_m[at..at + EIGHT]),
             <&mut [u32; EIGHT]>::try_from(&mut hits.instance[at..at + EIGHT]),
             <&mut [u32; EIGHT]>::try_from(&mut hits.face[at..at + EIGHT]),
         ) else {

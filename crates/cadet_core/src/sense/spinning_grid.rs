@@ -4,16 +4,16 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::azimuth_ticks::{AZIMUTH_MARGIN, TURN, azimuth_of};
+use super::azimuth_ticks::{AZIMUTH_MARGIN_RAD, TURN_RAD, azimuth_rad_of};
 use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use super::hits::Hits;
 use super::laser_ring::LaserRing;
 use super::row_planes::{EIGHT, RowPlanes};
-use super::spinning_table::{POLAR, Table};
+use super::spinning_table::{POLAR_SHARE, SpinningTable};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
-use crate::math::{self, DPose3, DVec3, TAU, Vec3};
+use crate::math::{DPose3, DVec3, TAU, Vec3, greater, lesser};
 
 /// Columns that a wide window is searched by.
 const SEARCH_COLUMNS: usize = 32;
@@ -26,7 +26,7 @@ const MOST_LEFT_M: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub struct SpinningGrid {
     world_from_velo: DPose3,
-    table: Arc<Table>,
+    table: Arc<SpinningTable>,
 }
 
 impl SpinningGrid {
@@ -86,7 +86,7 @@ impl SpinningGrid {
                 return out_of_range("azimuth offset", offset.to_string(), &expected);
             }
         }
-        Ok(Self { world_from_velo, table: Arc::new(Table::new(rings, azimuths_rad, offsets_rad)) })
+        Ok(Self { world_from_velo, table: Arc::new(SpinningTable::new(rings, azimuths_rad, offsets_rad)) })
     }
 
     /// Cosine and sine of the azimuth of every column of a ring.
@@ -116,7 +116,7 @@ impl BeamGrid for SpinningGrid {
     }
 
     fn columns(&self) -> usize {
-        self.table.azimuths.len()
+        self.table.azimuths_rad.len()
     }
 
     fn world_from_grid(&self) -> DPose3 {
@@ -126,24 +126,22 @@ impl BeamGrid for SpinningGrid {
     fn beam(&self, row: usize, column: usize) -> Beam {
         let ring = self.table.rings[row];
         let heading = self.table.headings(row)[column];
-        let (cos, sin) = (math::cos(ring.elevation_rad), math::sin(ring.elevation_rad));
-        let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
         Beam {
             origin_world: self.world_from_velo.transform_point(ring.origin_velo(heading)),
-            direction_world: self.world_from_velo.rotation * direction_velo,
+            direction_world: self.world_from_velo.rotation * ring.directions_velo()(heading),
         }
     }
 
     #[inline]
     fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
         let table = &*self.table;
-        let [lowest, highest] = table.height_span;
+        let [lowest, highest] = table.height_span_m;
         // One origin in the middle sees a sphere that is larger by half the span, and by the way from the axis.
-        let reach = radius_m + 0.5 * (highest - lowest) + table.most_left + 1e-4;
+        let reach = radius_m + 0.5 * (highest - lowest) + table.most_left_m + 1e-4;
         let z = c.z - 0.5 * (lowest + highest);
         let rho = (c.x * c.x + c.y * c.y).sqrt();
         let near = (rho * rho + z * z).sqrt() * 0.999_99 - reach;
-        let everywhere = Window { rows: 0..table.rows.len(), columns: 0..table.azimuths.len() };
+        let everywhere = Window { rows: 0..table.rows.len(), columns: 0..table.azimuths_rad.len() };
         if near <= 0.0 {
             return ([everywhere, Window::default()], near);
         }
@@ -159,8 +157,8 @@ impl BeamGrid for SpinningGrid {
             return ([Window { rows, columns: everywhere.columns }, Window::default()], near);
         }
         // asin x <= x (1 + 0.571 x^2) on 0..1.
-        let half = share * (1.0 + 0.571 * share * share) + AZIMUTH_MARGIN;
-        let azimuth = azimuth_of(c.x, c.y);
+        let half = share * (1.0 + 0.571 * share * share) + AZIMUTH_MARGIN_RAD;
+        let azimuth = azimuth_rad_of(c.x, c.y);
         (
             table.columns_between(azimuth - half, azimuth + half).map(|columns| Window { rows: rows.clone(), columns }),
             near,
@@ -169,7 +167,7 @@ impl BeamGrid for SpinningGrid {
 
     #[inline]
     fn row_start(&self, inner_row: usize) -> usize {
-        self.table.ring_of_row[inner_row] as usize * self.table.azimuths.len()
+        self.table.ring_of_row[inner_row] as usize * self.table.azimuths_rad.len()
     }
 
     #[inline(always)]
@@ -177,32 +175,34 @@ impl BeamGrid for SpinningGrid {
         let table = &*self.table;
         let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
         let mut ticks = [(0_u16, 0_u16); LANES];
-        let middle = table.middle_height();
+        let middle = table.middle_height_m();
         for i in 0..LANES {
             rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-6);
-            azimuth[i] = azimuth_of(x[i], y[i]);
+            azimuth[i] = azimuth_rad_of(x[i], y[i]);
             bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
         for i in 0..LANES {
             // Lasers beside the axis look past it: asin x <= 1.001 x up to x = 1 / OFF_AXIS.
-            let aside = 1.001 * table.most_left / rho[i];
-            let awkward = (rho[i] <= POLAR * (z[i].abs() + rho[i]))
-                | (rho[i] < table.least_rho)
-                | (azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset + aside)
-                | (azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN - aside);
-            let (first, end) = table.ticks.between(azimuth[i] - table.max_offset - aside, azimuth[i] + aside);
+            let aside = 1.001 * table.most_left_m / rho[i];
+            let awkward = (rho[i] <= POLAR_SHARE * (z[i].abs() + rho[i]))
+                | (rho[i] < table.least_rho_m)
+                | (azimuth[i] < 2.0 * AZIMUTH_MARGIN_RAD + table.max_offset_rad + aside)
+                | (azimuth[i] > TURN_RAD - 2.0 * AZIMUTH_MARGIN_RAD - aside);
+            let (first, end) = table.ticks.between(azimuth[i] - table.max_offset_rad - aside, azimuth[i] + aside);
             ticks[i] = if awkward { (0, u16::MAX) } else { (first, end) };
         }
         if let Some(rows_of_bin) = &table.rows_of_bin {
             for i in 0..LANES {
                 let [first, end] = rows_of_bin[bin[i] as usize];
-                out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
+                let (first_tick, end_tick) = ticks[i];
+                out[i] = [first, u16::MAX - end, first_tick, u16::MAX - end_tick];
             }
             return;
         }
         for i in 0..LANES {
             let [first, end] = table.rows_of_place(1.0 / rho[i], bin[i]);
-            out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
+            let (first_tick, end_tick) = ticks[i];
+            out[i] = [first, u16::MAX - end, first_tick, u16::MAX - end_tick];
         }
     }
 
@@ -224,33 +224,34 @@ impl BeamGrid for SpinningGrid {
     }
 
     #[inline(always)]
-    fn near_depth(&self, corners_grid: &[DVec3; 4]) -> f32 {
-        let [lowest, highest] = self.table.height_span.map(f64::from);
+    fn near_m(&self, corners_grid: &[DVec3; 4]) -> f32 {
+        let [lowest, highest] = self.table.height_span_m.map(f64::from);
         let middle = DVec3::new(0.0, 0.0, 0.5 * (lowest + highest));
         let [a, b, c, d] = corners_grid.map(|p| p - middle);
-        let less = |x: f64, y: f64| if x < y { x } else { y };
-        let more = |x: f64, y: f64| if x > y { x } else { y };
-        let corner = less(less(a.length_squared(), b.length_squared()), less(c.length_squared(), d.length_squared()));
-        let sides = more((b - a).length_squared(), (c - b).length_squared());
-        let edge =
-            more(more(sides, (a - c).length_squared()), more((d - c).length_squared(), (a - d).length_squared()));
+        let corner =
+            lesser(lesser(a.length_squared(), b.length_squared()), lesser(c.length_squared(), d.length_squared()));
+        let sides = greater((b - a).length_squared(), (c - b).length_squared());
+        let edge = greater(
+            greater(sides, (a - c).length_squared()),
+            greater((d - c).length_squared(), (a - d).length_squared()),
+        );
         // Of both triangles: no point is farther from all corners than the longest edge / sqrt 3, the nearest point to the
         // origin included; and seen from there the corners lie beyond it or at a right angle.
         let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();
-        (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left) - 1e-5) as f32
+        (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left_m) - 1e-5) as f32
     }
 
     #[inline(always)]
     fn most_offset_m(&self) -> f64 {
-        let [lowest, highest] = self.table.height_span.map(|z| f64::from(z.abs()));
-        lowest.max(highest) + f64::from(self.table.most_left)
+        let [lowest, highest] = self.table.height_span_m.map(|z| f64::from(z.abs()));
+        lowest.max(highest) + f64::from(self.table.most_left_m)
     }
 
     #[inline(always)]
     fn is_turned_away(&self, [a, b, c]: &[DVec3; 3]) -> bool {
-        let [lowest, highest] = self.table.height_span.map(f64::from);
+        let [lowest, highest] = self.table.height_span_m.map(f64::from);
         let normal = (*b - *a).cross(*c - *a);
-        let aside = f64::from(self.table.most_left) * (normal.x.abs() + normal.y.abs());
+        let aside = f64::from(self.table.most_left_m) * (normal.x.abs() + normal.y.abs());
         // Of the origins, the one that lies farthest along the normal.
         a.dot(normal) > (normal.z * lowest).max(normal.z * highest) + aside
     }
@@ -273,12 +274,12 @@ impl BeamGrid for SpinningGrid {
     #[inline(always)]
     fn cast(&self, triangle: &EdgePlanes, window: &Window, hits: &mut Hits, ids: [u32; 2]) {
         let table = &*self.table;
-        if table.azimuths.len() < EIGHT {
+        if table.azimuths_rad.len() < EIGHT {
             return self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, ids[0], ids[1]));
         }
         for row in window.rows.clone() {
             let ring = table.ring_of_row[row] as usize;
-            let base = [ring * table.azimuths.len(), table.headings_of_ring[ring] as usize];
+            let base = [ring * table.azimuths_rad.len(), table.headings_of_ring[ring] as usize];
             for planes in RowPlanes::sides(triangle, &table.rows[row]).into_iter().flatten() {
                 self.cast_row(&planes, base, &window.columns, hits, ids);
             }
@@ -302,7 +303,7 @@ impl SpinningGrid {
         while start < last {
             let stop = (start + SEARCH_COLUMNS).min(last);
             let there = edges_at(stop);
-            let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
+            let width = f64::from(table.azimuths_rad[stop] - table.azimuths_rad[start]);
             // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
             let is_outside = (0..3).any(|i| {
                 let [a, b, c] = planes.edges[i];
@@ -326,7 +327,7 @@ impl SpinningGrid {
         hits: &mut Hits,
         ids: [u32; 2],
     ) {
-        let last_eight = self.table.azimuths.len() - EIGHT;
+        let last_eight = self.table.azimuths_rad.len() - EIGHT;
         let mut column = columns.start;
         while column < columns.end {
             // The last eight of a row may take in some columns before the window: they are tested too.

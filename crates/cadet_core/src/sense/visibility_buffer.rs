@@ -4,39 +4,40 @@
 use std::ops::Range;
 
 use super::grid::Window;
+use crate::math::lesser;
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
 /// How much nearer than a bound's inverse depth a sample must be to hide what the bound stands for.
-pub(super) const CLEARLY: f32 = 1.000_01;
+pub(super) const CLEARLY_NEARER_RATIO: f32 = 1.000_01;
 
 /// A face that was drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct DrawnFace {
     /// Index into [`super::PosedScene::instances`].
     pub instance: u32,
-    /// Face of the instance's mesh; the first of two that are drawn as one ([`crate::geometry::Piece`]).
+    /// Face of the instance's mesh; the first of two that are drawn as one ([`crate::geometry::ClusterPiece`]).
     pub face: u32,
     /// It was drawn with its partner.
     pub is_quad: bool,
     /// Its plane in the camera's frame, turned towards the camera: z = volume / (normal · (x, y, 1)).
     pub(super) normal: [f64; 3],
-    pub(super) volume: f64,
+    pub(super) volume6_m3: f64,
 }
 
 impl DrawnFace {
     /// z in meters of the face's plane at x / z, y / z.
     #[inline]
     #[must_use]
-    pub fn depth_at(&self, x: f64, y: f64) -> f32 {
+    pub fn depth_m_at(&self, x: f64, y: f64) -> f32 {
         let [a, b, c] = self.normal;
-        (self.volume / (a * x + (b * y + c))) as f32
+        (self.volume6_m3 / (a * x + (b * y + c))) as f32
     }
 
     /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.
     #[must_use]
-    pub fn inverse_depth_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
-        let inverse = 1.0 / self.volume;
+    pub fn inverse_depth_per_m_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
+        let inverse = 1.0 / self.volume6_m3;
         let (by_column, by_row) = (self.normal[0] * inverse / fx, self.normal[1] * inverse / fy);
         [self.normal[2] * inverse - by_column * cx - by_row * cy, by_column, by_row]
     }
@@ -46,7 +47,7 @@ impl DrawnFace {
 #[derive(Debug, Clone)]
 pub struct Block {
     /// 1 / z in 1/m, 0 where there is none.
-    pub inverse_depth: [[f32; BLOCK]; BLOCK],
+    pub inverse_depth_per_m: [[f32; BLOCK]; BLOCK],
     /// The number of the face in [`VisibilityBuffer::faces`]; means nothing where the inverse depth is 0.
     pub face: [[u32; BLOCK]; BLOCK],
 }
@@ -56,11 +57,11 @@ impl Block {
     #[inline]
     #[must_use]
     pub fn prefetch(&self) -> u32 {
-        let line = |row: usize| self.inverse_depth[row][0].to_bits() ^ self.face[row][0];
+        let line = |row: usize| self.inverse_depth_per_m[row][0].to_bits() ^ self.face[row][0];
         line(0) ^ line(2) ^ line(4) ^ line(6)
     }
 
-    pub(super) const EMPTY: Self = Self { inverse_depth: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
+    pub(super) const EMPTY: Self = Self { inverse_depth_per_m: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 }
 
 /// What the samples of an image see, in blocks of 8 x 8: neighbors stand together in memory, and what lies behind a
@@ -96,7 +97,7 @@ pub(super) struct BlockState {
     /// Samples that have met something, a bit each: column by column, from the top.
     pub met: u64,
     /// An inverse depth that all samples reach.
-    pub least_inverse_depth: f32,
+    pub least_inverse_depth_per_m: f32,
     /// The least inverse depth may have risen.
     pub is_stale: bool,
 }
@@ -163,7 +164,7 @@ impl VisibilityBuffer {
         let layer = if is_transparent { &mut self.transparent } else { &mut self.opaque };
         let block = &mut layer[block];
         if is_fresh {
-            block.inverse_depth = Block::EMPTY.inverse_depth;
+            block.inverse_depth_per_m = Block::EMPTY.inverse_depth_per_m;
         }
         block
     }
@@ -185,21 +186,19 @@ impl VisibilityBuffer {
     #[inline(always)]
     pub(super) fn is_block_hidden(&mut self, block: usize, z_m: f32) -> bool {
         let state = &mut self.states[block];
-        if state.least_inverse_depth * z_m > CLEARLY {
+        if state.least_inverse_depth_per_m * z_m > CLEARLY_NEARER_RATIO {
             return true;
         }
         if !state.is_stale || state.met != u64::MAX {
             return false;
         }
         let mut least = [f32::INFINITY; BLOCK];
-        for row in &self.opaque[block].inverse_depth {
-            for i in 0..BLOCK {
-                least[i] = if row[i] < least[i] { row[i] } else { least[i] };
-            }
+        for row in &self.opaque[block].inverse_depth_per_m {
+            least = std::array::from_fn(|i| lesser(row[i], least[i]));
         }
         state.is_stale = false;
-        state.least_inverse_depth = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        state.least_inverse_depth * z_m > CLEARLY
+        state.least_inverse_depth_per_m = least.into_iter().fold(f32::INFINITY, |least, value| lesser(value, least));
+        state.least_inverse_depth_per_m * z_m > CLEARLY_NEARER_RATIO
     }
 
     /// True if all samples of a window have met something opaque that is nearer than `z_m` (a depth below that of
@@ -211,7 +210,7 @@ impl VisibilityBuffer {
             let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
             for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
                 let block = block_row * self.blocks_across + block_column;
-                if self.states[block].least_inverse_depth * z_m > CLEARLY {
+                if self.states[block].least_inverse_depth_per_m * z_m > CLEARLY_NEARER_RATIO {
                     continue;
                 }
                 let left = block_column * BLOCK;
@@ -226,11 +225,11 @@ impl VisibilityBuffer {
                 if window_bits == u64::MAX {
                     return false;
                 }
-                for row in &self.opaque[block].inverse_depth[rows.clone()] {
+                for row in &self.opaque[block].inverse_depth_per_m[rows.clone()] {
                     let mut open = [0; BLOCK];
                     for i in 0..BLOCK {
                         let is_within = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
-                        open[i] = u32::from(row[i] * z_m <= CLEARLY) & u32::from(is_within);
+                        open[i] = u32::from(row[i] * z_m <= CLEARLY_NEARER_RATIO) & u32::from(is_within);
                     }
                     if open.iter().fold(0, |all, o| all | o) != 0 {
                         return false;
@@ -253,11 +252,11 @@ impl VisibilityBuffer {
         let block = self.block_at(row, column);
         let (row, column) = (row % BLOCK, column % BLOCK);
         let opaque = self.opaque(block);
-        let (mut number, mut inverse_depth) = (opaque.face[row][column], opaque.inverse_depth[row][column]);
+        let (mut number, mut inverse_depth) = (opaque.face[row][column], opaque.inverse_depth_per_m[row][column]);
         if let Some(transparent) = self.transparent(block)
-            && transparent.inverse_depth[row][column] > inverse_depth
+            && transparent.inverse_depth_per_m[row][column] > inverse_depth
         {
-            (number, inverse_depth) = (transparent.face[row][column], transparent.inverse_depth[row][column]);
+            (number, inverse_depth) = (transparent.face[row][column], transparent.inverse_depth_per_m[row][column]);
         }
         (inverse_depth > 0.0).then_some((number, inverse_depth))
     }
@@ -275,8 +274,8 @@ impl VisibilityBuffer {
         let (mut count, mut span) = (0, self.columns..0);
         for block_column in 0..self.blocks_across {
             let block = row / BLOCK * self.blocks_across + block_column;
-            let opaque = &self.opaque(block).inverse_depth[row % BLOCK];
-            let transparent = self.transparent(block).map(|transparent| &transparent.inverse_depth[row % BLOCK]);
+            let opaque = &self.opaque(block).inverse_depth_per_m[row % BLOCK];
+            let transparent = self.transparent(block).map(|transparent| &transparent.inverse_depth_per_m[row % BLOCK]);
             // Blocks may reach beyond the image.
             for i in 0..BLOCK.min(self.columns - block_column * BLOCK) {
                 if opaque[i] > 0.0 || transparent.is_some_and(|p| p[i] > 0.0) {

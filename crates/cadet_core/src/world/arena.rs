@@ -10,7 +10,7 @@ use super::physics::Physics;
 use super::slot::{EGO, Slot};
 use super::streets::Streets;
 use super::traffic_state::{PersonAt, TrafficState, VehicleAt};
-use crate::actor::End;
+use crate::actor::BodyEnd;
 use crate::error::Result;
 use crate::math::{DVec2, DVec3};
 use crate::town::Town;
@@ -25,7 +25,7 @@ pub(super) struct Arena {
     active: Vec<Slot>,
     next_id: i32,
     /// By id: the end of an actor that was near when it was first labeled. Its annotated box stays as it was drawn then.
-    pub labeled_ends: BTreeMap<i32, End>,
+    pub labeled_ends: BTreeMap<i32, BodyEnd>,
 }
 
 impl Arena {

@@ -8,7 +8,7 @@ use cadet_core::instance::Instance;
 use cadet_core::material::{Material, Palette, Pattern, Semantic};
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{BeamGrid, Hits, Layer, NO_HIT, PosedScene, RayCaster, cast};
+use cadet_core::sense::{BeamGrid, Hits, NO_HIT, PosedScene, RayCaster, SurfaceFilter, cast};
 
 pub fn matt() -> Arc<Palette> {
     Arc::new(Palette::new(vec![Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.4)]))
@@ -135,7 +135,7 @@ pub struct Agreement {
 /// Compares the kernel with rays cast one by one, along the very same beams.
 pub fn compare<G: BeamGrid>(scene: &Arc<PosedScene>, grid: &G) -> Agreement {
     let mut hits = Hits::new(grid.rows(), grid.columns());
-    cast(scene, grid, Layer::All, |_| true, &mut hits);
+    cast(scene, grid, SurfaceFilter::All, |_| true, &mut hits);
     let caster = RayCaster::new(Arc::clone(scene));
     let mut out = Agreement::default();
     for row in 0..grid.rows() {
@@ -143,7 +143,7 @@ pub fn compare<G: BeamGrid>(scene: &Arc<PosedScene>, grid: &G) -> Agreement {
             let i = row * grid.columns() + column;
             let beam = grid.beam(row, column);
             let hit = caster.cast(beam.origin_world, beam.direction_world).expect("a finite ray");
-            let kernel_m = f64::from(hits.depth[i]) * beam.direction_world.length();
+            let kernel_m = f64::from(hits.depth_m[i]) * beam.direction_world.length();
             let single_m = hit.map_or(f64::INFINITY, |h| h.range_m);
             out.beams += 1;
             out.hits += usize::from(hit.is_some());

@@ -30,7 +30,7 @@ pub fn kitti() -> Settings {
         ClassLimits::of(class, [limit; 3])
     });
     let levels = [(40.0, 0.0, 0.15), (25.0, 1.0, 0.30), (25.0, 2.0, 0.50)].map(|(height, occlusion, truncation)| {
-        Level { min_height_px: height, is_inclusive: false, max_occlusion: occlusion, max_truncation: truncation }
+        Level { min_height_px: height, is_inclusive: false, max_occlusion_level: occlusion, max_truncation: truncation }
     });
     Settings { classes: classes.to_vec(), levels: levels.to_vec() }
 }
@@ -61,7 +61,8 @@ fn draw_frame(rng: &mut Stream) -> FramePair {
         frame.truths.push(dont_care(left, top, rng.range(20.0, 160.0), rng.range(12.0, 70.0)));
         if rng.chance(0.5) {
             let mut stuff = draw_detection_at_random(rng);
-            stuff.box_img = BoxImg { x1: left + 2.0, y1: top + 1.0, x2: left + 30.0, y2: top + 40.0 };
+            stuff.box_img =
+                BoxImg { left_px: left + 2.0, top_px: top + 1.0, right_px: left + 30.0, bottom_px: top + 40.0 };
             frame.detections.push(stuff);
         }
     }
@@ -82,19 +83,19 @@ fn draw_detection_at_random(rng: &mut Stream) -> Detection {
 }
 
 fn draw_truth(rng: &mut Stream, kind: ObjectType, sizes: [f64; 3]) -> Truth {
-    let [length, width, height] = sizes.map(|size| hundredths(size * rng.range(0.9, 1.1)));
+    let [length_m, width_m, height_m] = sizes.map(|size| hundredths(size * rng.range(0.9, 1.1)));
     let z = hundredths(rng.range(6.0, 40.0) + rng.range(0.0, 30.0) * rng.unit());
     let x = hundredths(rng.range(-0.8, 0.8) * z);
     let rotation_y = hundredths(rng.range(-PI, PI));
-    let box_cam = RotatedBox { x, y: hundredths(rng.range(1.4, 1.9)), z, length, width, height, rotation_y };
+    let box_cam = RotatedBox { x, y: hundredths(rng.range(1.4, 1.9)), z, length_m, width_m, height_m, rotation_y };
     let mut box_img = project(&box_cam);
     if rng.chance(0.1) {
-        box_img.y2 = box_img.y1 + [25.0, 40.0, 24.99, 25.01, 39.99, 40.01][rng.below(6)];
+        box_img.bottom_px = box_img.top_px + [25.0, 40.0, 24.99, 25.01, 39.99, 40.01][rng.below(6)];
     }
     Truth {
         kind,
-        truncated: [0.0, 0.0, 0.1, 0.15, 0.3, 0.31, 0.5, 0.6][rng.below(8)],
-        occluded: [0.0, 1.0, 2.0, 3.0][rng.weighted(&[0.5, 0.25, 0.2, 0.05])],
+        truncation: [0.0, 0.0, 0.1, 0.15, 0.3, 0.31, 0.5, 0.6][rng.below(8)],
+        occlusion_level: [0.0, 1.0, 2.0, 3.0][rng.weighted(&[0.5, 0.25, 0.2, 0.05])],
         alpha: hundredths(wrap_angle(rotation_y - atan2(x, z))),
         box_img,
         box_cam,
@@ -110,20 +111,20 @@ fn draw_detection(rng: &mut Stream, truth: &Truth) -> Detection {
         x: hundredths(a.x + shake(0.08)),
         y: hundredths(a.y + shake(0.05)),
         z: hundredths(a.z + shake(0.14)),
-        length: hundredths((a.length * (1.0 + shake(0.05))).max(0.1)),
-        width: hundredths((a.width * (1.0 + shake(0.05))).max(0.1)),
-        height: hundredths((a.height * (1.0 + shake(0.05))).max(0.1)),
+        length_m: hundredths((a.length_m * (1.0 + shake(0.05))).max(0.1)),
+        width_m: hundredths((a.width_m * (1.0 + shake(0.05))).max(0.1)),
+        height_m: hundredths((a.height_m * (1.0 + shake(0.05))).max(0.1)),
         rotation_y: hundredths(wrap_angle(a.rotation_y + shake(0.06))),
     };
-    let (width, height) = (image.x2 - image.x1, image.y2 - image.y1);
+    let (width, height) = (image.right_px - image.left_px, image.bottom_px - image.top_px);
     let mut box_img = BoxImg {
-        x1: hundredths(image.x1 + shake(0.03) * width),
-        y1: hundredths(image.y1 + shake(0.03) * height),
-        x2: hundredths(image.x2 + shake(0.03) * width),
-        y2: hundredths(image.y2 + shake(0.03) * height),
+        left_px: hundredths(image.left_px + shake(0.03) * width),
+        top_px: hundredths(image.top_px + shake(0.03) * height),
+        right_px: hundredths(image.right_px + shake(0.03) * width),
+        bottom_px: hundredths(image.bottom_px + shake(0.03) * height),
     };
     if rng.chance(0.08) {
-        box_img.y2 = hundredths(box_img.y1 + [25.0, 40.0, 24.99, 39.99, 18.0][rng.below(5)]);
+        box_img.bottom_px = hundredths(box_img.top_px + [25.0, 40.0, 24.99, 39.99, 18.0][rng.below(5)]);
     }
     let mut kind = truth.kind;
     if matches!(kind, ObjectType::Van | ObjectType::Truck | ObjectType::Misc) && rng.chance(0.5) {
@@ -147,10 +148,10 @@ fn draw_detection(rng: &mut Stream, truth: &Truth) -> Detection {
 fn dont_care(left: f64, top: f64, width: f64, height: f64) -> Truth {
     Truth {
         kind: ObjectType::DontCare,
-        truncated: -1.0,
-        occluded: -1.0,
+        truncation: -1.0,
+        occlusion_level: -1.0,
         alpha: -10.0,
-        box_img: BoxImg { x1: left, y1: top, x2: left + width, y2: top + height },
+        box_img: BoxImg { left_px: left, top_px: top, right_px: left + width, bottom_px: top + height },
         box_cam: RotatedBox::from_array([-1000.0, -1000.0, -1000.0, -1.0, -1.0, -1.0, -10.0]),
         is_optional: false,
     }
@@ -158,13 +159,13 @@ fn dont_care(left: f64, top: f64, width: f64, height: f64) -> Truth {
 
 /// The rectangle round the corners, roughly: what matters is that near boxes are high.
 fn project(b: &RotatedBox) -> BoxImg {
-    let half = 0.5 * (b.length * cos(b.rotation_y).abs() + b.width * sin(b.rotation_y).abs());
+    let half = 0.5 * (b.length_m * cos(b.rotation_y).abs() + b.width_m * sin(b.rotation_y).abs());
     let scale = FOCAL_PX / b.z;
     BoxImg {
-        x1: hundredths(609.6 + (b.x - half) * scale),
-        y1: hundredths(172.9 + (b.y - b.height) * scale),
-        x2: hundredths(609.6 + (b.x + half) * scale),
-        y2: hundredths(172.9 + b.y * scale),
+        left_px: hundredths(609.6 + (b.x - half) * scale),
+        top_px: hundredths(172.9 + (b.y - b.height_m) * scale),
+        right_px: hundredths(609.6 + (b.x + half) * scale),
+        bottom_px: hundredths(172.9 + b.y * scale),
     }
 }
 
@@ -177,7 +178,7 @@ pub fn label_text(frame: &FramePair) -> String {
     let mut text = String::new();
     for t in &frame.truths {
         let name = t.kind.name().expect("KITTI's types alone are drawn");
-        write!(text, "{name} {:.2} {} {:.2} ", t.truncated, t.occluded, t.alpha).expect("writing to memory");
+        write!(text, "{name} {:.2} {} {:.2} ", t.truncation, t.occlusion_level, t.alpha).expect("writing to memory");
         write_boxes(&mut text, &t.box_img, &t.box_cam);
         text.push('\n');
     }
@@ -197,8 +198,8 @@ pub fn result_text(frame: &FramePair) -> String {
 }
 
 fn write_boxes(text: &mut String, i: &BoxImg, c: &RotatedBox) {
-    write!(text, "{:.2} {:.2} {:.2} {:.2} ", i.x1, i.y1, i.x2, i.y2).expect("writing to memory");
-    let sizes = [c.height, c.width, c.length];
+    write!(text, "{:.2} {:.2} {:.2} {:.2} ", i.left_px, i.top_px, i.right_px, i.bottom_px).expect("writing to memory");
+    let sizes = [c.height_m, c.width_m, c.length_m];
     write!(text, "{:.2} {:.2} {:.2} ", sizes[0], sizes[1], sizes[2]).expect("writing to memory");
     write!(text, "{:.2} {:.2} {:.2} {:.2}", c.x, c.y, c.z, c.rotation_y).expect("writing to memory");
 }

@@ -1,8 +1,8 @@
 //! KITTI's rules written down plainly: every overlap anew, every frame again at every threshold.
 
 use cadet_core::evaluate::{
-    Detection, FramePair, Level, Metric, ObjectType, ObjectTypes, Samples, Settings, Truth, choose_thresholds,
-    intersection_bev, iou_3d, iou_bev,
+    Detection, FramePair, Level, Metric, ObjectType, ObjectTypes, PrecisionByRecall, Settings, Truth,
+    choose_thresholds, intersection_bev_m2, iou_3d, iou_bev,
 };
 use cadet_core::math::cos;
 
@@ -11,8 +11,8 @@ pub struct Answer {
     pub num_valid: u64,
     pub num_tp: Vec<u64>,
     pub num_fp: Vec<u64>,
-    pub precision: Samples,
-    pub heading: Samples,
+    pub precision: PrecisionByRecall,
+    pub heading: PrecisionByRecall,
 }
 
 #[derive(PartialEq, Clone, Copy)]
@@ -70,13 +70,14 @@ struct Rules<'a> {
 impl Rules<'_> {
     fn truth_mark(&self, t: &Truth) -> Mark {
         let is_neighbor = self.neighbors.contains(t.kind);
-        let height = t.box_img.y2 - t.box_img.y1;
+        let height = t.box_img.bottom_px - t.box_img.top_px;
         let is_low = if self.level.is_inclusive {
             height < self.level.min_height_px
         } else {
             height <= self.level.min_height_px
         };
-        let is_hard = t.occluded > self.level.max_occlusion || t.truncated > self.level.max_truncation || is_low;
+        let is_hard =
+            t.occlusion_level > self.level.max_occlusion_level || t.truncation > self.level.max_truncation || is_low;
         match (self.kinds.contains(t.kind), is_neighbor) {
             (true, _) if !is_hard && !t.is_optional => Mark::Counts,
             (true, _) | (_, true) => Mark::Ignored,
@@ -85,7 +86,7 @@ impl Rules<'_> {
     }
 
     fn detection_mark(&self, d: &Detection) -> Mark {
-        if (d.box_img.y1 - d.box_img.y2).abs() < self.level.min_height_px {
+        if (d.box_img.top_px - d.box_img.bottom_px).abs() < self.level.min_height_px {
             Mark::Ignored
         } else if self.kinds.contains(d.kind) {
             Mark::Counts
@@ -105,8 +106,8 @@ impl Rules<'_> {
     fn is_stuff(&self, frame: &FramePair, d: &Detection) -> bool {
         frame.truths.iter().filter(|t| t.kind == ObjectType::DontCare).any(|region| {
             let share = match self.metric {
-                Metric::Image => region.box_img.intersection(&d.box_img) / d.box_img.area(),
-                Metric::Bev => intersection_bev(&region.box_cam, &d.box_cam) / d.box_cam.area_bev(),
+                Metric::Image => region.box_img.intersection_px2(&d.box_img) / d.box_img.area_px2(),
+                Metric::Bev => intersection_bev_m2(&region.box_cam, &d.box_cam) / d.box_cam.area_bev_m2(),
                 Metric::Volume => 0.0,
             };
             share > self.limit

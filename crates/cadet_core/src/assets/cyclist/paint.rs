@@ -44,7 +44,7 @@ pub(super) fn palette(p: &Proportions, s: &mut Stream) -> Palette {
     let (_, albedo, reflectance) = FRAMES[s.weighted(&FRAMES.map(|f| f.0))];
     let light = s.range(0.8, 1.25) as f32;
     let frame = Material {
-        lidar: LidarMaterial { coat_index: LidarMaterial::LACQUER, ..LidarMaterial::diffuse(reflectance as f32) },
+        lidar: LidarMaterial { coat_index: LidarMaterial::LACQUER_INDEX, ..LidarMaterial::diffuse(reflectance as f32) },
         ..plain(albedo.map(|a| (a * light).min(0.8)), 0.35, 0.045, reflectance as f32)
     };
     let metal = plain([0.36; 3], 0.55, 0.12, 0.2);

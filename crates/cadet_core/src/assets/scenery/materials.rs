@@ -104,7 +104,11 @@ pub(super) fn pane() -> Material {
         transmission: 0.55,
         pattern: Pattern::Plain,
         semantic: Semantic::Building,
-        lidar: LidarMaterial { coat_index: LidarMaterial::LACQUER, transmission: 0.72, ..LidarMaterial::diffuse(0.03) },
+        lidar: LidarMaterial {
+            coat_index: LidarMaterial::LACQUER_INDEX,
+            transmission: 0.72,
+            ..LidarMaterial::diffuse(0.03)
+        },
     }
 }
 
@@ -157,7 +161,7 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let plinth = wall.map(|c| c * 0.5 + 0.03);
     let mut dark_glass = pane();
     (dark_glass.transmission, dark_glass.specular) = (0.0, DOUBLE_GLAZING.0);
-    dark_glass.lidar = LidarMaterial { coat_index: LidarMaterial::LACQUER, ..LidarMaterial::diffuse(0.05) };
+    dark_glass.lidar = LidarMaterial { coat_index: LidarMaterial::LACQUER_INDEX, ..LidarMaterial::diffuse(0.05) };
     let mut net_glass = dark_glass;
     net_glass.albedo = curtain.map(|c| c * BEHIND_PANE.0);
     net_glass.lidar = LidarMaterial::diffuse(BEHIND_PANE.1);

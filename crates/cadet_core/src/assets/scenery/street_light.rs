@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::materials::furniture_slot as slot;
 use super::pole::{self, PoleKind};
-use crate::lamp::{Beam, CANDELA, Lamp};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
 use crate::material::{Palette, Pattern};
 use crate::math::Vec3;
 use crate::rng::Stream;
@@ -28,15 +28,15 @@ const COLORS: [[f32; 3]; 3] = [[1.72, 0.86, 0.16], [1.28, 0.96, 0.55], [1.08, 0.
 struct Head {
     at: Vec3,
     candela: f32,
-    beam: Beam,
+    beam: LampBeam,
     reach_m: f32,
     /// Of what shines, as a share of the camera's lamp radiance.
     lens: f32,
 }
 
 /// A head that is cut off at the sides, and one that shines to all sides.
-const CUT_OFF: Beam = Beam::Luminaire { ends: 0.10, full: 0.32 };
-const GLOBE: Beam = Beam::Luminaire { ends: -0.30, full: 0.40 };
+const CUT_OFF: LampBeam = LampBeam::Luminaire { cos_ends: 0.10, cos_full: 0.32 };
+const GLOBE: LampBeam = LampBeam::Luminaire { cos_ends: -0.30, cos_full: 0.40 };
 /// Straight down: a residential lamp of 4.5 m makes 17 lx below it, an arm lamp of 7.5 m 20.
 const SMALL_CD: f32 = 340.0;
 const TALL_CD: f32 = 1100.0;
@@ -80,7 +80,7 @@ impl StreetLight {
             at: head.at,
             ahead: -Vec3::Z,
             left: Vec3::Y,
-            intensity: color.map(|c| c * (head.candela / CANDELA)),
+            intensity: color.map(|c| c * (head.candela / CD_PER_INTENSITY)),
             reach_m: head.reach_m,
         };
         let at_night = Palette::new(materials).with_lamps(vec![lamp]);

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 use super::draw::{CREASE_RAD, block, disc, path_tube, tube};
 use super::{Detail, SceneryModel};
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
-use crate::lamp::{Beam, CANDELA, Lamp};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, PI, Vec3, cosf, sinf};
 
@@ -150,7 +150,7 @@ fn head_palette(lit: [bool; 3]) -> Palette {
         }
         // A smooth lens before a reflector: little comes back unless it is met square.
         m.lidar = LidarMaterial {
-            coat_index: LidarMaterial::LACQUER,
+            coat_index: LidarMaterial::LACQUER_INDEX,
             gloss: 0.04,
             roughness: 0.1,
             ..LidarMaterial::diffuse(0.30)
@@ -161,11 +161,11 @@ fn head_palette(lit: [bool; 3]) -> Palette {
     let visor = sign([0.016, 0.017, 0.017], 0.08);
     let board = sign([0.018, 0.018, 0.019], 0.09);
     let lamps = (0..3).filter(|k| lit[*k]).map(|k| Lamp {
-        beam: Beam::Lens,
+        beam: LampBeam::Lens,
         at: v(FRONT + 0.02, 0.0, CHAMBER * (2.5 - k as f32)),
         ahead: Vec3::X,
         left: Vec3::Y,
-        intensity: LIT[k].map(|c| c * (LENS_CD / CANDELA)),
+        intensity: LIT[k].map(|c| c * (LENS_CD / CD_PER_INTENSITY)),
         reach_m: REACH_M,
     });
     Palette::new(vec![housing, visor, lens(0), lens(1), lens(2), board, rim, sign([0.012; 3], 0.12)])

@@ -193,7 +193,7 @@ pub(super) fn material(source: Option<&SourceMaterial>, role: Option<Role>, sema
             // Clear coat; red paints are as bright to the laser as their red is to the eye.
             let reflectance = (0.03 + 0.85 * luma.max(albedo[0])).min(0.8);
             let mut paint = coated(semantic, albedo, 0.08, 0.05, reflectance);
-            paint.lidar.coat_index = LidarMaterial::LACQUER;
+            paint.lidar.coat_index = LidarMaterial::LACQUER_INDEX;
             paint
         }
     }

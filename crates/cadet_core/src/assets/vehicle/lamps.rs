@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::VehicleModel;
 use super::paint::{slot, work_slot};
 use crate::actor::ObjectClass;
-use crate::lamp::{Beam, CANDELA, Lamp};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
 use crate::material::{Material, Palette, Pattern};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -57,11 +57,11 @@ pub fn low_beams(size_lwh: DVec3, color: [f32; 3]) -> [Lamp; 2] {
     let size = size_lwh.as_vec3();
     let z = (HEIGHT_SHARE * size.z).clamp(HEIGHTS_M.0, HEIGHTS_M.1);
     [1.0, -1.0].map(|side| Lamp {
-        beam: Beam::LowBeam,
+        beam: LampBeam::LowBeam,
         at: Vec3::new(0.5 * size.x + BEFORE_LENS_M, side * ASIDE_SHARE * size.y, z),
         ahead: Vec3::X,
         left: Vec3::Y,
-        intensity: color.map(|c| c * (LOW_BEAM_CD / CANDELA)),
+        intensity: color.map(|c| c * (LOW_BEAM_CD / CD_PER_INTENSITY)),
         reach_m: LOW_BEAM_REACH_M,
     })
 }
@@ -127,11 +127,11 @@ impl VehicleModel {
             let size = self.size_lwh.as_vec3();
             let z = (1.3 * HEIGHT_SHARE * size.z).clamp(HEIGHTS_M.0, 1.2 * HEIGHTS_M.1);
             lamps.push(Lamp {
-                beam: Beam::Lens,
+                beam: LampBeam::Lens,
                 at: Vec3::new(-0.5 * size.x - BEFORE_LENS_M, 0.0, z),
                 ahead: -Vec3::X,
                 left: -Vec3::Y,
-                intensity: RED.map(|c| c * (candela / CANDELA)),
+                intensity: RED.map(|c| c * (candela / CD_PER_INTENSITY)),
                 reach_m: TAIL_REACH_M,
             });
         }

@@ -198,7 +198,7 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
         semantic,
         lidar: LidarMaterial {
             reflectance: s.range(reflectance.0, reflectance.1) as f32,
-            coat_index: LidarMaterial::LACQUER,
+            coat_index: LidarMaterial::LACQUER_INDEX,
             gloss,
             roughness,
             ..LidarMaterial::diffuse(0.0)

@@ -124,7 +124,7 @@ fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
         coated(semantic, albedo.map(|a| (a * light).clamp(0.008, 0.8)), roughness, 0.04, reflectance * dirt)
     };
     let enamel = |m: Material, gloss: f32| Material {
-        lidar: LidarMaterial { coat_index: LidarMaterial::LACQUER, gloss, roughness: 0.2, ..m.lidar },
+        lidar: LidarMaterial { coat_index: LidarMaterial::LACQUER_INDEX, gloss, roughness: 0.2, ..m.lidar },
         ..m
     };
     let paint = enamel(worn(cab, 0.12), 0.04);

@@ -7,7 +7,7 @@ use crate::math::{DPose3, DQuat};
 fn view_at(at: DVec3) -> View {
     let rotation = DQuat::from_mat3(&math::DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X));
     let world_from_cam = DPose3 { rotation, translation: at };
-    View { intrinsics: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam }
+    View { intrinsics_px: [721.0, 721.0, 610.0, 173.0], width: 1242, height: 375, world_from_cam }
 }
 
 fn falling(rain: f64, snow: f64, ego_mps: f64) -> Precipitation {
@@ -58,8 +58,11 @@ fn a_drop_of_two_millimeters_falls_at_six_and_a_half_meters_a_second() {
 fn a_streak_is_as_long_as_its_way_and_covers_as_much_as_its_disc() {
     let falling = falling(25.0, 0.0, 0.0);
     let view = view_at(DVec3::ZERO);
-    let particle =
-        Particle { at_world: DVec3::new(2.0, 0.0, 0.0), velocity_world: DVec3::new(0.0, 0.0, -7.0), diameter_m: 0.003 };
+    let particle = FallingParticle {
+        at_world: DVec3::new(2.0, 0.0, 0.0),
+        velocity_world: DVec3::new(0.0, 0.0, -7.0),
+        diameter_m: 0.003,
+    };
     let streak = falling.streak(&view, &view.world_from_cam.inverse(), &particle).expect("in view");
     let [[ax, ay], [bx, by]] = streak.ends_px;
     assert!((ax - bx).abs() < 1e-9 && (by - ay - 721.0 * 7.0 * SHUTTER_S / 2.0).abs() < 1e-9);

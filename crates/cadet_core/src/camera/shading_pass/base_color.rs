@@ -1,6 +1,6 @@
 //! The base color of a batch's surfaces: texture and snow.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::{Flags, ShaderVariant};
 use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
@@ -23,14 +23,14 @@ const SNOW_ALBEDO: f32 = 0.8;
 
 /// Which of a pair's pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum PixelOfPair {
     Left,
     Right,
     /// The middle of both.
     Middle,
 }
 
-impl Side {
+impl PixelOfPair {
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// From the pair's middle, in half spacings.
@@ -49,19 +49,19 @@ fn point_in_pixel(inputs: &SurfaceInputs, camera: &ShadingCamera, side: f32, i: 
     let aside = inputs.half_spacing[i] * side;
     let direction = camera.corner + camera.right * (inputs.u[i] + aside) + camera.down * inputs.v[i];
     // What is seen from its rim ends before the next pixel's middle.
-    let middle = inputs.inverse_depth[i];
+    let middle = inputs.inverse_depth_per_m[i];
     let inverse_depth = (middle + inputs.inverse_depth_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
     direction * (1.0 / inverse_depth)
 }
 
 /// The coordinates of the texture in the left or the right pixels.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn place_texture(
     inputs: &SurfaceInputs,
     m: usize,
     camera: &ShadingCamera,
     variant: ShaderVariant,
-    side: Side,
+    side: PixelOfPair,
     out: &mut [BatchScalar; 2],
 ) {
     let m = m.min(BATCH_SIZE);
@@ -79,20 +79,20 @@ pub fn place_texture(
             // Along the leaf: leaves seen edge-on, and the sides of hedges, would be streaks.
             let [along, upwards] = [across, down]
                 .map(|axis| 1.0 / (1.0 - normal.dot(axis) * normal.dot(axis)).max(LEAST_SINE_SQUARED).sqrt());
-            u[i] = (point.dot(across) + inputs.at_eye[0][i]) * along;
-            v[i] = (point.dot(down) + inputs.at_eye[1][i]) * upwards;
+            u[i] = (point.dot(across) + inputs.at_eye_m[0][i]) * along;
+            v[i] = (point.dot(down) + inputs.at_eye_m[1][i]) * upwards;
         }
     } else {
         for i in 0..m {
             let point = get(&points, i);
-            u[i] = point.dot(get(&inputs.axis_u, i)) + inputs.at_eye[0][i];
-            v[i] = point.dot(get(&inputs.axis_v, i)) + inputs.at_eye[1][i];
+            u[i] = point.dot(get(&inputs.axis_u, i)) + inputs.at_eye_m[0][i];
+            v[i] = point.dot(get(&inputs.axis_v, i)) + inputs.at_eye_m[1][i];
         }
     }
 }
 
 /// The material's albedo, by the variant's texture.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn texture(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
@@ -130,12 +130,12 @@ pub fn texture(
 
 /// What snow covers of the surface in the left or the right pixel of a pair, or in its middle.
 #[inline(always)]
-fn snow_cover(
+fn covered_share(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
     camera: &ShadingCamera,
-    snow: f32,
-    side: Side,
+    snow_cover: f32,
+    side: PixelOfPair,
     i: usize,
 ) -> f32 {
     // In the pixel itself: in the pair's middle, each pair would have its own drift.
@@ -143,40 +143,40 @@ fn snow_cover(
     let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
     let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
     let lies = if inputs.flags[i] & Flags::SHEDS_SNOW > 0 { 0.0 } else { 1.0 };
-    snow_share(geometry.normal[2][i]) * (snow * worn * (0.5 + drift)).min(1.0) * lies
+    snow_share(geometry.normal[2][i]) * (snow_cover * worn * (0.5 + drift)).min(1.0) * lies
 }
 
 /// Lays snow on the left or the right pixels.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub fn snow(
+#[apply(for_wide_registers)]
+pub fn lay_snow(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
     m: usize,
     camera: &ShadingCamera,
-    snow: f32,
-    side: Side,
+    snow_cover: f32,
+    side: PixelOfPair,
     out: &mut BatchVector,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
-        let cover = snow_cover(inputs, geometry, camera, snow, side, i);
+        let cover = covered_share(inputs, geometry, camera, snow_cover, side, i);
         let albedo = get(out, i);
         put(out, i, albedo + (Vec3::splat(SNOW_ALBEDO) - albedo) * cover);
     }
 }
 
 /// Puts snow over what leaves transparent surfaces.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn snow_over(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
     m: usize,
     camera: &ShadingCamera,
-    snow: f32,
+    snow_cover: f32,
     irradiance: &BatchVector,
     out: &mut OutgoingLight,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
-        let cover = snow_cover(inputs, geometry, camera, snow, Side::Middle, i);
+        let cover = covered_share(inputs, geometry, camera, snow_cover, PixelOfPair::Middle, i);
         let (seen_through, mirrored) = (get(&out.diffuse, i), get(&out.specular, i));
         put(&mut out.diffuse, i, seen_through * (1.0 - cover));
         put(&mut out.specular, i, mirrored * (1.0 - cover) + get(irradiance, i) * (SNOW_ALBEDO * cover));

@@ -2,8 +2,11 @@
 //!
 //! Each shader variant fills what it needs. Two of a thing are of the left pixel and of the right one.
 
+use macro_rules_attribute::derive;
+
 use super::super::shading_queue::{BATCH_STRIDE, BatchScalar};
 use crate::math::Vec3;
+use crate::zeros::DefaultZeros;
 
 /// Values of the camera that all pairs of an image share.
 #[derive(Debug, Clone, Copy)]
@@ -22,10 +25,8 @@ pub struct ShadingCamera {
 
 pub type BatchVector = [BatchScalar; 3];
 
-const NONE: BatchScalar = [0.0; BATCH_STRIDE];
-const NONE_3: BatchVector = [NONE; 3];
-
 /// What pairs share with their fragment group: gathered first, read by [`super::gather::place_pairs`] alone.
+#[derive(DefaultZeros!)]
 pub struct GroupValues {
     /// Number of the group; see [`ShadingQueue::groups`].
     ///
@@ -43,12 +44,13 @@ pub struct GroupValues {
     pub u: BatchScalar,
     pub v: BatchScalar,
     /// 1 / z there, 1/m, and its changes.
-    pub inverse_depth: BatchScalar,
+    pub inverse_depth_per_m: BatchScalar,
     pub inverse_depth_by_column: BatchScalar,
     pub inverse_depth_by_row: BatchScalar,
 }
 
 /// Where the pairs lie, and the faces that they show.
+#[derive(DefaultZeros!)]
 pub struct SurfaceInputs {
     /// The left pixel: where its color is added.
     pub target: [u32; BATCH_STRIDE],
@@ -59,7 +61,7 @@ pub struct SurfaceInputs {
     /// The middle of the samples that show the face: image point, and 1 / z there, 1/m.
     pub u: BatchScalar,
     pub v: BatchScalar,
-    pub inverse_depth: BatchScalar,
+    pub inverse_depth_per_m: BatchScalar,
     pub inverse_depth_by_column: BatchScalar,
     /// Where it lies in its block, from 0 at the first corner to 1 at the last.
     pub across: BatchScalar,
@@ -72,12 +74,12 @@ pub struct SurfaceInputs {
     /// Axes of the texture, and its coordinates at the eye.
     pub axis_u: BatchVector,
     pub axis_v: BatchVector,
-    pub at_eye: [BatchScalar; 2],
+    pub at_eye_m: [BatchScalar; 2],
     /// The shading normal in the first corner, and its changes to the others.
     pub corner_normal: BatchVector,
     pub normal_ab: BatchVector,
     pub normal_ac: BatchVector,
-    /// See [`Face`](super::super::face::Face).
+    /// See [`ShadingFace`](super::super::face::ShadingFace).
     pub to_b: BatchVector,
     pub to_c: BatchVector,
     pub weights_at_eye: [BatchScalar; 2],
@@ -93,6 +95,7 @@ pub struct SurfaceInputs {
 }
 
 /// Where the pairs' surfaces lie, and how they stand to eye and sun.
+#[derive(DefaultZeros!)]
 pub struct SurfaceGeometry {
     /// Unit vectors from the eye.
     pub view: BatchVector,
@@ -110,6 +113,7 @@ pub struct SurfaceGeometry {
 }
 
 /// What light reaches the surfaces.
+#[derive(DefaultZeros!)]
 pub struct IncidentLight {
     /// The sky visibility towards the six half axes; flat faces know four of them.
     pub sky_visibility: [BatchScalar; 6],
@@ -122,91 +126,12 @@ pub struct IncidentLight {
 }
 
 /// Light that goes from the surfaces to the camera.
+#[derive(DefaultZeros!)]
 pub struct OutgoingLight {
     /// To be multiplied with the base color.
     pub diffuse: BatchVector,
     /// Whatever the base color is.
     pub specular: BatchVector,
-}
-
-impl Default for GroupValues {
-    fn default() -> Self {
-        Self {
-            group: [0; BATCH_STRIDE],
-            target: [0; BATCH_STRIDE],
-            stride: [0; BATCH_STRIDE],
-            background: [0; BATCH_STRIDE],
-            weight: NONE,
-            u: NONE,
-            v: NONE,
-            inverse_depth: NONE,
-            inverse_depth_by_column: NONE,
-            inverse_depth_by_row: NONE,
-        }
-    }
-}
-
-impl Default for SurfaceInputs {
-    fn default() -> Self {
-        Self {
-            target: [0; BATCH_STRIDE],
-            background: [0; BATCH_STRIDE],
-            weights: [NONE; 2],
-            u: NONE,
-            v: NONE,
-            inverse_depth: NONE,
-            inverse_depth_by_column: NONE,
-            across: NONE,
-            down: NONE,
-            half_spacing: NONE,
-            continues: [0; BATCH_STRIDE],
-            face_normal: NONE_3,
-            axis_u: NONE_3,
-            axis_v: NONE_3,
-            at_eye: [NONE; 2],
-            corner_normal: NONE_3,
-            normal_ab: NONE_3,
-            normal_ac: NONE_3,
-            to_b: NONE_3,
-            to_c: NONE_3,
-            weights_at_eye: [NONE; 2],
-            least_weight: NONE,
-            albedo: NONE_3,
-            f0: NONE,
-            roughness: NONE,
-            transmission: NONE,
-            face_hash: [0; BATCH_STRIDE],
-            place_hash: [0; BATCH_STRIDE],
-            flags: [0; BATCH_STRIDE],
-        }
-    }
-}
-
-impl Default for SurfaceGeometry {
-    fn default() -> Self {
-        Self {
-            view: NONE_3,
-            point: NONE_3,
-            distance_m: NONE,
-            footprint_m: NONE,
-            pixel_m: NONE,
-            normal: NONE_3,
-            cos_sun: NONE,
-            cos_face: NONE,
-        }
-    }
-}
-
-impl Default for IncidentLight {
-    fn default() -> Self {
-        Self { sky_visibility: [NONE; 6], ambient: NONE_3, shadow_factor: NONE, contact_occlusion: NONE }
-    }
-}
-
-impl Default for OutgoingLight {
-    fn default() -> Self {
-        Self { diffuse: NONE_3, specular: NONE_3 }
-    }
 }
 
 #[inline(always)]

@@ -1,12 +1,12 @@
 //! Gathers what is known of a batch's pairs: of their groups, their faces, and the ambient light there.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::ambient_cache::{AmbientTerms, PER_BLOCK};
-use super::super::face::{Face, ShaderVariant};
+use super::super::face::{ShaderVariant, ShadingFace};
 use super::super::shading_queue::{
-    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, REGISTER,
-    ShadingQueue,
+    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, QueuedGroup,
+    REGISTER, ShadingQueue,
 };
 use super::batch::{BatchVector, GroupValues, IncidentLight, SurfaceInputs};
 use crate::material::Pattern;
@@ -36,9 +36,9 @@ fn run3(values: &mut BatchVector, start: usize, value: Vec3) {
 }
 
 /// What pairs share with their group.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn gather_groups(queue: &ShadingQueue, n: usize, out: &mut GroupValues) {
-    for (number, (_, group)) in queue.groups.iter().enumerate() {
+    for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
         for i in queue.pairs_of(number, n).step_by(RUN) {
             run(&mut out.group, i, number as u32);
             run(&mut out.target, i, group.target);
@@ -47,15 +47,15 @@ pub fn gather_groups(queue: &ShadingQueue, n: usize, out: &mut GroupValues) {
             run(&mut out.weight, i, group.weight);
             run(&mut out.u, i, group.u);
             run(&mut out.v, i, group.v);
-            run(&mut out.inverse_depth, i, group.inverse_depth[0]);
-            run(&mut out.inverse_depth_by_column, i, group.inverse_depth[1]);
-            run(&mut out.inverse_depth_by_row, i, group.inverse_depth[2]);
+            run(&mut out.inverse_depth_per_m, i, group.inverse_depth_per_m[0]);
+            run(&mut out.inverse_depth_by_column, i, group.inverse_depth_per_m[1]);
+            run(&mut out.inverse_depth_by_row, i, group.inverse_depth_per_m[2]);
         }
     }
 }
 
 /// Where each pair lies within its block.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &mut SurfaceInputs) {
     let m = n.next_multiple_of(REGISTER).min(BATCH_SIZE);
     for i in 0..m {
@@ -68,8 +68,8 @@ pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &m
         let across = column as i32 as f32 + right * inverse + slant;
         let down = row as i32 as f32 + slant;
         let by_column = groups.inverse_depth_by_column[i];
-        let inverse_depth = groups.inverse_depth[i] + by_column * across + groups.inverse_depth_by_row[i] * down;
-        out.inverse_depth[i] = if inverse_depth > FARTHEST { inverse_depth } else { FARTHEST };
+        let inverse_depth = groups.inverse_depth_per_m[i] + by_column * across + groups.inverse_depth_by_row[i] * down;
+        out.inverse_depth_per_m[i] = if inverse_depth > FARTHEST { inverse_depth } else { FARTHEST };
         out.inverse_depth_by_column[i] = by_column;
         (out.u[i], out.v[i]) = (groups.u[i] + across, groups.v[i] + down);
         (out.across[i], out.down[i]) = (across * (1.0 / (2 * PAIRS_ACROSS) as f32), down * (1.0 / PAIRS_DOWN as f32));
@@ -90,11 +90,17 @@ pub fn place_pairs(groups: &GroupValues, queue: &ShadingQueue, n: usize, out: &m
 }
 
 /// What the pairs' faces are like.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, faces: &[Face], out: &mut SurfaceInputs) {
+#[apply(for_wide_registers)]
+pub fn gather_faces(
+    variant: ShaderVariant,
+    queue: &ShadingQueue,
+    n: usize,
+    faces: &[ShadingFace],
+    out: &mut SurfaceInputs,
+) {
     let (has_coat, is_leaf) = (variant.is_glossy || variant.is_transparent, variant.pattern == Pattern::Leaves);
     let has_axes = variant.pattern != Pattern::Plain && !is_leaf;
-    for (number, (_, group)) in queue.groups.iter().enumerate() {
+    for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
         let face = &faces[group.face as usize];
         for i in queue.pairs_of(number, n).step_by(RUN) {
             run3(&mut out.face_normal, i, face.face_normal);
@@ -117,8 +123,8 @@ pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, face
                 run3(&mut out.axis_v, i, face.axes[1]);
             }
             if has_axes || is_leaf {
-                run(&mut out.at_eye[0], i, face.at_eye[0]);
-                run(&mut out.at_eye[1], i, face.at_eye[1]);
+                run(&mut out.at_eye_m[0], i, face.at_eye_m[0]);
+                run(&mut out.at_eye_m[1], i, face.at_eye_m[1]);
             }
             if is_leaf || variant.pattern == Pattern::Window {
                 run(&mut out.face_hash, i, face.face_hash);
@@ -134,7 +140,7 @@ pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, face
 }
 
 /// The sky visibility of the pairs and, of flat faces, the ambient irradiance.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn gather_ambient(
     variant: ShaderVariant,
     queue: &ShadingQueue,
@@ -144,7 +150,7 @@ pub fn gather_ambient(
     out: &mut IncidentLight,
 ) {
     if variant.pattern == Pattern::Leaves {
-        for (number, (_, group)) in queue.groups.iter().enumerate() {
+        for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
             let of_group = ambient[group.ambient as usize];
             for i in queue.pairs_of(number, n).step_by(RUN) {
                 for (values, o) in out.sky_visibility.iter_mut().zip(of_group) {
@@ -155,7 +161,7 @@ pub fn gather_ambient(
         return;
     }
     let mirrors = variant.is_glossy || variant.is_transparent;
-    for (number, (_, group)) in queue.groups.iter().enumerate() {
+    for (number, QueuedGroup { group, .. }) in queue.groups.iter().enumerate() {
         let Some(of_block) = ambient[group.ambient as usize..].first_chunk::<PER_BLOCK>() else { continue };
         for i in queue.pairs_of(number, n).step_by(RUN) {
             let (Some(across), Some(down)) = (inputs.across[i..].first_chunk(), inputs.down[i..].first_chunk()) else {

@@ -1,6 +1,6 @@
 //! Where a batch's surfaces lie, and how they stand to eye and sun.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::ShaderVariant;
 use super::super::shading_queue::BATCH_SIZE;
@@ -13,7 +13,7 @@ const LEAST_COS_VIEW: f32 = 0.02;
 /// The least square of a normal's length by which is divided.
 const LEAST_SQUARE: f32 = 1e-20;
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn place_surfaces(
     inputs: &SurfaceInputs,
     m: usize,
@@ -25,7 +25,7 @@ pub fn place_surfaces(
     let m = m.min(BATCH_SIZE);
     let mut depth = [0.0; BATCH_SIZE];
     for i in 0..m {
-        depth[i] = 1.0 / inputs.inverse_depth[i];
+        depth[i] = 1.0 / inputs.inverse_depth_per_m[i];
     }
     for i in 0..m {
         let direction = camera.corner + camera.right * inputs.u[i] + camera.down * inputs.v[i];
@@ -54,8 +54,8 @@ pub fn place_surfaces(
             let (least, most) = (inputs.least_weight[i], 1.0 - inputs.least_weight[i]);
             let wb = (point.dot(get(&inputs.to_b, i)) + inputs.weights_at_eye[0][i]).max(least).min(most);
             let wc = (point.dot(get(&inputs.to_c, i)) + inputs.weights_at_eye[1][i]).max(least).min(most - wb);
-            let changes = (get(&inputs.normal_ab, i), get(&inputs.normal_ac, i));
-            let normal = get(&inputs.corner_normal, i) + changes.0 * wb + changes.1 * wc;
+            let normal =
+                get(&inputs.corner_normal, i) + get(&inputs.normal_ab, i) * wb + get(&inputs.normal_ac, i) * wc;
             let scale = 1.0 / normal.dot(normal).max(LEAST_SQUARE).sqrt();
             put(&mut out.normal, i, normal * scale);
         }

@@ -1,23 +1,26 @@
 //! The light of the lamps of a night on a batch's surfaces.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::{Flags, ShaderVariant};
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};
-use super::lighting::{lamp_coat, wet_share};
+use super::lighting::{SurfaceCoat, lamp_coat, wet_share};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
 /// Adds what `n` pairs get of all lamps to the irradiance, and what they mirror of them to `mirrored`, which starts at 0.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn add_lamp_light(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
-    (n, variant): (usize, ShaderVariant),
-    (night, wetness, eye): (&NightLights, f32, Vec3),
+    n: usize,
+    variant: ShaderVariant,
+    night: &NightLights,
+    wetness: f32,
+    eye: Vec3,
     irradiance: &mut BatchVector,
     mirrored: &mut BatchVector,
 ) {
@@ -45,11 +48,12 @@ pub fn add_lamp_light(
         if s.is_glossy {
             for i in 0..WIDE {
                 let at = first + i;
-                let place = (geometry.point[0][at] + eye.x, geometry.point[1][at] + eye.y);
+                let place = [geometry.point[0][at] + eye.x, geometry.point[1][at] + eye.y];
                 let is_ground = inputs.flags[at] & Flags::GROUND > 0;
-                let own = (inputs.f0[at], inputs.roughness[at]);
+                let own = SurfaceCoat { f0: inputs.f0[at], roughness: inputs.roughness[at] };
                 let rise = geometry.normal[2][at];
-                [s.f0[i], s.roughness[i], s.mirror[i]] = lamp_coat(is_ground, rise, place, wetness, own);
+                let (coat, mirror) = lamp_coat(is_ground, rise, place, wetness, own);
+                (s.f0[i], s.roughness[i], s.mirror[i]) = (coat.f0, coat.roughness, mirror);
             }
         }
         let cells: [u32; WIDE] = std::array::from_fn(|i| cells[first + i]);

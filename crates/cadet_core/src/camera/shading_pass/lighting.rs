@@ -3,7 +3,7 @@
 //! Every pair goes through the same IEEE operations in the same order whatever the instruction set, so that the bytes are
 //! the same with wide registers and without.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::super::face::{Flags, ShaderVariant};
 use super::super::light::Light;
@@ -31,7 +31,8 @@ const WET_ROUGHNESS: f32 = 0.55;
 /// A full film is so much smoother.
 const SMOOTHER_BY_FILM: f32 = 0.2;
 /// Of the parts of a film that mirror lamps: roughness, how much smoother a full film is, and their share of a full one.
-const FILM_ROUGHNESS: (f32, f32) = (0.36, 0.08);
+const FILM_ROUGHNESS: f32 = 0.36;
+const SMOOTHER_BY_LAMP_FILM: f32 = 0.08;
 const FILM_MIRROR: f32 = 0.2;
 /// Puddles: cells of noise per meter, and the film by wetness and by noise.
 const PUDDLES_PER_M: f32 = 0.35;
@@ -51,7 +52,7 @@ const GLASS_ROUGHNESS: f32 = 0.15;
 const GLASS_TINT: Vec3 = Vec3::new(0.93, 1.0, 0.95);
 
 /// Ambient irradiance by shading normals, of faces that are not flat.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incident: &mut IncidentLight) {
     for i in 0..m.min(BATCH_SIZE) {
         let sky_visibility = std::array::from_fn(|k| incident.sky_visibility[k][i]);
@@ -61,7 +62,7 @@ pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incid
 }
 
 /// Diffuse irradiance: of sun and sky, on leaves of what comes through them; on wet ground what is left of it.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn diffuse(
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
@@ -94,32 +95,41 @@ pub fn diffuse(
     }
 }
 
-/// Reflectance at normal incidence and roughness of a surface of these of its own, or of the film of water on it.
+/// The face of a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceCoat {
+    /// Reflectance at normal incidence.
+    pub f0: f32,
+    pub roughness: f32,
+}
+
+/// A surface's own coat, or the film of water on it.
 #[inline(always)]
-pub fn coat(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32, own: (f32, f32)) -> (f32, f32) {
-    let film = film(is_ground, rise, (x, y), wetness);
-    let f0 = if film > 0.0 { WATER_F0 } else { own.0 };
-    let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { own.1 };
-    (f0, roughness)
+pub fn coat(is_ground: bool, rise: f32, [x, y]: [f32; 2], wetness: f32, own: SurfaceCoat) -> SurfaceCoat {
+    let film = film(is_ground, rise, [x, y], wetness);
+    let f0 = if film > 0.0 { WATER_F0 } else { own.f0 };
+    let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { own.roughness };
+    SurfaceCoat { f0, roughness }
 }
 
 /// Share of a surface that is under a film of water.
 #[inline(always)]
-fn film(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32) -> f32 {
+fn film(is_ground: bool, rise: f32, [x, y]: [f32; 2], wetness: f32) -> f32 {
     let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
     let is_wet = is_ground && rise > WET_RISE;
     if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// As [`coat`] for the mirror images of lamps: reflectance, roughness, and the share of the surface that is a mirror. What
+/// As [`coat`] for the mirror images of lamps, and the share of the surface that is a mirror. What
 /// stands out of the film is left out of it, so that it is smoother than for the sky.
 #[inline(always)]
-pub fn lamp_coat(is_ground: bool, rise: f32, place: (f32, f32), wetness: f32, own: (f32, f32)) -> [f32; 3] {
+pub fn lamp_coat(is_ground: bool, rise: f32, place: [f32; 2], wetness: f32, own: SurfaceCoat) -> (SurfaceCoat, f32) {
     let film = film(is_ground, rise, place, wetness);
     if film > 0.0 {
-        [WATER_F0, FILM_ROUGHNESS.0 - FILM_ROUGHNESS.1 * film, FILM_MIRROR * film]
+        let roughness = FILM_ROUGHNESS - SMOOTHER_BY_LAMP_FILM * film;
+        (SurfaceCoat { f0: WATER_F0, roughness }, FILM_MIRROR * film)
     } else {
-        [own.0, own.1, (1.0 - own.1) * (1.0 - own.1)]
+        (own, (1.0 - own.roughness) * (1.0 - own.roughness))
     }
 }
 
@@ -130,14 +140,15 @@ pub fn wet_share(rise: f32, wetness: f32) -> f32 {
 }
 
 /// What a coat or a film of water reflects, and what it leaves of the diffuse light.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn specular(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
     irradiance: &BatchVector,
     m: usize,
-    (light, eye): (&Light, Vec3),
+    light: &Light,
+    eye: Vec3,
     out: &mut OutgoingLight,
 ) {
     let (sky, wetness) = (&light.sky, light.wetness);
@@ -145,7 +156,8 @@ pub fn specular(
         let (view, normal) = (get(&geometry.view, i), get(&geometry.normal, i));
         let (x, y) = (geometry.point[0][i] + eye.x, geometry.point[1][i] + eye.y);
         let is_ground = inputs.flags[i] & Flags::GROUND > 0;
-        let (f0, roughness) = coat(is_ground, normal.z, (x, y), wetness, (inputs.f0[i], inputs.roughness[i]));
+        let own = SurfaceCoat { f0: inputs.f0[i], roughness: inputs.roughness[i] };
+        let SurfaceCoat { f0, roughness } = coat(is_ground, normal.z, [x, y], wetness, own);
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         let smooth = (1.0 - roughness) * (1.0 - roughness);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;
@@ -168,7 +180,7 @@ pub fn specular(
 }
 
 /// Of transparent surfaces, whose base color is what is seen through them.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn transparent(
     inputs: &SurfaceInputs,
     geometry: &SurfaceGeometry,

@@ -1,7 +1,8 @@
 //! From the light of pairs to the radiance of pixels.
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
+use super::super::face::ShaderVariant;
 use super::super::light::{Light, transmittance};
 use super::super::shading_queue::BATCH_SIZE;
 use super::batch::{BatchVector, OutgoingLight, SurfaceGeometry, SurfaceInputs, get, put};
@@ -13,12 +14,13 @@ const PIXEL_OFFSET: f32 = 0.25;
 /// What the air leaves of the light on its way to the camera, and what it adds. What is behind transparent surfaces has come
 /// through the air of the whole way already; but the light that the air adds in front of them is not dimmed by them: they take
 /// their share of it with what is behind.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn through_air(
     geometry: &SurfaceGeometry,
     outgoing: &OutgoingLight,
     m: usize,
-    (light, is_transparent): (&Light, bool),
+    light: &Light,
+    variant: ShaderVariant,
     out: &mut OutgoingLight,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
@@ -26,7 +28,7 @@ pub fn through_air(
         let diffuse = get(&outgoing.diffuse, i);
         let air = light.in_scattered(get(&geometry.view, i)) * (1.0 - clear);
         let (diffuse, air) =
-            if is_transparent { (diffuse, air * (Vec3::ONE - diffuse)) } else { (diffuse * clear, air) };
+            if variant.is_transparent { (diffuse, air * (Vec3::ONE - diffuse)) } else { (diffuse * clear, air) };
         put(&mut out.diffuse, i, diffuse);
         put(&mut out.specular, i, get(&outgoing.specular, i) * clear + air);
     }
@@ -34,7 +36,7 @@ pub fn through_air(
 
 /// Light is known in the middles of pairs, and changes evenly from one to the next of a row, and so beyond the first and the
 /// last: where blocks meet, it changes by as much as elsewhere.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub fn resolve(
     inputs: &SurfaceInputs,
     base_color: &[BatchVector; 2],

@@ -1,7 +1,8 @@
 //! Faces about to be drawn onto a shadow map, eight at a time.
 
-use super::map::{HIGHEST, SIZE, least, most};
+use super::map::{HIGHEST_STEPS, SIZE};
 use crate::geometry::LANES;
+use crate::math::{greater, lesser};
 
 /// Faces of less area have none, square texels.
 const LEAST_AREA: f32 = 1e-9;
@@ -30,7 +31,7 @@ pub(super) struct FaceSetup {
     /// Their heights, steps.
     pub z: Plane,
     /// The highest corners.
-    pub highest: [f32; LANES],
+    pub highest_steps: [f32; LANES],
     /// False where no texel's middle is met for certain, and without an area.
     pub meets_texels: [bool; LANES],
     /// Counter-clockwise seen from the sun.
@@ -62,7 +63,7 @@ impl FaceSetup {
             (middle[0][i], middle[1][i]) = (left + 0.5, top + 0.5);
             let (to_x, to_y) = (middle[0][i] - ax[i], middle[1][i] - ay[i]);
             (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * to_x + z_y * to_y), z_x, z_y);
-            out.highest[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST);
+            out.highest_steps[i] = lesser(greater(greater(az[i], bz[i]), greater(cz[i], dz[i])), HIGHEST_STEPS);
         }
         for (k, edge) in out.edges.iter_mut().enumerate() {
             let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % EDGES]);
@@ -79,13 +80,13 @@ impl FaceSetup {
 /// The least and the greatest of four numbers.
 #[inline(always)]
 fn bounds([a, b, c, d]: [f32; 4]) -> (f32, f32) {
-    (least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
+    (lesser(lesser(a, b), lesser(c, d)), greater(greater(a, b), greater(c, d)))
 }
 
 /// The nearest integer on a map, as such and as it was; ties go to the even one.
 #[inline(always)]
 pub(super) fn rounded(x: f32) -> (i32, f32) {
     const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23
-    let moved = least(most(x, 0.0), SIZE as f32) + LARGE;
+    let moved = lesser(greater(x, 0.0), SIZE as f32) + LARGE;
     ((moved.to_bits() as i32).wrapping_sub(LARGE.to_bits() as i32), moved - LARGE)
 }

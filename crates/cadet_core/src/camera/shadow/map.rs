@@ -1,5 +1,7 @@
 //! A shadow map, and which of its tiles the camera sees.
 
+use crate::math::lesser;
+
 /// Texels along a side of each map.
 pub(super) const SIZE: usize = 1536;
 /// Texels along a side of a tile: what shades no tile that the camera sees is not drawn.
@@ -14,7 +16,7 @@ pub(super) const EMPTY: i16 = i16::MIN;
 #[derive(Debug, Clone)]
 pub(super) struct Map {
     /// Light coordinates of the texel corner (0, 0).
-    pub(super) min: [f32; 2],
+    pub(super) min_m: [f32; 2],
     /// The light coordinate of height 0.
     pub(super) middle_z: f32,
     pub(super) texel_m: f32,
@@ -33,15 +35,15 @@ pub(super) struct Map {
 #[derive(Debug, Clone, Default)]
 pub(super) struct ReceiverTiles {
     /// Steps; of squares of 1, 2, 4 .. tiles that begin in each tile. Infinite where nothing is seen.
-    pub(super) lowest: Vec<Vec<f32>>,
+    pub(super) lowest_steps: Vec<Vec<f32>>,
     /// The columns of texels between the first and the last seen tile, for each row of tiles.
     pub(super) spans: Vec<[usize; 2]>,
 }
 
 impl ReceiverTiles {
-    /// `lowest`: of each tile alone.
-    pub(super) fn around(lowest: &[f32]) -> Self {
-        let mut two = joined(&lowest[..TILES * TILES], 1);
+    /// `lowest_steps`: of each tile alone.
+    pub(super) fn around(lowest_steps: &[f32]) -> Self {
+        let mut two = joined(&lowest_steps[..TILES * TILES], 1);
         // Of three by three, those of the tiles before a tile as well.
         let mut one = two.clone();
         for (row, two) in one.chunks_exact_mut(TILES).zip(two.chunks_exact(TILES)) {
@@ -61,22 +63,22 @@ impl ReceiverTiles {
         for level in 0..TILES.ilog2() {
             levels.push(joined(&levels[level as usize], 1 << level));
         }
-        Self { lowest: levels, spans }
+        Self { lowest_steps: levels, spans }
     }
 
     /// True if something that reaches up to a height may shade something seen on the tiles between two texels (both
     /// included).
     #[inline]
-    pub(super) fn any(&self, from: [usize; 2], to: [usize; 2], highest: f32) -> bool {
+    pub(super) fn any(&self, from: [usize; 2], to: [usize; 2], highest_steps: f32) -> bool {
         let ([x0, y0], [x1, y1]) = (from.map(|texel| texel / TILE), to.map(|texel| texel / TILE));
         let level = (x1 - x0).max(y1 - y0);
         if level < 2 {
-            return self.lowest[level][y0 * TILES + x0] < highest;
+            return self.lowest_steps[level][y0 * TILES + x0] < highest_steps;
         }
         let level = (level + 1).ilog2() as usize;
-        let (lowest, side) = (&self.lowest[level], 1 << level);
+        let (lowest, side) = (&self.lowest_steps[level], 1 << level);
         let (x1, y1) = ((x1 + 1).saturating_sub(side).max(x0), (y1 + 1).saturating_sub(side).max(y0));
-        let at = |x: usize, y: usize| lowest[y * TILES + x] < highest;
+        let at = |x: usize, y: usize| lowest[y * TILES + x] < highest_steps;
         at(x0, y0) || at(x1, y0) || at(x0, y1) || at(x1, y1)
     }
 }
@@ -95,28 +97,16 @@ fn joined(lowest: &[f32], by: usize) -> Vec<f32> {
 /// Lowers numbers to others, as far as there are any.
 fn lower(out: &mut [f32], to: &[f32]) {
     for (out, to) in out.iter_mut().zip(to) {
-        *out = least(*out, *to);
+        *out = lesser(*out, *to);
     }
 }
 
 /// Heights of points end here, steps.
-pub(super) const HIGHEST: f32 = 32_000.0;
+pub(super) const HIGHEST_STEPS: f32 = 32_000.0;
 
 /// The nearest step to a height that sixteen bits can hold, in the lower half of a number.
 #[inline(always)]
 pub(super) fn steps(z: f32) -> i32 {
     const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23, whose own lower half is 0
     (z + LARGE).to_bits() as i32
-}
-
-/// The smaller of two numbers, as vector registers compare them.
-#[inline(always)]
-pub(super) fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The larger of two numbers.
-#[inline(always)]
-pub(super) fn most(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use macro_rules_attribute::apply;
 
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
-use super::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
-use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
+use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, steps};
+use crate::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use crate::material::Material;
-use crate::math::{DMat3, Mat3, Vec3};
+use crate::math::{DMat3, Mat3, Vec3, greater, lesser};
 use crate::sense::{PosedInstance, PosedScene};
 
 /// Draws all that may shade what the camera sees.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[apply(for_wide_registers)]
 pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
-    let mut points = [[[0.0; LANES]; MAX_POINTS / LANES]; 3];
+    let mut points = [[[0.0; LANES]; CLUSTER_VERTICES / LANES]; 3];
     for instance in &scene.instances {
         let center = (*light_from_world * instance.center_world).as_vec3();
         if !maps.iter().any(|m| m.may_shade_receivers(center, instance.radius_m as f32)) {
@@ -46,7 +46,7 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
                     map.draw(&points, &cluster.pieces, one_sided, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
-                    let pieces: Vec<Piece> = map.casters_of(instance, cluster, &castings, &points, up).collect();
+                    let pieces: Vec<ClusterPiece> = map.casters_of(instance, cluster, &castings, &points, up).collect();
                     map.draw(&points, &pieces, 0, 1.0);
                 }
             }
@@ -61,9 +61,8 @@ const ROUNDING_M: f32 = 0.01;
 /// Ground whose normal's square has more than this upwards is level.
 const LEVEL: f32 = 0.9;
 
-/// A cluster's corners are bytes.
-const MAX_POINTS: usize = 256;
-type Points = [[[f32; LANES]; MAX_POINTS / LANES]; 3];
+/// The vertices of a cluster, axis by axis, by eights.
+type Points = [[[f32; LANES]; CLUSTER_VERTICES / LANES]; 3];
 
 #[inline(always)]
 fn point(points: &Points, i: u8) -> Vec3 {
@@ -94,7 +93,7 @@ impl Map {
     /// True if a sphere in light coordinates may shade something that the camera sees.
     #[inline]
     fn may_shade_receivers(&self, center: Vec3, radius: f32) -> bool {
-        let (x, y) = ((center.x - self.min[0]) * self.texels_per_m, (center.y - self.min[1]) * self.texels_per_m);
+        let (x, y) = ((center.x - self.min_m[0]) * self.texels_per_m, (center.y - self.min_m[1]) * self.texels_per_m);
         let (r, size) = (radius * self.texels_per_m, SIZE as f32);
         if x + r < 0.0 || y + r < 0.0 || x - r >= size || y - r >= size {
             return false;
@@ -108,8 +107,8 @@ impl Map {
     #[inline(always)]
     fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
-        let (x0, y0, z0) = (origin.x - self.min[0], origin.y - self.min[1], origin.z - self.middle_z);
-        for (k, local) in cluster.lanes.iter().enumerate().take(MAX_POINTS / LANES) {
+        let (x0, y0, z0) = (origin.x - self.min_m[0], origin.y - self.min_m[1], origin.z - self.middle_z);
+        for (k, local) in cluster.lanes.iter().enumerate().take(CLUSTER_VERTICES / LANES) {
             let mut posed = [[0.0; LANES]; 3];
             let [x, y, z] = local;
             for i in 0..LANES {
@@ -130,7 +129,7 @@ impl Map {
         castings: &'a [ShadowCasting],
         points: &'a Points,
         up: Vec3,
-    ) -> impl Iterator<Item = Piece> + 'a {
+    ) -> impl Iterator<Item = ClusterPiece> + 'a {
         let is_level = move |[a, b, c, _]: [u8; 4]| {
             let [a, b, c] = [a, b, c].map(|i| {
                 let p = point(points, i);
@@ -140,7 +139,7 @@ impl Map {
             let rise = normal.dot(up);
             rise * rise > LEVEL * normal.length_squared()
         };
-        let casts = move |piece: &Piece| {
+        let casts = move |piece: &ClusterPiece| {
             let face = cluster.faces[usize::from(piece.first)];
             match castings[usize::from(instance.shadow_proxy.slots[face as usize])] {
                 ShadowCasting::Always => true,
@@ -154,8 +153,8 @@ impl Map {
     /// Draws some of a cluster's leaves, each larger about its own middle, so that all together cover as much as before
     /// (stochastic simplification: Cook, Halstead, Planck & Ryu 2007).
     #[inline(always)]
-    fn draw_some(&mut self, points: &Points, pieces: &[Piece]) {
-        let mut some = [Piece { corners: [0; 4], first: 0 }; CLUSTER_FACES];
+    fn draw_some(&mut self, points: &Points, pieces: &[ClusterPiece]) {
+        let mut some = [ClusterPiece { corners: [0; 4], first: 0 }; CLUSTER_FACES];
         let mut count = 0;
         for (some, piece) in some.iter_mut().zip(pieces.iter().step_by(self.leaf_step)) {
             *some = *piece;
@@ -167,7 +166,7 @@ impl Map {
     /// Draws faces, [`LANES`] of them set up at a time and enlarged about their middles. `one_sided`: a bit for each of the
     /// first 64 that has one side.
     #[inline(always)]
-    fn draw(&mut self, points: &Points, pieces: &[Piece], one_sided: u64, scale: f32) {
+    fn draw(&mut self, points: &Points, pieces: &[ClusterPiece], one_sided: u64, scale: f32) {
         for (some, first) in pieces.chunks(LANES).zip((0_u32..).step_by(LANES)) {
             let mut lanes: Corners = [[[0.0; LANES]; 3]; 4];
             for (i, piece) in some.iter().enumerate() {
@@ -204,7 +203,7 @@ impl Map {
     #[inline(always)]
     fn face(&mut self, setup: &FaceSetup, i: usize) {
         let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
-        if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
+        if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest_steps[i]) {
             return;
         }
         for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
@@ -215,7 +214,7 @@ impl Map {
         let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
-            let (highest, rows) = (setup.highest[i], y1 - y0);
+            let (highest, rows) = (setup.highest_steps[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
                 let columns: [f32; LANES] = std::array::from_fn(|k| (first - x0 + k) as i32 as f32);
                 for row in 0..rows {
@@ -225,10 +224,10 @@ impl Map {
                         // A triangle's third edge has no length.
                         let mut inside = f32::INFINITY;
                         for [start, by_x, by_y] in edges {
-                            inside = least(inside, start + by_x * x + by_y * y);
+                            inside = lesser(inside, start + by_x * x + by_y * y);
                         }
                         // Rounding may not lead beyond sixteen bits.
-                        let z = most(least(z + zx * x + zy * y, highest), -HIGHEST);
+                        let z = greater(lesser(z + zx * x + zy * y, highest), -HIGHEST_STEPS);
                         *height = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
                     raise(&mut self.height[(y0 + row) * STRIDE + first..], &heights);
@@ -257,11 +256,11 @@ impl Map {
                 // slope * dx + first + down * dy >= 0
                 if slope > 0.0 {
                     for k in 0..LANES {
-                        lo[k] = most((first + down * dy[k]) * inverse, lo[k]);
+                        lo[k] = greater((first + down * dy[k]) * inverse, lo[k]);
                     }
                 } else if slope < 0.0 {
                     for k in 0..LANES {
-                        hi[k] = least((first + down * dy[k]) * inverse, hi[k]);
+                        hi[k] = lesser((first + down * dy[k]) * inverse, hi[k]);
                     }
                 } else {
                     for k in 0..LANES {
@@ -272,7 +271,7 @@ impl Map {
             let (mut first, mut end) = ([0_i32; LANES], [0_i32; LANES]);
             for k in 0..LANES {
                 // The first at or after `lo`, and the one after the last at or before `hi`.
-                let (start, start_f) = rounded(least(lo[k], width));
+                let (start, start_f) = rounded(lesser(lo[k], width));
                 first[k] = start + i32::from(start_f < lo[k]);
                 let (stop, stop_f) = rounded(hi[k] + 1.0);
                 end[k] = stop - i32::from(stop_f > hi[k] + 1.0);
@@ -301,7 +300,7 @@ fn raise_span(row: &mut [i16], span: Range<usize>, first: f32, step: f32) {
         let mut heights = [0; WIDE];
         for (i, height) in heights.iter_mut().enumerate() {
             let i = i as i32 as f32;
-            let z = least(most(first + step * i, -HIGHEST), HIGHEST);
+            let z = lesser(greater(first + step * i, -HIGHEST_STEPS), HIGHEST_STEPS);
             *height = if i < left { steps(z) } else { EMPTY.into() };
         }
         raise(&mut row[start..], &heights);

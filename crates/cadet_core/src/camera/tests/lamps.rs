@@ -27,7 +27,7 @@ fn light(lit: [bool; 3]) -> Vec<Instance> {
 
 /// Red, green, and blue at the middle of a lens.
 fn lens(image: &[u8], which: usize) -> [u8; 3] {
-    let [_, fy, cx, cy] = view().intrinsics;
+    let [_, fy, cx, cy] = view().intrinsics_px;
     let depth = AT_M - 0.14;
     let row = cy + fy * (view().world_from_cam.translation.z - HEAD_M - LENSES_M[which]) / depth;
     let at = 3 * (row.round() as usize * view().width + cx.round() as usize);
@@ -61,7 +61,7 @@ fn a_change_of_phase_changes_the_lenses_and_nothing_else() {
         render(&posed, &view(), &weather, &seen, &mut Stream::from_seed("camera", 1))
     };
     let (red, green) = (rendered([true, false, false]), rendered([false, false, true]));
-    let (width, [fx, fy, cx, cy]) = (view().width, view().intrinsics);
+    let (width, [fx, fy, cx, cy]) = (view().width, view().intrinsics_px);
     let mut changed = 0;
     for (i, (a, b)) in red.chunks(3).zip(green.chunks(3)).enumerate() {
         let (row, column) = ((i / width) as f64, (i % width) as f64);

@@ -1,6 +1,6 @@
 //! Blocks of 8 x 4 pixels are shaded together: nobody may see where they meet.
 
-use super::super::exposure::{LUMA, gain_for_mean_luma};
+use super::super::exposure::{LUMA_WEIGHTS, gain_for_mean_luma};
 use super::super::noise::blur;
 use super::super::render::{Scratch, radiance};
 use super::{View, visibility_pass};
@@ -28,7 +28,8 @@ fn views(seed: u64, count: usize) -> Vec<(PosedScene, View)> {
             let eye = pose.translation + DVec3::Z * 1.65;
             let cam = DQuat::from_mat3(&DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X));
             let world_from_cam = DPose3 { rotation: pose.rotation * cam, translation: eye };
-            let view = View { intrinsics: [721.5, 721.5, 609.6, 172.9], width: SIZE.0, height: SIZE.1, world_from_cam };
+            let view =
+                View { intrinsics_px: [721.5, 721.5, 609.6, 172.9], width: SIZE.0, height: SIZE.1, world_from_cam };
             (PosedScene::new(&town.scenery, eye), view)
         })
         .collect()
@@ -42,7 +43,7 @@ fn luma(scene: &PosedScene, view: &View, weather: &Weather) -> Vec<f32> {
     let _ = blur(&mut scratch.rgb, SIZE.0, SIZE.1, f32::INFINITY);
     let rgb = &scratch.rgb[..SIZE.0 * SIZE.1 * 3];
     let gain = gain_for_mean_luma(rgb, 91.0, 37);
-    rgb.as_chunks::<3>().0.iter().map(|p| (0..3).map(|k| (p[k] * gain).min(255.0) * LUMA[k]).sum()).collect()
+    rgb.as_chunks::<3>().0.iter().map(|p| (0..3).map(|k| (p[k] * gain).min(255.0) * LUMA_WEIGHTS[k]).sum()).collect()
 }
 
 /// Sums and numbers of the gradients across and down, by their place in a block.

@@ -6,7 +6,7 @@ use crate::camera::noise::ROWS_BEFORE;
 use crate::camera::render::{Scratch, radiance};
 use crate::camera::{render, visibility_pass};
 use crate::instance::Instance;
-use crate::lamp::{Beam, Lamp, low_beam, luminaire};
+use crate::lamp::{Lamp, LampBeam, low_beam, luminaire};
 use crate::material::Semantic;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -16,12 +16,12 @@ use crate::weather::Weather;
 const CUT: (f32, f32) = (0.1, 0.32);
 
 fn street_lamp(at: Vec3, intensity: f32) -> Lamp {
-    let beam = Beam::Luminaire { ends: CUT.0, full: CUT.1 };
+    let beam = LampBeam::Luminaire { cos_ends: CUT.0, cos_full: CUT.1 };
     Lamp { beam, at, ahead: -Vec3::Z, left: Vec3::Y, intensity: [intensity; 3], reach_m: 60.0 }
 }
 
 fn beam(at: Vec3) -> Lamp {
-    Lamp { beam: Beam::LowBeam, at, ahead: Vec3::X, left: Vec3::Y, intensity: [160.0; 3], reach_m: 90.0 }
+    Lamp { beam: LampBeam::LowBeam, at, ahead: Vec3::X, left: Vec3::Y, intensity: [160.0; 3], reach_m: 90.0 }
 }
 
 fn posed(instances: &[Instance], lamps: &[Lamp]) -> PosedScene {
@@ -106,7 +106,7 @@ fn signs_throw_the_beams_of_the_own_car_back() {
 
 #[test]
 fn a_wet_road_draws_lamps_out_to_streaks_toward_the_camera() {
-    let lens = Lamp { beam: Beam::Lens, ahead: -Vec3::X, ..street_lamp(Vec3::new(30.0, 0.0, 0.8), 2.0) };
+    let lens = Lamp { beam: LampBeam::Lens, ahead: -Vec3::X, ..street_lamp(Vec3::new(30.0, 0.0, 0.8), 2.0) };
     let streak = |weather: &str| {
         let [dark, lit] = [vec![], vec![lens]].map(|lamps| green(&posed(&[ground()], &lamps), weather));
         let at = |x: f32, y: f32| {

@@ -52,7 +52,7 @@ impl Shot {
         let mut scene =
             Scene::random(StreamKey::scene(seed), &TownSource::Suburb, weather, rig(), &config).expect("a suburb");
         scene.step(0.1).expect("drives");
-        let (_, world_from_cam) = scene.sensor_poses();
+        let world_from_cam = scene.world_from_cam();
         let view = View::new(scene.rig().camera(), &world_from_cam);
         let (posed, weather): (Arc<PosedScene>, _) = (scene.triangles(), scene.weather().clone());
         let seen = visibility_pass(&posed, &view).expect("a view");

@@ -30,8 +30,8 @@ fn scene() -> Vec<Instance> {
 /// The view, moved by whole pixels, of another size.
 fn moved(right: usize, down: usize, (width, height): (usize, usize)) -> View {
     let mut view = view();
-    view.intrinsics[2] += right as f64;
-    view.intrinsics[3] += down as f64;
+    view.intrinsics_px[2] += right as f64;
+    view.intrinsics_px[3] += down as f64;
     View { width, height, ..view }
 }
 
@@ -75,8 +75,8 @@ fn an_image_of_any_size_is_a_part_of_a_larger_one() {
         // Such that its middle is the whole one's.
         let (left, top) = ((SIZE.0 - width) / 16 * 8, (SIZE.1 - height) / 8 * 4);
         let mut view = view();
-        view.intrinsics[2] -= left as f64;
-        view.intrinsics[3] -= top as f64;
+        view.intrinsics_px[2] -= left as f64;
+        view.intrinsics_px[3] -= top as f64;
         let part = radiance_of(&scene(), &View { width, height, ..view }, &weather);
         assert_eq!(part.len(), width * height);
         let is_alike = |i: &usize| {

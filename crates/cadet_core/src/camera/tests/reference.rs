@@ -19,7 +19,7 @@ use crate::camera::contact_occlusion::Occluder;
 use crate::camera::light::Light;
 use crate::camera::sky_visibility::SkyProbes;
 use crate::math::{DVec3, Vec3};
-use crate::sense::{FaceHit, FaceTrees, Motion, MovingCaster, PosedScene};
+use crate::sense::{FaceHit, FaceTrees, MovingCaster, PosedScene, RigidMotion};
 use crate::weather::Weather;
 
 pub const COLUMNS: usize = 8;
@@ -80,7 +80,7 @@ impl Reference {
         // The fast renderer places probes about what it sees: here they stand everywhere.
         let everywhere = (-150..150).flat_map(|x| (-150..150).map(move |y| DVec3::new(x.into(), y.into(), 0.0)));
         let everywhere: Vec<Vec3> = everywhere.map(|p| (eye + p).as_vec3()).collect();
-        let rest = |_| Motion::default();
+        let rest = |_| RigidMotion::default();
         Self {
             view: view.clone(),
             caster: MovingCaster::new(Arc::clone(scene), &mut FaceTrees::default(), rest, 0.0, |_| true),

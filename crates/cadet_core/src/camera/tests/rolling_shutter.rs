@@ -11,7 +11,7 @@ use crate::instance::Instance;
 use crate::material::Semantic;
 use crate::math::{self, DMat3, DPose3, DQuat, DVec3, Vec3};
 use crate::rng::Stream;
-use crate::sense::{Motion, PosedScene};
+use crate::sense::{PosedScene, RigidMotion};
 use crate::weather::Weather;
 
 const POST_ID: i32 = 7;
@@ -38,9 +38,9 @@ fn scene() -> PosedScene {
     PosedScene::new(&[ground, post], world_from_cam().translation)
 }
 
-fn rolled(camera: &CameraModel, ego: Motion, of_post: Motion) -> Rendered {
+fn rolled(camera: &CameraModel, ego: RigidMotion, of_post: RigidMotion) -> Rendered {
     let (scene, pose) = (scene(), world_from_cam());
-    let motion_of = |id| if id == POST_ID { of_post } else { Motion::default() };
+    let motion_of = |id| if id == POST_ID { of_post } else { RigidMotion::default() };
     let foreground = Foreground { warp: camera.warp(), ..Default::default() };
     let moving = Moving { scene: &scene, world_from_cam: &pose, camera: ego, motion_of, foreground };
     let weather = Weather::preset("clear_noon").expect("a preset");
@@ -53,8 +53,8 @@ fn left_side(maps: &Maps, row: usize) -> f64 {
     line.iter().position(|id| *id == POST_ID).expect("the post is in each row") as f64 - 0.5
 }
 
-fn to_the_left(speed_m_per_s: f64) -> Motion {
-    Motion { velocity_world: DVec3::Y * speed_m_per_s, ..Motion::default() }
+fn to_the_left(speed_m_per_s: f64) -> RigidMotion {
+    RigidMotion { velocity_world: DVec3::Y * speed_m_per_s, ..RigidMotion::default() }
 }
 
 /// Where the left side is, of a camera that moves to the left: to the right by f v t / z.
@@ -68,7 +68,7 @@ const NEAR_PX: f64 = 0.57;
 
 #[test]
 fn a_post_leans_as_far_as_the_camera_or_the_post_moves() {
-    let still = Motion::default();
+    let still = RigidMotion::default();
     for (ego, of_post, speed) in [(to_the_left(8.0), still, 8.0), (still, to_the_left(8.0), -8.0), (still, still, 0.0)]
     {
         let maps = rolled(&camera(None), ego, of_post).maps.expect("asked for");
@@ -81,9 +81,12 @@ fn a_post_leans_as_far_as_the_camera_or_the_post_moves() {
 
 #[test]
 fn a_camera_that_turns_sees_the_post_lean() {
-    let turn =
-        Motion { pivot_world: world_from_cam().translation, angular_velocity_world: DVec3::Z, ..Motion::default() };
-    let maps = rolled(&camera(None), turn, Motion::default()).maps.expect("asked for");
+    let turn = RigidMotion {
+        pivot_world: world_from_cam().translation,
+        angular_velocity_world: DVec3::Z,
+        ..RigidMotion::default()
+    };
+    let maps = rolled(&camera(None), turn, RigidMotion::default()).maps.expect("asked for");
     for row in 0..160 {
         let angle = math::atan(LEFT_M / AHEAD_M) - READ_OUT_S * (row as f64 / 159.0 - 0.5);
         let (found, expected) = (left_side(&maps, row), 159.5 - 300.0 * math::tan(angle));
@@ -94,7 +97,7 @@ fn a_camera_that_turns_sees_the_post_lean() {
 #[test]
 fn rows_behind_a_lens_have_the_times_of_the_distorted_image() {
     let lens = Distortion::from_opencv([-0.3, 0.09, 0.0, 0.0, 0.0]).expect("distorts");
-    let maps = rolled(&camera(Some(lens)), to_the_left(8.0), Motion::default()).maps.expect("asked for");
+    let maps = rolled(&camera(Some(lens)), to_the_left(8.0), RigidMotion::default()).maps.expect("asked for");
     for row in 0..160 {
         let slope = (expected(row, 8.0) - 159.5) / 300.0;
         let [x, _] = lens.invert([(left_side(&maps, row) - 159.5) / 300.0, (row as f64 - 79.5) / 300.0]).expect("seen");
@@ -110,7 +113,7 @@ fn what_rests_looks_the_same_under_both_shutters() {
     let seen = visibility_pass(&scene, &view).expect("looks");
     let weather = Weather::preset("clear_noon").expect("a preset");
     let global = render(&scene, &view, &weather, &seen, &mut Stream::from_seed("camera", 1));
-    let rolled = rolled(&camera, Motion::default(), Motion::default());
+    let rolled = rolled(&camera, RigidMotion::default(), RigidMotion::default());
     assert_eq!(rolled.maps, Some(seen.maps(&scene)));
     let differ = global.iter().zip(&rolled.image).filter(|(a, b)| a.abs_diff(**b) > 1).count();
     assert!(differ * 200 < global.len(), "{differ} of {}", global.len());

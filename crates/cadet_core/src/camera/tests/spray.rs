@@ -37,14 +37,14 @@ impl Sight {
 
     /// Share of the light behind that is left at pixels' middles, by a sum along their rays up to what they show.
     fn expected(&self, row: usize, column: usize) -> f64 {
-        let [fx, fy, cx, cy] = self.view.intrinsics;
+        let [fx, fy, cx, cy] = self.view.intrinsics_px;
         let plume = &self.spray.plumes()[0];
         // Two samples a pixel.
         let of = |shift: f64| {
             let in_cam = DVec3::new((column as f64 + shift - cx) / fx, (row as f64 + shift - cy) / fy, 1.0);
             let plume_from_cam = *plume.plume_from_world() * self.view.world_from_cam;
             let direction = (plume_from_cam.rotation * in_cam).as_vec3();
-            let shown_m = self.seen.depth_at(row, column);
+            let shown_m = self.seen.depth_m_at(row, column);
             let depth = depth(plume, plume_from_cam.translation.as_vec3(), direction, shown_m);
             math::exp(-depth * in_cam.length())
         };
@@ -70,8 +70,8 @@ fn as_much_light_is_left_as_the_spray_before_it_lets_through() {
                 let at = 3 * (row * sight.view.width + column);
                 // The lower half pixel of what ends in between shows something else.
                 let neighbors = [(row + 1, column), (row, column + 1), (row + 1, column + 1)];
-                let depth_m = sight.seen.depth_at(row, column);
-                if neighbors.iter().any(|(r, c)| (sight.seen.depth_at(*r, *c) - depth_m).abs() > 0.6) {
+                let depth_m = sight.seen.depth_m_at(row, column);
+                if neighbors.iter().any(|(r, c)| (sight.seen.depth_m_at(*r, *c) - depth_m).abs() > 0.6) {
                     continue;
                 }
                 let expected = sight.expected(row, column);

@@ -31,7 +31,7 @@ fn shown(instance: &Instance, eye: DVec3, finer: usize, of: Part) -> Vec<f64> {
     let (width, height, scale) = (SIZE.0 * finer, SIZE.1 * finer, finer as f64);
     let intrinsics = [FOCAL_PX * scale, FOCAL_PX * scale, scale * SIZE.0 as f64 / 2.0, scale * SIZE.1 as f64 * 0.7];
     let posed = PosedScene::new(std::slice::from_ref(instance), eye);
-    let seen = visibility_pass(&posed, &View { intrinsics, width, height, world_from_cam }).unwrap();
+    let seen = visibility_pass(&posed, &View { intrinsics_px: intrinsics, width, height, world_from_cam }).unwrap();
     // So many pixels are taken together: some bars of a fence.
     let stretch = if matches!(of, Part::All) { 8 } else { 24 };
     let step = stretch * finer;

@@ -1,6 +1,6 @@
 //! What fog itself sends back (Hahner et al., ICCV 2021).
 
-use super::super::response::LIGHT_M_PER_S;
+use super::super::receiver::LIGHT_M_PER_S;
 use super::crossover::{CLOSED_M, crossover};
 use crate::math::{self, PI};
 

@@ -10,8 +10,12 @@ const WATER: f64 = 1.328;
 pub(in crate::lidar) const FALLEN_SNOW: LidarMaterial = LidarMaterial::diffuse(0.8);
 
 /// Reflectance of a surface of which snow covers a share, by its own.
-pub(in crate::lidar) fn under_snow(bare: f64, cos_incidence: f64, cover: f64) -> f64 {
-    if cover > 0.0 { math::lerp(bare, reflectance(&FALLEN_SNOW, cos_incidence), cover) } else { bare }
+pub(in crate::lidar) fn under_snow(bare_reflectance: f64, cos_incidence: f64, snow_cover: f64) -> f64 {
+    if snow_cover > 0.0 {
+        math::lerp(bare_reflectance, reflectance(&FALLEN_SNOW, cos_incidence), snow_cover)
+    } else {
+        bare_reflectance
+    }
 }
 
 /// Share of the light that comes back from a diffuse surface under a film of water, against the same surface dry.

@@ -13,7 +13,7 @@ pub(super) use spray::{Plumes, Sprayed};
 
 use self::fog::Fog;
 use self::particles::Particles;
-use super::response::Receiver;
+use super::receiver::Receiver;
 use crate::material::Semantic;
 use crate::math;
 use crate::rng::CounterRng;

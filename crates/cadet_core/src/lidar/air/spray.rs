@@ -16,7 +16,8 @@ use crate::spray::{Plume, Spray};
 const LIDAR_RATIO_SR: f64 = 18.0;
 /// Steps along a beam's way through a plume: their length, and how many at least and at most.
 const STEP_M: f64 = 1.0;
-const STEPS: (f64, f64) = (2.0, 10.0);
+const MIN_STEPS: f64 = 2.0;
+const MAX_STEPS: f64 = 10.0;
 /// Spray as thin as this returns nothing, 1/m.
 const THIN_PER_M: f64 = 0.003;
 /// Plumes that are farther from the sensor are left out: they return nothing, and hardly anything that they hide returns.
@@ -29,11 +30,19 @@ const SALT: u64 = 0x5f3a_91c4_d20b_7e65;
 /// The plumes about a sensor, near ones first.
 #[derive(Debug, Clone)]
 pub(in crate::lidar) struct Plumes<'a> {
-    plumes: Vec<(&'a Plume, DVec3, f64)>,
+    plumes: Vec<NearPlume<'a>>,
     /// Reflectance of a diffuse surface that returns as much as spray of an extinction of 1/m.
     reflectance_m: f64,
     /// Echoes weaker than this are not detected.
     least_power: f64,
+}
+
+/// A plume and a ball about it.
+#[derive(Debug, Clone)]
+struct NearPlume<'a> {
+    plume: &'a Plume,
+    center_world: DVec3,
+    radius_m: f64,
 }
 
 /// What becomes of a beam in spray.
@@ -41,8 +50,16 @@ pub(in crate::lidar) struct Plumes<'a> {
 pub(in crate::lidar) struct Sprayed {
     /// Power that is left of an echo from behind.
     pub transmittance: f64,
-    /// Range and power (reflectance / range^2) of the spray's own echo.
-    pub echo: Option<(f64, f64)>,
+    /// The spray's own echo.
+    pub echo: Option<SprayEcho>,
+}
+
+/// An echo of spray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::lidar) struct SprayEcho {
+    pub range_m: f64,
+    /// Reflectance / range^2.
+    pub power: f64,
 }
 
 impl Sprayed {
@@ -56,7 +73,7 @@ impl Sprayed {
         target_power: f64,
         air: &Air,
     ) -> Option<AirReturn> {
-        let Some((range_m, power)) = self.echo else { return other };
+        let Some(SprayEcho { range_m, power }) = self.echo else { return other };
         let power = power * air.transmittance(range_m);
         if power <= other.map_or(target_power, |r| r.reflectance / (r.range_m * r.range_m)) {
             return other;
@@ -69,10 +86,10 @@ impl<'a> Plumes<'a> {
     pub(in crate::lidar) fn about(spray: &'a Spray, sensor_world: DVec3, receiver: &Receiver) -> Self {
         let ball = |plume: &'a Plume| {
             let [low, high] = plume.bounds();
-            let center = *plume.world_from_plume() * (0.5 * (low + high)).as_dvec3();
-            (plume, center, f64::from(0.5 * (high - low).length()))
+            let center_world = *plume.world_from_plume() * (0.5 * (low + high)).as_dvec3();
+            NearPlume { plume, center_world, radius_m: f64::from(0.5 * (high - low).length()) }
         };
-        let distance_m = |of: &(&Plume, DVec3, f64)| (of.1 - sensor_world).length();
+        let distance_m = |near: &NearPlume<'_>| (near.center_world - sensor_world).length();
         let mut plumes: Vec<_> = spray.plumes().iter().map(ball).filter(|p| distance_m(p) < REACH_M).collect();
         plumes.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         Self {
@@ -97,8 +114,8 @@ impl<'a> Plumes<'a> {
     ) -> Sprayed {
         let mut met = Sprayed::NOT;
         let mut depth = 0.0;
-        for (plume, center, radius_m) in &self.plumes {
-            let to_center = *center - origin_world;
+        for NearPlume { plume, center_world, radius_m } in &self.plumes {
+            let to_center = *center_world - origin_world;
             let along = to_center.dot(direction_world);
             let aside2 = to_center.dot(to_center) - along * along;
             if aside2 > radius_m * radius_m || along < -radius_m || along - radius_m > range_m {
@@ -108,7 +125,7 @@ impl<'a> Plumes<'a> {
             let direction = (plume.plume_from_world().rotation * direction_world).as_vec3();
             let Some([enters, leaves]) = plume.crossing(from, direction, range_m as f32) else { continue };
             let way_m = f64::from(leaves - enters);
-            let steps = (way_m / STEP_M).ceil().clamp(STEPS.0, STEPS.1);
+            let steps = (way_m / STEP_M).ceil().clamp(MIN_STEPS, MAX_STEPS);
             let step_m = way_m / steps;
             let mut rng = CounterRng::new(key ^ SALT);
             for k in 0..steps as usize {
@@ -117,10 +134,10 @@ impl<'a> Plumes<'a> {
                 if extinction > THIN_PER_M {
                     let clump = -math::quick_ln((1.0 - rng.unit()).max(1e-12));
                     let open = self.reflectance_m * extinction * clump * crossover(at_m) / (at_m * at_m);
-                    if open > met.echo.map_or(self.least_power, |(_, strongest)| strongest) {
+                    if open > met.echo.map_or(self.least_power, |strongest| strongest.power) {
                         let power = open * math::exp(-2.0 * depth - extinction * step_m);
-                        if met.echo.is_none_or(|(_, strongest)| power > strongest) {
-                            met.echo = Some((at_m, power));
+                        if met.echo.is_none_or(|strongest| power > strongest.power) {
+                            met.echo = Some(SprayEcho { range_m: at_m, power });
                         }
                     }
                 }
@@ -169,7 +186,8 @@ mod tests {
         let direction = (DVec3::new(-1.5, 0.0, 0.4) - sensor).normalize();
         let (mut near, mut far, mut most) = (0, 0, 0.0_f64);
         for key in 0..2000 {
-            let Some((at_m, power)) = plumes.meet(sensor, direction, f64::INFINITY, key).echo else { continue };
+            let echo = plumes.meet(sensor, direction, f64::INFINITY, key).echo;
+            let Some(SprayEcho { range_m: at_m, power }) = echo else { continue };
             let behind_m = -(sensor + direction * at_m).x;
             if receiver.detects(power, 0.5) {
                 near += usize::from(behind_m < 10.0);

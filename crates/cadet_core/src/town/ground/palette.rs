@@ -67,7 +67,7 @@ impl Asphalt {
     }
 
     fn with_paint(self, fresh: [f32; 3], left: f32) -> Material {
-        let albedo = WornPaint { left, asphalt: self.albedo }.albedo(fresh);
+        let albedo = WornPaint { left_share: left, asphalt_albedo: self.albedo }.albedo(fresh);
         let reflectance = self.reflectance + (PAINT_REFLECTANCE - self.reflectance) * left;
         Material::matt(Semantic::RoadMarking, albedo, Pattern::Paint, reflectance)
     }
@@ -156,7 +156,7 @@ pub(in crate::town) fn palette(asphalt: Asphalt) -> Palette {
         Material::matt(Semantic::Sidewalk, [0.275, 0.268, 0.253], Pattern::Plain, 0.36),
         Material::matt(Semantic::Terrain, [0.075, 0.115, 0.040], Pattern::Grass, 0.45),
     ];
-    for fresh in [road_paint::WHITE, road_paint::YELLOW] {
+    for fresh in [road_paint::WHITE_ALBEDO, road_paint::YELLOW_ALBEDO] {
         materials.extend(LEFT.map(|left| asphalt.with_paint(fresh, left)));
     }
     materials.extend([
@@ -212,8 +212,8 @@ mod tests {
                 for color in [PaintColor::White, PaintColor::Yellow] {
                     let paint = materials[usize::from(paint(color, wear))].albedo;
                     let found = WornPaint::of_albedo(Vec3::from(paint));
-                    assert!((found.asphalt - green(ASPHALT)).abs() < 1e-3, "{found:?}");
-                    assert!((found.left - LEFT[wear]).abs() < 1e-3, "{found:?}");
+                    assert!((found.asphalt_albedo - green(ASPHALT)).abs() < 1e-3, "{found:?}");
+                    assert!((found.left_share - LEFT[wear]).abs() < 1e-3, "{found:?}");
                 }
             }
             assert!(green(NEW_ASPHALT) < green(ASPHALT) && green(ASPHALT) < green(OLD_ASPHALT));

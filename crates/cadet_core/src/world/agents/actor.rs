@@ -1,6 +1,6 @@
 //! A body with its look: what is posed, seen, and labeled as one actor.
 
-use crate::actor::End;
+use crate::actor::BodyEnd;
 use crate::math::DVec3;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
@@ -34,7 +34,7 @@ impl ActorView<'_> {
     }
 
     /// The end that annotators see, who look from an eye.
-    pub fn near_end(&self, physics: &Physics, eye_world: DVec3) -> End {
-        End::nearer(&self.body.world_from_box(physics), eye_world)
+    pub fn near_end(&self, physics: &Physics, eye_world: DVec3) -> BodyEnd {
+        BodyEnd::nearer(&self.body.world_from_box(physics), eye_world)
     }
 }

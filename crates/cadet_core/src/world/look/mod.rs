@@ -14,7 +14,7 @@ pub(super) use ride::Ride;
 pub(super) use turn_signal::TurnSignal;
 pub(super) use vehicle::VehicleLook;
 
-use crate::actor::{AnnotatedBox, End, ObjectClass};
+use crate::actor::{AnnotatedBox, BodyEnd, ObjectClass};
 use crate::assets::annotation;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
@@ -32,7 +32,7 @@ pub(super) trait Look: Send + Sync {
     }
 
     /// The annotated box, displaced toward the ego as by annotators of its class to whom an end is near.
-    fn annotated_from(&self, near_end: End) -> AnnotatedBox {
+    fn annotated_from(&self, near_end: BodyEnd) -> AnnotatedBox {
         annotation::displaced(self.model().annotated, self.class(), near_end)
     }
 

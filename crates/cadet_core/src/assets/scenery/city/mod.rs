@@ -25,7 +25,7 @@ use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
 use super::{Detail, Mesh};
 use crate::geometry::MeshBuilder;
-use crate::lamp::{Beam, CANDELA, Lamp};
+use crate::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
 use crate::material::Palette;
 use crate::math::Vec3;
 use crate::rng::Stream;
@@ -161,11 +161,11 @@ impl CityDesign {
         let count = if are_lit { (self.width / SHOP_M).floor().max(1.0) as usize } else { 0 };
         let y = |k: usize| self.width * ((k as f32 + 0.5) / count as f32 - 0.5);
         let lamps = (0..count).map(|k| Lamp {
-            beam: Beam::Luminaire { ends: -0.2, full: 0.6 },
+            beam: LampBeam::Luminaire { cos_ends: -0.2, cos_full: 0.6 },
             at: Vec3::new(0.5 * self.depth + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1),
             ahead: -Vec3::Z,
             left: Vec3::Y,
-            intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CANDELA)),
+            intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CD_PER_INTENSITY)),
             reach_m: SHOP_REACH_M,
         });
         light_shops(palette, &lamps.collect::<Vec<_>>())

@@ -51,7 +51,7 @@ pub fn firsts_of(mesh: &Mesh) -> Vec<u32> {
 impl Reference {
     /// World direction of an image point, of length 1 along the optical axis.
     pub(super) fn direction(&self, [u, v]: [f64; 2]) -> DVec3 {
-        let [fx, fy, cx, cy] = self.view.intrinsics;
+        let [fx, fy, cx, cy] = self.view.intrinsics_px;
         self.view.world_from_cam.rotation * DVec3::new((u - cx) / fx, (v - cy) / fy, 1.0)
     }
 
@@ -154,7 +154,7 @@ impl Reference {
         } else {
             [u, v]
         };
-        let pixel_m = at.depth_m / self.view.intrinsics[0] as f32;
+        let pixel_m = at.depth_m / self.view.intrinsics_px[0] as f32;
         let place = PatternPoint {
             u,
             v,
@@ -183,7 +183,7 @@ impl Reference {
         let lies = if s.posed.is_without_snow(m) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
         let level = ((self.normal_at(s, at).z - 0.4) * 2.0).clamp(0.0, 1.0);
-        level * (self.light.snow * worn * (0.5 + drift)).min(1.0) * lies
+        level * (self.light.snow_cover * worn * (0.5 + drift)).min(1.0) * lies
     }
 
     /// The shading normal: between those of the corners, but not far beyond the face.
@@ -210,7 +210,7 @@ impl Reference {
             lit => lit.unwrap_or(1.0),
         };
         let is_above_cars = s.normal.z <= 0.3 || m.semantic.is_vehicle() || s.is_leaf;
-        let left_of_sky = |body: &Occluder| body.leaves(at.world - body.center);
+        let left_of_sky = |body: &Occluder| body.share_left(at.world - body.center);
         let contact: f32 = if is_above_cars { 1.0 } else { self.occluders.iter().map(left_of_sky).product() };
         let toward = [open[0], open[1], open[2], open[3]];
         let cos_view = (-at.view.dot(normal)).clamp(0.0, 1.0);

@@ -8,23 +8,23 @@ use super::overlaps::FrameOverlaps;
 
 /// An object of the class or of its neighbors.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entrant {
+pub(super) struct ClassObject {
     /// Its index in the frame.
     pub truth: u32,
     /// Whether a level may ask for it.
     pub is_wanted: bool,
     pub height_px: f64,
-    pub occluded: f64,
-    pub truncated: f64,
+    pub occlusion_level: f64,
+    pub truncation: f64,
 }
 
 /// A detection of the class.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Claim {
+pub(super) struct ClassDetection {
     pub score: f64,
     pub height_px: f64,
     /// Its largest share in one DontCare region, by metric.
-    pub covered: [f64; 3],
+    pub covered_share: [f64; 3],
 }
 
 /// Rows of all frames one after the other.
@@ -51,42 +51,42 @@ impl<T> Rows<T> {
 
 /// A class in all frames.
 #[derive(Debug)]
-pub(super) struct Roster {
-    entrants: Rows<Entrant>,
-    claims: Rows<Claim>,
+pub(super) struct ClassRecords {
+    class_objects: Rows<ClassObject>,
+    class_detections: Rows<ClassDetection>,
 }
 
-impl Roster {
+impl ClassRecords {
     pub(super) fn new(class: &ClassLimits, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> Self {
-        let entrants = Rows::collect(frames.iter().map(|frame| {
+        let class_objects = Rows::collect(frames.iter().map(|frame| {
             let all = frame.truths.iter().enumerate();
             let taking_part = all.filter(|(_, t)| class.kinds.contains(t.kind) || class.neighbors.contains(t.kind));
-            taking_part.map(|(index, t)| Entrant {
+            taking_part.map(|(index, t)| ClassObject {
                 truth: index as u32,
                 is_wanted: class.kinds.contains(t.kind) && !t.is_optional,
-                height_px: t.box_img.y2 - t.box_img.y1,
-                occluded: t.occluded,
-                truncated: t.truncated,
+                height_px: t.box_img.bottom_px - t.box_img.top_px,
+                occlusion_level: t.occlusion_level,
+                truncation: t.truncation,
             })
         }));
-        let claims = Rows::collect(frames.iter().zip(overlaps).map(|(frame, overlaps)| {
+        let class_detections = Rows::collect(frames.iter().zip(overlaps).map(|(frame, overlaps)| {
             let own = frame.detections.iter().enumerate().filter(|(_, d)| class.kinds.contains(d.kind));
-            own.map(|(index, d)| Claim {
+            own.map(|(index, d)| ClassDetection {
                 score: d.score,
                 height_px: d.height_px(),
-                covered: Metric::ALL.map(|metric| overlaps.covered(metric, index)),
+                covered_share: Metric::ALL.map(|metric| overlaps.covered_share(metric, index)),
             })
         }));
-        Self { entrants, claims }
+        Self { class_objects, class_detections }
     }
 
     /// The objects of a frame, in file order.
-    pub(super) fn entrants(&self, frame: usize) -> &[Entrant] {
-        self.entrants.of(frame)
+    pub(super) fn class_objects(&self, frame: usize) -> &[ClassObject] {
+        self.class_objects.of(frame)
     }
 
     /// The detections of a frame, in file order.
-    pub(super) fn claims(&self, frame: usize) -> &[Claim] {
-        self.claims.of(frame)
+    pub(super) fn class_detections(&self, frame: usize) -> &[ClassDetection] {
+        self.class_detections.of(frame)
     }
 }
