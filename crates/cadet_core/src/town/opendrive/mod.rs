@@ -78,6 +78,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         }
     }
     let by_xodr_id: BTreeMap<usize, &xodr::Lane> = baked.iter().map(|(l, _)| (l.id.0, *l)).collect();
+    let junctions = junction_numbers(&map);
     let mut lanes: Vec<Lane> = Vec::with_capacity(ids.len());
     for (lane, line) in &baked {
         let Some(line) = line else { continue };
@@ -100,7 +101,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
             width_m: line.widths.clone(),
             successors,
             predecessors: Vec::new(),
-            junction: road.and_then(|r| r.junction()).map(number_of),
+            junction: road.and_then(|r| r.junction()).map(|id| junctions[id]),
             road: place.map_or(u32::MAX, |p| p.road.0 as u32),
             speed_limit_mps,
             keeps_left: place.is_some_and(|p| (p.od_id > 0) == (lane.direction != xodr::Direction::Backward)),
@@ -114,12 +115,13 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
     let lane_marks = lane_marks(&map);
-    let lights = signals::lights(&map, &ids, &lanes);
+    let (lights, unused_lights) = signals::lights(&map, &ids, &lanes, offset_m);
     let signs = signals::signs(&map, &ids, &lanes);
-    let roundabouts = roundabouts(&map);
+    let roundabouts = roundabouts(&map, &junctions);
     let road_name = |road: u32| map.roads().get(road as usize).map_or("", xodr::Road::od_id);
     let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
     said.extend(levels::warnings(&lanes, road_name));
+    said.extend(unused_lights);
     said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
     let network = RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m };
     said.extend(warnings::of_travel_direction(xodr_text).filter(|_| !network.is_left_hand()));
@@ -146,10 +148,21 @@ fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
         .collect()
 }
 
+/// Numbers the junctions by their ids, from 1 on, as the map's roads come to them.
+fn junction_numbers(map: &xodr::RoadNetwork) -> BTreeMap<&str, u32> {
+    let mut numbers = BTreeMap::new();
+    for id in map.roads().iter().filter_map(xodr::Road::junction) {
+        let next = numbers.len() as u32 + 1;
+        numbers.entry(id).or_insert(next);
+    }
+    numbers
+}
+
 /// The numbers of the junctions that the map calls roundabouts, ascending.
-fn roundabouts(map: &xodr::RoadNetwork) -> Vec<u32> {
+fn roundabouts(map: &xodr::RoadNetwork, junctions: &BTreeMap<&str, u32>) -> Vec<u32> {
     let groups = map.junction_groups().iter().filter(|g| g.kind == xodr::JunctionGroupKind::Roundabout);
-    let mut numbers: Vec<u32> = groups.flat_map(|g| &g.junctions).map(|id| number_of(id)).collect();
+    let ids = groups.flat_map(|g| &g.junctions);
+    let mut numbers: Vec<u32> = ids.filter_map(|id| junctions.get(id.as_str()).copied()).collect();
     numbers.sort_unstable();
     numbers.dedup();
     numbers
@@ -173,11 +186,6 @@ fn loses_a_lane(warning: &xodr::Warning, passed_over: &[PassedOver]) -> bool {
         warning,
         W::LaneIdUnreadable { .. } | W::LaneOnWrongSide { .. } | W::LaneIdRepeated { .. } | W::IncludeDropped { .. }
     )
-}
-
-/// A junction's number: its id where that is one, else a number made of its letters.
-fn number_of(id: &str) -> u32 {
-    id.parse().unwrap_or_else(|_| id.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193)))
 }
 
 fn kind_of(kind: xodr::LaneType, surface: LaneSurface) -> LaneKind {
@@ -315,3 +323,6 @@ fn hermite(a: DVec3, slope_a: DVec3, b: DVec3, slope_b: DVec3, t: f64) -> DVec3 
     let (t2, t3) = (t * t, t * t * t);
     a * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + slope_b * (t3 - t2)
 }
+
+#[cfg(test)]
+mod tests;
