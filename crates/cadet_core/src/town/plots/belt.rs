@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use crate::assets::scenery::TreeKind;
 use crate::math::DVec2;
 use crate::rng::Stream;
-use crate::town::placement::occupancy::{MAX_MARGIN_M, Occupancy};
+use crate::town::placement::clearance::MAX_MARGIN_M;
+use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::Frontage;
 
