@@ -2,13 +2,14 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::building::{Design, House};
 use super::city::CityDesign;
 use super::hall::HallDesign;
 use super::house::HouseDesign;
 use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
 use super::tree::TreeDesign;
 use super::{
-    CityCorner, CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture,
+    CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture,
     NUM_CITY_HOUSES, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences,
     furniture as bins, garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles,
     thing_palette, things,
@@ -50,12 +51,13 @@ fn model(name: String, shape: Arc<LodSet>, palette: Arc<Palette>, half: DVec2, h
 
 /// A house; x is its depth (the front at +x), y its width along the street.
 #[must_use]
-pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
+pub fn house(kind: HouseKind, variant: usize) -> House {
     static CELLS: [Cell; HOUSES * HouseKind::ALL.len()] = cells!(HOUSES * HouseKind::ALL.len());
     let variant = variant % HOUSES;
-    CELLS[kind as usize * HOUSES + variant]
+    let design = HouseDesign::new(kind, variant);
+    let model = CELLS[kind as usize * HOUSES + variant]
         .get_or_init(|| {
-            let design = HouseDesign::new(kind, variant);
+            let design = design.clone();
             let name = format!("{}/{variant}", kind.name());
             let palette = house_palette(&mut Stream::from_seed(&name, 0), design.flat_roof);
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
@@ -63,19 +65,20 @@ pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
             let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
             model(name, shape, palette, half, height_m)
         })
-        .clone()
+        .clone();
+    House { model, design: Design::Garden(design) }
 }
 
-/// A house of a closed row; x is its depth (the front at +x), y its width along the street, and its cut corner.
+/// A house of a closed row; x is its depth (the front at +x), y its width along the street.
 #[must_use]
-pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityCorner>) {
+pub fn city_house(kind: CityKind, variant: usize) -> House {
     const MOST: usize = 12;
     static CELLS: [Cell; 3 * MOST] = cells!(3 * MOST);
     let variant = variant % NUM_CITY_HOUSES[kind as usize];
     let design = CityDesign::new(kind, variant);
-    let corner = design.corner();
     let model = CELLS[kind as usize * MOST + variant]
         .get_or_init(|| {
+            let design = design.clone();
             let name = format!("{}/{variant}", kind.name());
             let palette = design.lit_shops(city_palette(&mut Stream::from_seed(&name, 0)));
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
@@ -84,7 +87,7 @@ pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityC
             model(name, shape, palette, half, height_m)
         })
         .clone();
-    (model, corner)
+    House { model, design: Design::Row(design) }
 }
 
 /// A large building; x is its depth (the front at +x), y its width along the street.

@@ -4,6 +4,7 @@
 //! for houses, the driver for signs), or along the piece for fences and hedges. Foundations and trunks go on below
 //! z = 0, so that nothing floats on a slope.
 
+mod building;
 mod city;
 mod crops;
 mod draw;
@@ -32,8 +33,9 @@ mod wall_plane;
 
 use std::sync::Arc;
 
+pub use building::House;
 pub use city::{
-    CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, light_shops, span_lamp, tree_pit,
+    CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, span_lamp, tree_pit,
 };
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;

@@ -16,16 +16,15 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
     let mut lot = Layout::default();
     let half = length_m / 2.0;
     let setback_m = s.range(6.0, 14.0);
-    let model = fitting(HallKind::Institute, length_m - 3.0, depth_m - setback_m - 2.0, s)
-        .or_else(|| fitting(HallKind::Office, length_m - 3.0, depth_m - setback_m - 2.0, s));
+    let kinds = [HallKind::Institute, HallKind::Office];
+    let building = fitting(&kinds, length_m - 3.0, depth_m - setback_m - 2.0, s);
     let way_m = s.range(-0.3, 0.3) * length_m;
     // A plaza in place of the lawn, now and then.
     let is_plaza = s.chance(0.3);
     let surface = if s.chance(0.5) { YardSurface::Slabs } else { YardSurface::Pavers };
     let paved = if is_plaza { [-half + 1.0, half - 1.0] } else { [way_m - WAY_M / 2.0, way_m + WAY_M / 2.0] };
     lot.paved.push((surface, [paved[0], paved[1], -BEFORE_M, setback_m - 0.1]));
-    if let Some(model) = model {
-        let kind = HallKind::ALL.into_iter().find(|k| model.name.starts_with(k.name())).unwrap_or(HallKind::Office);
+    if let Some((kind, model)) = building {
         let free_m = (length_m - 2.0 - model.footprint_size().y) / 2.0;
         let at_m = s.range(-free_m, free_m);
         lot.walks.push((1.6, vec![DVec2::new(way_m, 0.8), DVec2::new(way_m, setback_m - 1.2)]));

@@ -45,8 +45,8 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Strea
     let (a0, a1) = (-half + EDGE_M, half - EDGE_M);
     let wants_market = s.chance(0.6);
     let room_m = depth_m - front - MODULE_M - BEFORE_MARKET_M - 0.6;
-    let market = if wants_market { fitting(HallKind::Market, length_m - 1.5, room_m, s) } else { None };
-    let behind_m = market.as_ref().map_or(EDGE_M, |m| m.footprint_size().x + BEFORE_MARKET_M + 0.4);
+    let market = if wants_market { fitting(&[HallKind::Market], length_m - 1.5, room_m, s) } else { None };
+    let behind_m = market.as_ref().map_or(EDGE_M, |(_, m)| m.footprint_size().x + BEFORE_MARKET_M + 0.4);
     let rows_m = depth_m - front - behind_m;
     let is_across = rows_m > 22.0 && s.chance(0.4);
     let axes = Axes { is_across };
@@ -77,10 +77,10 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Strea
         }
         entries.push(cross);
     }
-    if let Some(market) = market {
+    if let Some((kind, market)) = market {
         let free_m = (length_m - 1.0 - market.footprint_size().y) / 2.0;
         let at_m = s.range(-free_m, free_m);
-        lot.building(HallKind::Market, market, at_m, depth_m - behind_m + BEFORE_MARKET_M, s);
+        lot.building(kind, market, at_m, depth_m - behind_m + BEFORE_MARKET_M, s);
         lot.furniture(LotFurniture::Pylon, DVec2::new(entries[0][0] - 0.2, 1.0), DVec2::X, s);
     }
     let surface = if s.chance(0.8) { YardSurface::Asphalt } else { YardSurface::Pavers };

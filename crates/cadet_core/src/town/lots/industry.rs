@@ -29,11 +29,9 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
     let is_left = s.chance(0.5);
     // The yard lies at one end of the lot, the hall fills what it can of the rest.
     let built = if is_left { [-half + yard_m, half - 1.2] } else { [-half + 1.2, half - yard_m] };
-    let model = fitting(kind, built[1] - built[0], depth_m - front - 1.0, s)
-        .or_else(|| fitting(HallKind::Office, built[1] - built[0], depth_m - front - 1.0, s));
+    let building = fitting(&[kind, HallKind::Office], built[1] - built[0], depth_m - front - 1.0, s);
     let mut yard = if is_left { [-half + AT_FENCE_M, built[0] - 0.8] } else { [built[1] + 0.8, half - AT_FENCE_M] };
-    if let Some(model) = model {
-        let kind = HallKind::ALL.into_iter().find(|k| model.name.starts_with(k.name())).unwrap_or(kind);
+    if let Some((kind, model)) = building {
         let width_m = model.footprint_size().y;
         let at_m = if is_left { built[1] - width_m / 2.0 } else { built[0] + width_m / 2.0 };
         if is_left {

@@ -91,13 +91,19 @@ impl Layout {
     }
 }
 
-/// The largest of some buildings of a kind that fits.
-pub(super) fn fitting(kind: HallKind, width_m: f64, depth_m: f64, s: &mut Stream) -> Option<SceneryModel> {
-    let first = s.below(HALL_VARIANTS);
-    let drawn = (0..3).map(|k| hall(kind, first + 3 * k)).chain([hall(kind, 0)]);
+/// The largest of some buildings that fits, of the first kind that has one.
+pub(super) fn fitting(
+    kinds: &[HallKind],
+    width_m: f64,
+    depth_m: f64,
+    s: &mut Stream,
+) -> Option<(HallKind, SceneryModel)> {
     let fits = |m: &SceneryModel| m.footprint_size().y <= width_m && m.footprint_size().x <= depth_m;
-    drawn.filter(fits).max_by(|a, b| {
-        let area = |m: &SceneryModel| m.footprint_size().x * m.footprint_size().y;
-        area(a).total_cmp(&area(b))
+    let area_m2 = |m: &SceneryModel| m.footprint_size().x * m.footprint_size().y;
+    kinds.iter().find_map(|kind| {
+        let first = s.below(HALL_VARIANTS);
+        let drawn = (0..3).map(|k| hall(*kind, first + 3 * k)).chain([hall(*kind, 0)]);
+        let largest = drawn.filter(fits).max_by(|a, b| area_m2(a).total_cmp(&area_m2(b)));
+        largest.map(|model| (*kind, model))
     })
 }

@@ -31,6 +31,8 @@ pub(in crate::town) struct Placer<'a> {
     pub standing: Vec<Standing>,
     /// Ways to doors and garages.
     pub ways: Vec<OrientedRect>,
+    /// What houses of closed rows cover.
+    pub row_walls: Vec<OrientedRect>,
     /// Places for vehicles on lots.
     pub bays: Vec<OrientedRect>,
     /// Trunks and shrubs so far: place and radius.
@@ -45,6 +47,7 @@ impl<'a> Placer<'a> {
             instances: Vec::new(),
             standing: Vec::new(),
             ways: Vec::new(),
+            row_walls: Vec::new(),
             bays: Vec::new(),
             plants: Vec::new(),
         }

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use crate::assets::scenery::materials::house_palette;
 use crate::assets::scenery::{
-    FenceKind, FurnitureKind, HouseKind, TreeKind, city_palette, furniture, garage, house_doors, light_shops,
-    num_variants, paving, tree,
+    FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, house_doors, num_variants, paving, tree,
 };
 use crate::frames;
 use crate::math::DVec3;
@@ -38,13 +37,13 @@ pub(in crate::town) fn fill(
     let mut behind = 0.0;
     if let Some(house) = &plot.house {
         place_house(plot, house, s, placer);
-        behind = house.setback_m + house.model.footprint_size().x;
+        behind = house.setback_m + house.size_m().x;
         if house.garage_bays > 0 {
             ways.push(place_garage(plot, house, s, placer, drives));
         }
         if house.setback_m > 1.5 {
-            let width = house.model.footprint_size().y;
-            let doors = if house.kind == HouseKind::Terrace { 3 } else { 1 };
+            let width = house.size_m().y;
+            let doors = if house.house.kind() == Some(HouseKind::Terrace) { 3 } else { 1 };
             for k in 0..doors {
                 let a = house.along_m + width * ((k as f64 + s.range(0.3, 0.7)) / doors as f64 - 0.5);
                 ways.push([a - GATE_M / 2.0, a + GATE_M / 2.0]);
@@ -91,21 +90,19 @@ pub(in crate::town) fn fill(
 }
 
 fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Placer) {
-    let size = house.model.footprint_size();
+    let size = house.size_m();
     let at = plot.at(house.along_m, house.setback_m + size.x / 2.0);
-    if house.is_city() {
-        let shop_lamps = house.model.palette.at_night().map_or(&[][..], |night| night.lamps());
-        placer.put(&house.model, light_shops(city_palette(s), shop_lamps), at, -plot.out());
-        placer.cover(&plot.house_parts());
-        for y in house_doors(&house.model) {
+    placer.put(&house.house.model, house.house.draw_palette(s), at, -plot.out());
+    if house.house.is_in_row() {
+        let parts = plot.house_parts();
+        placer.cover(&parts);
+        placer.row_walls.extend(parts);
+        for y in house_doors(&house.house.model) {
             // The house looks toward the street, so its own y axis runs against the plot's.
             let a = house.along_m - y;
             placer.ways.push(plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [-DOOR_DEPTH_M, 0.0]));
         }
-        return;
     }
-    let flat_roof = house.model.palette.materials()[2].pattern == crate::material::Pattern::Plain;
-    placer.put(&house.model, house_palette(s, flat_roof), at, -plot.out());
 }
 
 /// A garage beside the house, with its drive.
@@ -157,7 +154,7 @@ fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
 
 /// Walls between a house on the sidewalk's line and its neighbors.
 fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, placer: &mut Placer) {
-    let (half, width) = (plot.length_m / 2.0, house.model.footprint_size().y);
+    let (half, width) = (plot.length_m / 2.0, house.size_m().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);
     let boundary = Boundary::Fence(if s.chance(0.6) { FenceKind::Wall } else { FenceKind::Screen }, s.below(2));
     let palette = boundary_palette(boundary, s);

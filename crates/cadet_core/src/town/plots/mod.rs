@@ -50,8 +50,8 @@ impl Plot {
     /// What its house covers: one rectangle, or two where a corner is cut.
     pub fn house_parts(&self) -> Vec<OrientedRect> {
         let (Some(house), Some(whole)) = (&self.house, self.house_rect()) else { return Vec::new() };
-        let Some(corner) = house.corner else { return vec![whole] };
-        let (w, d) = (house.model.footprint_size().y / 2.0, [house.setback_m, house.setback_m + whole.half.y * 2.0]);
+        let Some(corner) = house.house.corner() else { return vec![whole] };
+        let (w, d) = (house.size_m().y / 2.0, [house.setback_m, house.setback_m + whole.half.y * 2.0]);
         // The house looks toward the street, so its own y axis runs against the plot's.
         let strip = |a0: f64, a1: f64, d: [f64; 2]| {
             let (a0, a1) = if corner.side > 0.0 { (-a1, -a0) } else { (a0, a1) };
@@ -65,7 +65,7 @@ impl Plot {
     /// The walls of its house.
     pub fn house_rect(&self) -> Option<OrientedRect> {
         self.house.as_ref().map(|h| {
-            let size = h.model.footprint_size();
+            let size = h.size_m();
             self.rect([h.along_m - size.y / 2.0, h.along_m + size.y / 2.0], [h.setback_m, h.setback_m + size.x])
         })
     }
@@ -107,8 +107,8 @@ pub(in crate::town) fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_
 /// A house of a kind that could go here: the plot's length and the house on it.
 fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, PlacedHouse) {
     let [variants, ..] = num_variants();
-    let model = house(kind, s.below(variants));
-    let width = model.footprint_size().y;
+    let house = house(kind, s.below(variants));
+    let size_m = house.model.footprint_size();
     let (setback_m, left, mut right, back) = match kind {
         HouseKind::Detached => (style.setback_m + s.range(-0.6, 0.8), s.range(2.5, 4.5), s.range(2.5, 4.0), 11.0),
         HouseKind::Semi => (style.setback_m + s.range(-0.3, 0.3), s.range(2.5, 3.5), s.range(2.5, 3.5), 10.0),
@@ -126,9 +126,8 @@ fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, P
     if garage_bays > 0 {
         right += GARAGE_BAY_M * garage_bays as f64 + 0.3;
     }
-    let depth = setback_m + model.footprint_size().x + back;
-    let house = PlacedHouse { kind, model, along_m: (left - right) / 2.0, setback_m, garage_bays, corner: None };
-    (width + left + right, depth, house)
+    let depth = setback_m + size_m.x + back;
+    (size_m.y + left + right, depth, PlacedHouse { house, along_m: (left - right) / 2.0, setback_m, garage_bays })
 }
 
 /// Lays plots along one frontage and takes their ground.
@@ -155,7 +154,7 @@ pub(in crate::town) fn lay_out(
                 if length_m > left {
                     continue;
                 }
-                let least = house.setback_m + house.model.footprint_size().x + 1.5;
+                let least = house.setback_m + house.size_m().x + 1.5;
                 next = [depth_m, (depth_m + least) / 2.0, least].into_iter().find_map(|depth_m| {
                     let mut plot = plot_at(frontage, site, from, length_m, depth_m)?;
                     if plot.length_m < length_m - MOST_BENT_M {

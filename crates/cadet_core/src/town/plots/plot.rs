@@ -1,6 +1,6 @@
 //! A plot beside a street, and its house.
 
-use crate::assets::scenery::{CityCorner, HouseKind, SceneryModel};
+use crate::assets::scenery::House;
 use crate::math::DVec2;
 
 /// A plot: a rectangle whose front lies along the sidewalk.
@@ -21,23 +21,18 @@ pub(in crate::town) struct Plot {
 /// A house on its plot.
 #[derive(Debug, Clone)]
 pub(in crate::town) struct PlacedHouse {
-    /// What kind.
-    pub kind: HouseKind,
-    /// The prototype.
-    pub model: SceneryModel,
+    pub house: House,
     /// Middle of the house along the front, from the plot's middle.
     pub along_m: f64,
     /// Distance of its front wall from the plot's front.
     pub setback_m: f64,
     /// Bays of the garage beside it, 0 for none; it stands at the end of the plot where `along` grows.
     pub garage_bays: usize,
-    /// The cut corner of a corner house.
-    pub corner: Option<CityCorner>,
 }
 
 impl PlacedHouse {
-    /// Whether it stands in a closed row.
-    pub fn is_city(&self) -> bool {
-        self.model.name.starts_with("city-")
+    /// Depth and width of what it covers.
+    pub fn size_m(&self) -> DVec2 {
+        self.house.model.footprint_size()
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, _style: &StreetStyle, clut
     if !s.chance((FURNISHED_SHARE * clutter).min(0.95)) {
         return;
     }
-    let is_flats = house.kind == HouseKind::Flats;
+    let is_flats = house.house.kind() == Some(HouseKind::Flats);
     let half = plot.length_m / 2.0;
     for _ in 0..1 + s.below(if is_flats { 4 } else { 3 }) {
         let kind = if is_flats {

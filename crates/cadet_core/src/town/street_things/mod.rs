@@ -159,7 +159,7 @@ fn doors(plot: &Plot) -> impl Iterator<Item = OrientedRect> + '_ {
     plot.house.iter().flat_map(move |house| {
         let before = (house.setback_m - DOOR_DEPTH_M).max(-1.3);
         // The house looks toward the street, so its own y axis runs against the plot's.
-        house_doors(&house.model).into_iter().map(move |y| {
+        house_doors(&house.house.model).into_iter().map(move |y| {
             let a = house.along_m - y;
             plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [before, house.setback_m])
         })

@@ -112,7 +112,7 @@ fn no_thing_stands_before_a_door() {
             for plot in crate::town::plots::lay_out(frontage, &style, &site, &mut taken, &mut s) {
                 let Some(house) = &plot.house else { continue };
                 let wall = plot.at(house.along_m, house.setback_m);
-                for y in house_doors(&house.model) {
+                for y in house_doors(&house.house.model) {
                     // A meter before the door; the house looks against the plot's outward way.
                     let before = wall - plot.along * y - plot.out() * 1.0;
                     let blocked =

@@ -10,7 +10,8 @@ mod plan;
 mod shop;
 mod span;
 
-pub use colors::{city_palette, light_shops};
+pub use colors::city_palette;
+use colors::light_shops;
 pub use kind::CityKind;
 pub(super) use lettering::write as write_name;
 pub use paving::{flagstones, tree_pit};

@@ -9,7 +9,9 @@ use crate::math::{cosf, sinf};
 fn every_house() -> impl Iterator<Item = (CityKind, SceneryModel, Option<CityCorner>)> {
     CityKind::ALL.into_iter().flat_map(|kind| {
         (0..NUM_CITY_HOUSES[kind as usize]).map(move |variant| {
-            let (model, corner) = city_house(kind, variant);
+            let house = city_house(kind, variant);
+            let corner = house.corner();
+            let model = house.model;
             (kind, model, corner)
         })
     })
