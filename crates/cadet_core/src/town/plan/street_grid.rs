@@ -4,6 +4,7 @@ use crate::math::{self, DVec2, TAU};
 use crate::plane::unit;
 use crate::rng::Stream;
 use crate::town::network::road_network::LaneSurface;
+use crate::town::plan::junction::turns::End;
 use crate::town::plan::plan_curve::heading_of;
 use crate::town::plan::suburb_config::SuburbConfig;
 
@@ -286,6 +287,16 @@ pub(in crate::town) struct Chain {
     pub arrives: usize,
     /// Row, or number of rows plus column.
     pub line: usize,
+}
+
+impl Chain {
+    /// The node at an end.
+    pub fn node(&self, end: End) -> usize {
+        match end {
+            End::Start => self.nodes[0],
+            End::Finish => self.nodes[self.nodes.len() - 1],
+        }
+    }
 }
 
 /// The streets of the grid, each once, and the heading of every arm.

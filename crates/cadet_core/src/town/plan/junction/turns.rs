@@ -1,6 +1,7 @@
 //! The ways through a junction: which lane leads to which.
 
-use crate::math::{PI, wrap_angle};
+use crate::math::{DVec2, PI, wrap_angle};
+use crate::plane::unit;
 use crate::town::plan::junction::roundabout::{OnRing, Roundabout};
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose};
 use crate::town::plan::street_grid::LineStyle;
@@ -15,22 +16,38 @@ pub(in crate::town) enum End {
     Finish,
 }
 
+/// One end of a street.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::town) struct StreetEnd {
+    pub street: usize,
+    pub end: End,
+}
+
 /// A street's arm at a junction.
 pub(in crate::town) struct StreetArm {
-    pub(in crate::town) street: usize,
-    pub(in crate::town) end: End,
-    pub(in crate::town) heading_rad: f64,
-    pub(in crate::town) style: LineStyle,
+    pub from: StreetEnd,
+    /// The middle of the junction.
+    pub center: DVec2,
+    /// Out of the junction.
+    pub heading_rad: f64,
+    pub style: LineStyle,
     /// How far from the middle of the junction the street ends.
-    pub(in crate::town) cut_m: f64,
+    pub cut_m: f64,
+}
+
+impl StreetArm {
+    /// Where the middle of the street ends, looking out of the junction.
+    pub fn pose(&self) -> PlanPose {
+        PlanPose::new(self.center + unit(self.heading_rad) * self.cut_m, self.heading_rad)
+    }
 }
 
 /// A way through a junction: from one lane at a street's end to one at another's.
 #[derive(Debug, Clone)]
 pub(in crate::town) struct Turn {
     pub(in crate::town) junction: usize,
-    pub(in crate::town) from: (usize, End),
-    pub(in crate::town) to: (usize, End),
+    pub(in crate::town) from: StreetEnd,
+    pub(in crate::town) to: StreetEnd,
     /// Which of the lanes of its direction it leaves and reaches, 0 beside the middle of the road.
     pub(in crate::town) lanes: [usize; 2],
     /// From the left edge of the one lane to the left edge of the other.
@@ -46,13 +63,8 @@ pub(in crate::town) struct Turn {
 }
 
 /// The ways from each arm of a junction to each other one, across it or round a roundabout; arms go round
-/// counter-clockwise, `pose` looks out of the junction from the middle of an arm's end.
-pub(in crate::town) fn turns(
-    junction: usize,
-    arms: &[StreetArm],
-    roundabout: Option<&Roundabout>,
-    pose: &dyn Fn(&StreetArm) -> PlanPose,
-) -> Vec<Turn> {
+/// counter-clockwise.
+pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Option<&Roundabout>) -> Vec<Turn> {
     let mut turns = Vec::new();
     for (i, from) in arms.iter().enumerate() {
         let bend = |to: &StreetArm| wrap_angle(to.heading_rad - from.heading_rad - PI);
@@ -75,11 +87,11 @@ pub(in crate::town) fn turns(
         }
         for (_, to) in others() {
             if from.style.tracks.is_some() && to.style.tracks.is_some() && bend(to).abs() < STRAIGHT_RAD {
-                let curve = PlanCurve::between(pose(from).reversed(), pose(to));
+                let curve = PlanCurve::between(from.pose().reversed(), to.pose());
                 turns.push(Turn {
                     junction,
-                    from: (from.street, from.end),
-                    to: (to.street, to.end),
+                    from: from.from,
+                    to: to.from,
                     lanes: [0, 0],
                     curve,
                     along_curb: false,
@@ -96,7 +108,7 @@ pub(in crate::town) fn turns(
                     let right_m = arm.style.median_width_m / 2.0 + lane as f64 * arm.style.lane_width_m;
                     pose.shifted_right(right_m)
                 };
-                let ends = (edge(from, pose(from).reversed(), lanes[0]), edge(to, pose(to), lanes[1]));
+                let ends = (edge(from, from.pose().reversed(), lanes[0]), edge(to, to.pose(), lanes[1]));
                 let (curve, on_ring) = match roundabout {
                     Some(ring) => ring.way(ends.0, ends.1),
                     None => (PlanCurve::between(ends.0, ends.1), None),
@@ -104,8 +116,8 @@ pub(in crate::town) fn turns(
                 let is_inner_and_straight = *lanes == [0, 0] && bend(to).abs() < STRAIGHT_RAD;
                 turns.push(Turn {
                     junction,
-                    from: (from.street, from.end),
-                    to: (to.street, to.end),
+                    from: from.from,
+                    to: to.from,
                     lanes: *lanes,
                     curve,
                     is_track: false,

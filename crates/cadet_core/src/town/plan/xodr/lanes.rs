@@ -143,7 +143,7 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
         }
         let bay_id = sidewalk_id(style, sign);
         if let Some(length) = bay {
-            let bay_m = street.bay_widths_m[usize::from(sign > 0)];
+            let bay_m = street.bays.widths_m[usize::from(sign > 0)];
             lanes.push(LaneRecord {
                 id: bay_id,
                 kind: "parking",
@@ -173,14 +173,14 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
         });
         lanes
     };
-    let has_bay = |right: bool| street.bays.is_some() && street.bay_widths_m[usize::from(!right)] > 0.0;
+    let has_bay = |right: bool| street.bays.stretch_m.is_some() && street.bays.widths_m[usize::from(!right)] > 0.0;
     let section = |s: f64, bay: Option<f64>, before: bool, after: bool| {
         let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
         lanes.reverse();
         lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
         Section { s, center_line_m: center_line_m(style), lanes }
     };
-    match street.bays {
+    match street.bays.stretch_m {
         None => vec![section(0.0, None, false, false)],
         Some((from, to)) => vec![
             section(0.0, None, false, true),

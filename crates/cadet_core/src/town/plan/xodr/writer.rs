@@ -4,7 +4,7 @@ use crate::math;
 use crate::town::network::road_network::LaneSurface;
 use crate::town::plan::junction::cycle_turns::CycleTurn;
 use crate::town::plan::junction::roundabout::Roundabout;
-use crate::town::plan::junction::turns::{End, Turn};
+use crate::town::plan::junction::turns::{End, StreetEnd, Turn};
 use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::relief::Relief;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
@@ -135,10 +135,10 @@ fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
 }
 
 fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, relief: &Relief) {
-    let (a, b) = (&plan.streets[turn.from.0].style, &plan.streets[turn.to.0].style);
+    let (a, b) = (&plan.streets[turn.from.street].style, &plan.streets[turn.to.street].style);
     let length = turn.curve.length_m();
     write_way(out, plan, (turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
-    let (arrives, leaves) = (signs_at(turn.from.1).0, signs_at(turn.to.1).1);
+    let (arrives, leaves) = (signs_at(turn.from.end).0, signs_at(turn.to.end).1);
     let lane = |id: i32, kind: &'static str, [at_start_m, at_end_m]: [f64; 2], links: Option<[i32; 2]>| LaneRecord {
         id,
         kind,
@@ -206,14 +206,14 @@ fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief)
 
 /// Id of the sidewalk's lane of a turn along a curb: beyond the strip of road that cycle lanes go on as.
 fn turn_walk_id(plan: &StreetPlan, turn: &Turn) -> i32 {
-    let has_cycle_lane = |(street, _): (usize, End)| plan.streets[street].style.cycle_lane.is_some();
+    let has_cycle_lane = |at: StreetEnd| plan.streets[at.street].style.cycle_lane.is_some();
     if has_cycle_lane(turn.from) || has_cycle_lane(turn.to) { -3 } else { -2 }
 }
 
 /// A way of bicycles through a junction, a road of its own.
 fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &CycleTurn, relief: &Relief) {
     write_way(out, plan, (cycle_turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
-    let [a, b] = [turn.from, turn.to].map(|(street, _)| &plan.streets[street].style);
+    let [a, b] = [turn.from, turn.to].map(|at| &plan.streets[at.street].style);
     let (length, [at_start_m, at_end_m]) = (turn.curve.length_m(), turn.widths_m);
     let lane = LaneRecord {
         id: -1,
@@ -221,8 +221,8 @@ fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Cy
         widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
         surface: if turn.is_red { LaneSurface::Red } else { LaneSurface::Usual },
         outer_line: if turn.has_lines { OuterLine::CycleFord } else { OuterLine::None },
-        predecessor: Some(ridden_id(a, signs_at(turn.from.1).0)),
-        successor: Some(ridden_id(b, signs_at(turn.to.1).1)),
+        predecessor: Some(ridden_id(a, signs_at(turn.from.end).0)),
+        successor: Some(ridden_id(b, signs_at(turn.to.end).1)),
     };
     let center_line_m = turn.has_lines.then_some(CYCLE_FORD_M);
     write_lanes(out, &[Section { s: 0.0, center_line_m, lanes: vec![lane] }]);
@@ -234,10 +234,10 @@ fn write_way(
     out: &mut String,
     plan: &StreetPlan,
     (id, junction): (usize, usize),
-    [(from, from_end), (to, to_end)]: [(usize, End); 2],
+    [from, to]: [StreetEnd; 2],
     (curve, relief): (&PlanCurve, &Relief),
 ) {
-    let (a, b) = (&plan.streets[from].style, &plan.streets[to].style);
+    let (a, b) = (&plan.streets[from.street].style, &plan.streets[to.street].style);
     let length = curve.length_m();
     put(
         out,
@@ -246,10 +246,10 @@ fn write_way(
              <predecessor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/>\
              <successor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/></link>\n",
             junction + 1,
-            street_id(from),
-            contact(from_end),
-            street_id(to),
-            contact(to_end)
+            street_id(from.street),
+            contact(from.end),
+            street_id(to.street),
+            contact(to.end)
         ),
     );
     write_type(out, a, a.speed_kmh.min(b.speed_kmh));
@@ -261,15 +261,15 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
     put(out, format_args!("<junction name=\"\" id=\"{}\">\n", junction + 1));
     let here = plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
     for (number, (index, turn)) in here.enumerate() {
-        let style = &plan.streets[turn.from.0].style;
-        let sign = signs_at(turn.from.1).0;
+        let style = &plan.streets[turn.from.street].style;
+        let sign = signs_at(turn.from.end).0;
         let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
         put(
             out,
             format_args!(
                 "<connection id=\"{number}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
                  <laneLink from=\"{arrives}\" to=\"-1\"/>",
-                street_id(turn.from.0),
+                street_id(turn.from.street),
                 turn_id(plan, index)
             ),
         );
@@ -288,9 +288,9 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
                 "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
                  <laneLink from=\"{}\" to=\"-1\"/></connection>\n",
                 first + number,
-                street_id(turn.from.0),
+                street_id(turn.from.street),
                 cycle_turn_id(plan, index),
-                ridden_id(&plan.streets[turn.from.0].style, signs_at(turn.from.1).0)
+                ridden_id(&plan.streets[turn.from.street].style, signs_at(turn.from.end).0)
             ),
         );
     }
