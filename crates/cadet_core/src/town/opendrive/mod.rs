@@ -3,11 +3,11 @@
 //! `xodr` bakes lanes in single precision along the road's own direction; here they become double-precision polylines
 //! in **driving** direction, rounded to 0.1 mm so that the last bit of a platform's `sin` leaves no trace.
 
+pub(in crate::town) mod document;
 pub(in crate::town) mod levels;
 pub(in crate::town) mod numbers;
 pub(in crate::town) mod offset;
 pub(in crate::town) mod signals;
-pub(in crate::town) mod tags;
 pub(in crate::town) mod warnings;
 
 use std::collections::BTreeMap;
@@ -16,7 +16,6 @@ use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3, hypot, lerp};
 use crate::town::network::road_network::{Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use crate::town::opendrive::numbers::PassedOver;
-use crate::town::opendrive::tags::Tags;
 use crate::town::opendrive::warnings::{Said, in_one_line};
 
 /// Lanes without a speed limit get the one of German towns: 50 km/h.
@@ -49,14 +48,17 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
 /// As [`load`].
 pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwork, Vec<String>)> {
     let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason: in_one_line(&reason) };
-    let root = Tags::of(xodr_text).next().map_or("no XML", |tag| tag.name);
-    if root != "OpenDRIVE" {
-        return Err(fail(format!("no OpenDRIVE: expected the element <OpenDRIVE> first, got {root}")));
-    }
-    let passed_over =
-        numbers::check(xodr_text).map_err(|(line, reason)| Error::Map { map: format!("{map_name}:{line}"), reason })?;
-    let offset_m = offset::offset_m(xodr_text);
-    let near_text = offset::moved_back(xodr_text, offset_m);
+    let fail_at = |line: usize, reason: &str| Error::Map {
+        map: format!("{map_name}:{line}"),
+        reason: in_one_line(reason),
+    };
+    let document = document::parse(xodr_text).map_err(|(line, reason)| match line {
+        Some(line) => fail_at(line, &reason),
+        None => fail(reason),
+    })?;
+    let passed_over = numbers::check(&document).map_err(|(line, reason)| fail_at(line, &reason))?;
+    let offset_m = offset::offset_m(&document);
+    let near_text = offset::moved_back(&document, offset_m);
     let (map, provenance) = xodr::load_str_with_provenance(&near_text).map_err(|e| fail(e.to_string()))?;
     if let Some(warning) = provenance.warnings.iter().find(|warning| loses_a_lane(warning, &passed_over)) {
         return Err(fail(warning.to_string()));
@@ -124,7 +126,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     said.extend(unused_lights);
     said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
     let network = RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m };
-    said.extend(warnings::of_travel_direction(xodr_text).filter(|_| !network.is_left_hand()));
+    said.extend(warnings::of_travel_direction(&document).filter(|_| !network.is_left_hand()));
     said.extend(network.is_left_hand().then(warnings::of_left_hand_traffic));
     said.extend((offset_m != DVec2::ZERO).then(|| warnings::of_offset(offset_m)));
     Ok((network, warnings::lines(map_name, said)))
