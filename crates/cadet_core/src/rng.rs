@@ -235,9 +235,11 @@ mod tests {
         let bits = (0..64).map(|bit| 1_u64 << bit);
         for value in bits.chain([0, u64::MAX, (1 << 53) + 1]) {
             let zero = StreamKey { seed: 0, episode: 0, attempt: 0 };
-            for key in
-                [StreamKey { seed: value, ..zero }, StreamKey { episode: value, ..zero }, StreamKey { attempt: value, ..zero }]
-            {
+            for key in [
+                StreamKey { seed: value, ..zero },
+                StreamKey { episode: value, ..zero },
+                StreamKey { attempt: value, ..zero },
+            ] {
                 first.insert(key.stream("bits").next_u64());
             }
         }

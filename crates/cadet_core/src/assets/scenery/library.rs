@@ -9,10 +9,9 @@ use super::house::HouseDesign;
 use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
 use super::tree::TreeDesign;
 use super::{
-    CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture,
-    NUM_CITY_HOUSES, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences,
-    furniture as bins, garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles,
-    thing_palette, things,
+    CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture, NUM_CITY_HOUSES,
+    PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences, furniture as bins,
+    garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles, thing_palette, things,
 };
 use crate::geometry::{Bounds, LodSet, Mesh, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};

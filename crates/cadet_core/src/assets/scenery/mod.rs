@@ -34,9 +34,7 @@ mod wall_plane;
 use std::sync::Arc;
 
 pub use building::House;
-pub use city::{
-    CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, span_lamp, tree_pit,
-};
+pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, span_lamp, tree_pit};
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;

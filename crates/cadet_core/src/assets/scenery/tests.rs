@@ -36,7 +36,8 @@ fn every_model() -> Vec<SceneryModel> {
     models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v).model)));
     models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
     models.extend(FenceKind::ALL.iter().flat_map(|k| (0..fences).map(|v| fence(*k, v, 1))));
-    models.extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)));
+    models
+        .extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)));
     models.push(tree_pit());
     models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
     models.extend((0..hedges).map(|v| hedge(v, 1)));

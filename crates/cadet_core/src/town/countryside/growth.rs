@@ -8,7 +8,7 @@ use crate::math::DVec2;
 use crate::plane::bounds;
 use crate::rng::{Stream, StreamKey};
 use crate::town::countryside::SEEN_M;
-use crate::town::countryside::roadsides::room_m;
+use crate::town::countryside::verges::room_m;
 use crate::town::ground::land::fields::Crop;
 use crate::town::ground::region::{Inside, Ring, with_steps};
 use crate::town::placement::boundary::Boundary;
@@ -174,7 +174,14 @@ fn maize(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occu
     }
 }
 
-fn meadow(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, greenery: f64, taken: &Occupancy, placer: &mut Placer) {
+fn meadow(
+    s: &mut Stream,
+    field: &FieldArea,
+    streets: &StreetPoints,
+    greenery: f64,
+    taken: &Occupancy,
+    placer: &mut Placer,
+) {
     let (is_orchard, has_fence, has_hedge) =
         (s.chance(ORCHARD_SHARE), s.chance(FENCE_SHARE), s.chance(HEDGE_SHARE * greenery.min(1.5)));
     if is_orchard {

@@ -4,9 +4,9 @@ mod farms;
 mod growth;
 mod horizon;
 mod motorway;
-mod roadsides;
 #[cfg(test)]
 mod tests;
+mod verges;
 
 pub(super) use horizon::hills;
 
@@ -45,7 +45,7 @@ pub(super) fn furnish(
     }
     for (i, frontage) in frontages.iter().enumerate() {
         let s = &mut key.indexed("country/roadside", i as u64);
-        roadsides::furnish((key, network, signals), s, frontage, land, config.greenery, &taken, placer);
+        verges::furnish((key, network, signals), s, frontage, land, config.greenery, &taken, placer);
     }
     growth::grow(key, &streets, config.greenery, &taken, placer);
     drives

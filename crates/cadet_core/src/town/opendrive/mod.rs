@@ -5,9 +5,9 @@
 
 pub(in crate::town) mod document;
 pub(in crate::town) mod levels;
+pub(in crate::town) mod map_signals;
 pub(in crate::town) mod numbers;
 pub(in crate::town) mod offset;
-pub(in crate::town) mod signals;
 pub(in crate::town) mod warnings;
 
 use std::collections::BTreeMap;
@@ -48,10 +48,8 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
 /// As [`load`].
 pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwork, Vec<String>)> {
     let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason: in_one_line(&reason) };
-    let fail_at = |line: usize, reason: &str| Error::Map {
-        map: format!("{map_name}:{line}"),
-        reason: in_one_line(reason),
-    };
+    let fail_at =
+        |line: usize, reason: &str| Error::Map { map: format!("{map_name}:{line}"), reason: in_one_line(reason) };
     let document = document::parse(xodr_text).map_err(|(line, reason)| match line {
         Some(line) => fail_at(line, &reason),
         None => fail(reason),
@@ -63,7 +61,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     if let Some(warning) = provenance.warnings.iter().find(|warning| loses_a_lane(warning, &passed_over)) {
         return Err(fail(warning.to_string()));
     }
-    let baked: Vec<(&xodr::Lane, Option<Polyline>)> = map
+    let baked: Vec<(&xodr::Lane, Option<LaneLine>)> = map
         .lanes()
         .iter()
         .filter(|l| l.layer == xodr::Layer::Permanent)
@@ -117,8 +115,8 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
     let lane_marks = lane_marks(&map);
-    let (lights, unused_lights) = signals::lights(&map, &ids, &lanes, offset_m);
-    let signs = signals::signs(&map, &ids, &lanes);
+    let (lights, unused_lights) = map_signals::lights(&map, &ids, &lanes, offset_m);
+    let signs = map_signals::signs(&map, &ids, &lanes);
     let roundabouts = roundabouts(&map, &junctions);
     let road_name = |road: u32| map.roads().get(road as usize).map_or("", xodr::Road::od_id);
     let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
@@ -248,12 +246,12 @@ fn drop_links_between_kinds(lanes: &mut [Lane]) {
 }
 
 /// A lane's middle in driving direction.
-struct Polyline {
+struct LaneLine {
     points: Vec<DVec3>,
     widths: Vec<f64>,
 }
 
-impl Polyline {
+impl LaneLine {
     fn distances(&self) -> Vec<f64> {
         let mut s = vec![0.0];
         for pair in self.points.windows(2) {
@@ -264,7 +262,7 @@ impl Polyline {
 }
 
 /// The lane's points, denser on curves; `None` where it is too short to have two.
-fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> {
+fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<LaneLine>, String> {
     let points: Vec<DVec3> =
         lane.center.points().iter().map(|p| DVec3::new(p.x.into(), p.y.into(), p.z.into())).collect();
     let tangents: Vec<DVec3> =
@@ -283,7 +281,7 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> 
     if widest_m > MAX_LANE_WIDTH_M {
         return Err(format!("a lane is {widest_m:.1} m wide, expected at most {MAX_LANE_WIDTH_M} m"));
     }
-    let mut line = Polyline { points: Vec::new(), widths: Vec::new() };
+    let mut line = LaneLine { points: Vec::new(), widths: Vec::new() };
     let mut push = |p: DVec3, w: f64| {
         let p = (p * 1e4).round() / 1e4;
         let far = |q: &DVec3| hypot(p.x - q.x, p.y - q.y) > SAME_POINT_M;

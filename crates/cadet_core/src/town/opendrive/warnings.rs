@@ -75,7 +75,7 @@ pub(in crate::town) fn in_one_line(text: &str) -> String {
 }
 
 /// Warnings of one kind: the first in its own words, the others by their roads.
-struct Kind {
+struct WarningKind {
     key: String,
     line: Option<usize>,
     first: String,
@@ -86,10 +86,17 @@ struct Kind {
 
 /// Lines that name a map, one for each kind of warning.
 pub(in crate::town) fn lines(map_name: &str, warnings: Vec<Said>) -> Vec<String> {
-    let mut kinds: Vec<Kind> = Vec::new();
+    let mut kinds: Vec<WarningKind> = Vec::new();
     for Said { kind: key, line, road, text } in warnings {
         let Some(kind) = kinds.iter_mut().find(|kind| kind.key == key) else {
-            kinds.push(Kind { key, line, first: text, first_road: road, num_others: 0, other_roads: Vec::new() });
+            kinds.push(WarningKind {
+                key,
+                line,
+                first: text,
+                first_road: road,
+                num_others: 0,
+                other_roads: Vec::new(),
+            });
             continue;
         };
         kind.num_others += 1;
@@ -113,7 +120,7 @@ pub(in crate::town) fn lines(map_name: &str, warnings: Vec<Said>) -> Vec<String>
     lines
 }
 
-impl Kind {
+impl WarningKind {
     fn text(&self) -> String {
         if self.num_others == 0 {
             return self.first.clone();

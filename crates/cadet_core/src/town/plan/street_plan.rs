@@ -5,12 +5,12 @@ use crate::plane::unit;
 use crate::rng::{Stream, StreamKey};
 use crate::town::plan::junction::cycle_turns::{CycleTurn, cycle_turns};
 use crate::town::plan::junction::roundabout::Roundabout;
-use crate::town::plan::junction::turns::{End, StreetArm, StreetEnd, Turn, turns};
+use crate::town::plan::junction::turns::{PlannedTurn, StreetArm, StreetEnd, WhichEnd, turns};
 use crate::town::plan::place_streets;
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose, heading_of};
 use crate::town::plan::street_bays::StreetBays;
 use crate::town::plan::street_grid::{
-    Chain, Grid, LineStyle, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads,
+    Chain, LineStyle, StreetGrid, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads,
 };
 use crate::town::plan::suburb_config::SuburbConfig;
 use crate::town::plan::{country_roads, cycle_lanes};
@@ -36,7 +36,7 @@ pub(in crate::town) struct Street {
 #[derive(Debug, Clone, Default)]
 pub(in crate::town) struct StreetPlan {
     pub(in crate::town) streets: Vec<Street>,
-    pub(in crate::town) turns: Vec<Turn>,
+    pub(in crate::town) turns: Vec<PlannedTurn>,
     /// The ways of bicycles through junctions with cycle lanes.
     pub(in crate::town) cycle_turns: Vec<CycleTurn>,
     pub(in crate::town) num_junctions: usize,
@@ -67,7 +67,7 @@ pub(in crate::town) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPla
 }
 
 /// Draws the grid, and the style of each of its lines.
-fn draw_lines(key: &StreamKey, config: &SuburbConfig, stream: &mut Stream) -> (Grid, Vec<LineStyle>) {
+fn draw_lines(key: &StreamKey, config: &SuburbConfig, stream: &mut Stream) -> (StreetGrid, Vec<LineStyle>) {
     let mut grid = draw_grid(stream, config);
     thin(&mut grid, stream);
     let mut styles = draw_styles(stream, &grid, config.sidewalk_m, config.tram_share > 0.0);
@@ -81,7 +81,7 @@ fn draw_lines(key: &StreamKey, config: &SuburbConfig, stream: &mut Stream) -> (G
 
 /// The nodes at which streets meet, ascending, and the arms of each, round counter-clockwise; not yet cut back.
 fn arms_by_junction(
-    grid: &Grid,
+    grid: &StreetGrid,
     styles: &[LineStyle],
     chains: &[Chain],
     headings: &[[f64; 4]],
@@ -89,7 +89,7 @@ fn arms_by_junction(
     let nodes: Vec<usize> = (0..grid.at.len()).filter(|node| grid.degree(*node) >= 3).collect();
     let mut arms: Vec<Vec<StreetArm>> = nodes.iter().map(|_| Vec::new()).collect();
     for (street, chain) in chains.iter().enumerate() {
-        for (end, direction) in [(End::Start, chain.leaves), (End::Finish, chain.arrives)] {
+        for (end, direction) in [(WhichEnd::Start, chain.leaves), (WhichEnd::Finish, chain.arrives)] {
             let node = chain.node(end);
             arms[junction_at(&nodes, node)].push(StreetArm {
                 from: StreetEnd { street, end },
@@ -134,7 +134,7 @@ fn shape_junctions(
 fn draw_streets(
     key: &StreamKey,
     config: &SuburbConfig,
-    (grid, nodes): (&Grid, &[usize]),
+    (grid, nodes): (&StreetGrid, &[usize]),
     styles: &[LineStyle],
     chains: &[Chain],
     arms: &[Vec<StreetArm>],
@@ -142,7 +142,7 @@ fn draw_streets(
 ) -> Vec<Street> {
     let mut ends = vec![[PlanPose::new(DVec2::ZERO, 0.0); 2]; chains.len()];
     for arm in arms.iter().flatten() {
-        ends[arm.from.street][usize::from(arm.from.end == End::Finish)] = arm.pose();
+        ends[arm.from.street][usize::from(arm.from.end == WhichEnd::Finish)] = arm.pose();
     }
     let mut winding = key.stream("suburb/winding");
     let draw = |(chain, [start, finish]): (&Chain, &[PlanPose; 2])| {
@@ -154,7 +154,7 @@ fn draw_streets(
             curve = country_roads::wind(&curve, &mut winding);
         }
         let bays = StreetBays::draw(&style, curve.length_m(), config, stream);
-        let junctions = [End::Start, End::Finish].map(|end| junction_at(nodes, chain.node(end)));
+        let junctions = [WhichEnd::Start, WhichEnd::Finish].map(|end| junction_at(nodes, chain.node(end)));
         Street { curve, style, bays, junctions }
     };
     chains.iter().zip(&ends).map(draw).collect()

@@ -34,7 +34,7 @@ const GARDEN_FROM_M: f64 = 3.0;
 /// Lays houses wall to wall along one frontage and takes their ground.
 pub(in crate::town) fn lay_out(frontage: &Frontage, site: &Site, taken: &mut Occupancy, s: &mut Stream) -> Vec<Plot> {
     let length_m = frontage.length_m();
-    let mut row = Row { frontage, site, taken, plots: Vec::new() };
+    let mut row = HouseRow { frontage, site, taken, plots: Vec::new() };
     let mut is_open = [true, true];
     let mut end_of = |kind: CityKind| {
         let ahead_m = row.goes_on_for_m(kind);
@@ -68,14 +68,14 @@ pub(in crate::town) fn lay_out(frontage: &Frontage, site: &Site, taken: &mut Occ
     row.plots
 }
 
-struct Row<'a, 'b> {
+struct HouseRow<'a, 'b> {
     frontage: &'a Frontage,
     site: &'a Site<'b>,
     taken: &'a mut Occupancy,
     plots: Vec<Plot>,
 }
 
-impl Row<'_, '_> {
+impl HouseRow<'_, '_> {
     /// A place along the front, which goes on straight beyond both ends.
     fn at(&self, s: f64) -> DVec2 {
         let (f, length_m) = (self.frontage, self.frontage.length_m());
@@ -322,7 +322,7 @@ mod tests {
                 for plot in lay_out(frontage, &site, &mut taken, &mut key.indexed("plots", i as u64)) {
                     let Some(house) = &plot.house else { continue };
                     let is_there =
-                        |s: &&crate::town::placement::placer::Standing| s.rect.contains(plot.at(0.0, 6.0), 0.0);
+                        |s: &&crate::town::placement::placer::PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
                     assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.house.model.name));
                     for door in house_doors(&house.house.model) {
                         num_doors += 1;
@@ -356,7 +356,7 @@ mod tests {
                 assert!(kind.is_some_and(|k| k != GroundKind::Terrain), "seed {seed}: lamp at {middle}");
                 for end in [bounds.min.y, bounds.max.y] {
                     let at = lamp.world_from_local.transform_point(crate::math::DVec3::new(0.0, f64::from(end), 0.0));
-                    let in_wall = |s: &crate::town::placement::placer::Standing| {
+                    let in_wall = |s: &crate::town::placement::placer::PropFootprint| {
                         s.name.starts_with("city-") && s.rect.contains(at.truncate(), 0.0)
                     };
                     assert!(props.standing.iter().any(in_wall), "seed {seed}: a wire ends in the air at {at}");

@@ -21,7 +21,7 @@ const DOOR_HALF_M: f64 = 0.85;
 const DOOR_DEPTH_M: f64 = 1.6;
 
 /// A strip of the plot that stays open, from the gate to a door or garage: [a0, a1] along the front.
-type Way = [f64; 2];
+type GardenWay = [f64; 2];
 
 /// Fills one plot; drives become places to park.
 pub(in crate::town) fn fill(
@@ -33,7 +33,7 @@ pub(in crate::town) fn fill(
 ) {
     let half = plot.length_m / 2.0;
     let boundary = if s.chance(0.65) { style.boundary } else { Boundary::draw(s) };
-    let mut ways: Vec<Way> = Vec::new();
+    let mut ways: Vec<GardenWay> = Vec::new();
     let mut behind = 0.0;
     if let Some(house) = &plot.house {
         place_house(plot, house, s, placer);
@@ -112,7 +112,7 @@ fn place_garage(
     s: &mut Stream,
     placer: &mut Placer,
     drives: &mut Vec<ParkingSpot>,
-) -> Way {
+) -> GardenWay {
     let model = garage(house.garage_bays);
     let size = model.footprint_size();
     let a = plot.length_m / 2.0 - 0.15 - size.y / 2.0;
@@ -139,7 +139,7 @@ fn place_garage(
 }
 
 /// Paves a way from the front to `depth` behind it.
-fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
+fn pave(plot: &Plot, [a0, a1]: GardenWay, depth_m: f64, placer: &mut Placer) {
     let (model, length) = paving(a1 - a0 > 2.0);
     placer.ways.push(plot.rect([a0, a1], [0.0, depth_m.max(0.1)]));
     let a = (a0 + a1) / 2.0;
@@ -153,7 +153,7 @@ fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
 }
 
 /// Walls between a house on the sidewalk's line and its neighbors.
-fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, placer: &mut Placer) {
+fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[GardenWay], s: &mut Stream, placer: &mut Placer) {
     let (half, width) = (plot.length_m / 2.0, house.size_m().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);
     let boundary = Boundary::Fence(if s.chance(0.6) { FenceKind::Wall } else { FenceKind::Screen }, s.below(2));
@@ -166,7 +166,14 @@ fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, pl
     }
 }
 
-fn plants(plot: &Plot, ways: &[Way], boundary: Boundary, style: &StreetStyle, s: &mut Stream, placer: &mut Placer) {
+fn plants(
+    plot: &Plot,
+    ways: &[GardenWay],
+    boundary: Boundary,
+    style: &StreetStyle,
+    s: &mut Stream,
+    placer: &mut Placer,
+) {
     let half = plot.length_m / 2.0;
     let [_, variants, ..] = num_variants();
     let built = plot.house_rect();

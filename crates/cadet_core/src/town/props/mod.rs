@@ -12,7 +12,7 @@ use crate::town::ground::land::fields::Land;
 use crate::town::lots::Lots;
 use crate::town::network::road_network::RightOfWay;
 use crate::town::placement::occupancy::Site;
-use crate::town::placement::placer::{Placer, Standing};
+use crate::town::placement::placer::{Placer, PropFootprint};
 use crate::town::placement::prop_config::PropConfig;
 use crate::town::plots::city_paving::Paving;
 use crate::town::plots::frontage::frontages;
@@ -34,7 +34,7 @@ pub(in crate::town) struct Props {
     pub things: StreetThings,
     /// What stands where.
     #[cfg_attr(not(test), allow(dead_code))]
-    pub standing: Vec<Standing>,
+    pub standing: Vec<PropFootprint>,
 }
 
 /// Places the props of a network.
@@ -131,12 +131,12 @@ mod tests {
     }
 
     /// Things, benches, and rails on sidewalks and in bays have tests of their own.
-    fn is_furniture(standing: &&Standing) -> bool {
+    fn is_furniture(standing: &&PropFootprint) -> bool {
         let kind = standing.name.split('/').next().unwrap();
         ThingKind::ALL.iter().any(|k| k.name() == kind) || ["bench", "guard-rail"].contains(&kind)
     }
 
-    fn is_house(standing: &Standing) -> bool {
+    fn is_house(standing: &PropFootprint) -> bool {
         let kind = standing.name.split('/').next().unwrap();
         kind == "garage" || HouseKind::ALL.iter().any(|k| k.name() == kind)
     }
@@ -245,8 +245,8 @@ mod tests {
             let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
             for lane in lanes.iter().step_by(lanes.len() / 5) {
                 let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
-                let is_near = |s: &&Standing| (s.rect.center - viewer.truncate()).length() < 50.0;
-                let near: Vec<&Standing> = props.standing.iter().filter(is_near).collect();
+                let is_near = |s: &&PropFootprint| (s.rect.center - viewer.truncate()).length() < 50.0;
+                let near: Vec<&PropFootprint> = props.standing.iter().filter(is_near).collect();
                 let houses = near.iter().filter(|s| is_house(s)).count();
                 let scene = PosedScene::new(&props.instances, viewer);
                 found.push([houses, near.len() - houses, scene.num_triangles()]);

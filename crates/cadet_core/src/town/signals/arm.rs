@@ -35,7 +35,7 @@ pub enum CrossingRule {
 
 /// A street where it meets a junction.
 #[derive(Debug, Clone)]
-pub struct Arm {
+pub struct JunctionArm {
     /// The lanes that lead into the junction, the rightmost first.
     pub lanes: Vec<LaneId>,
     /// The lanes for bicycles beside them.
@@ -55,7 +55,7 @@ pub struct Arm {
     speed_limit_mps: f64,
 }
 
-impl Arm {
+impl JunctionArm {
     /// Whether it is a main road.
     #[must_use]
     pub fn is_main(&self) -> bool {
@@ -124,13 +124,13 @@ impl Arm {
 }
 
 /// The arms of a junction, by road.
-pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm> {
+pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<JunctionArm> {
     let leads_in =
         |l: &&Lane| l.junction.is_none() && l.successors.iter().any(|n| network.lane(*n).junction == Some(junction));
-    let mut arms: Vec<(u32, Arm)> = Vec::new();
+    let mut arms: Vec<(u32, JunctionArm)> = Vec::new();
     for lane in network.driving().filter(leads_in) {
         let (at, along) = end_of(lane);
-        let is_same = |(road, arm): &&mut (u32, Arm)| {
+        let is_same = |(road, arm): &&mut (u32, JunctionArm)| {
             *road == lane.road && (arm.at - at).length() < ONE_END_M && arm.along.dot(along) > 0.5
         };
         if let Some((_, arm)) = arms.iter_mut().find(is_same) {
@@ -143,7 +143,7 @@ pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm>
             }
             continue;
         }
-        let arm = Arm {
+        let arm = JunctionArm {
             lanes: vec![lane.id],
             cycle_lanes: Vec::new(),
             stage: 0,
@@ -176,7 +176,7 @@ fn end_of(lane: &Lane) -> (DVec2, DVec2) {
 }
 
 /// The carriageway's edges, right and left of an arm's first lane: of all lanes of its road that end or begin there.
-fn extent(network: &RoadNetwork, road: u32, arm: &Arm) -> (f64, f64) {
+fn extent(network: &RoadNetwork, road: u32, arm: &JunctionArm) -> (f64, f64) {
     let is_paved = |l: &&Lane| {
         let is_carriageway = matches!(
             l.kind,

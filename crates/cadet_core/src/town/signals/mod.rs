@@ -1,13 +1,13 @@
 //! Traffic lights and zebra crossings: which lanes they hold, when lights are green, where people cross, and what is seen.
 
 mod arm;
-mod head;
-mod plan;
 pub(in crate::town) mod right_of_way;
+mod signal_head;
+mod signal_plan;
 
-pub use arm::{Arm, CrossingRule, STOP_LINE_M};
-pub use head::Head;
-pub use plan::{Aspect, SignalPlan};
+pub use arm::{CrossingRule, JunctionArm, STOP_LINE_M};
+pub use signal_head::SignalHead;
+pub use signal_plan::{Aspect, SignalPlan};
 
 pub(super) use arm::FORD_M;
 
@@ -32,7 +32,7 @@ pub struct SignalledJunction {
     /// Its number in the network.
     pub junction: u32,
     /// The arms whose traffic the lights hold.
-    pub arms: Vec<Arm>,
+    pub arms: Vec<JunctionArm>,
     /// When they are green.
     pub plan: SignalPlan,
 }
@@ -43,9 +43,9 @@ pub struct Signals {
     /// The junctions that have some.
     pub junctions: Vec<SignalledJunction>,
     /// Arms without lights whose ford is a zebra crossing.
-    pub zebras: Vec<Arm>,
+    pub zebras: Vec<JunctionArm>,
     /// The lights themselves.
-    pub heads: Vec<Head>,
+    pub heads: Vec<SignalHead>,
     /// By lane that they hold: junction and arm.
     by_lane: BTreeMap<LaneId, (usize, usize)>,
 }
@@ -56,7 +56,7 @@ impl Signals {
         let mut junctions = Vec::new();
         for (junction, lights) in lights_by_junction(network) {
             let mut arms = arms_of(network, junction);
-            let held = |arm: &Arm| lights.iter().any(|(lane, _)| arm.lanes.contains(lane));
+            let held = |arm: &JunctionArm| lights.iter().any(|(lane, _)| arm.lanes.contains(lane));
             arms.retain(held);
             let controllers: Vec<Option<usize>> = arms
                 .iter()
@@ -149,7 +149,7 @@ impl Signals {
 }
 
 /// Zebra crossings at some of the arms without lights: of streets with one lane a direction and sidewalks.
-fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey) -> Vec<Arm> {
+fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey) -> Vec<JunctionArm> {
     let has_sidewalk: BTreeSet<u32> =
         network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk).map(|l| l.road).collect();
     let junctions: BTreeSet<u32> = network.driving().filter_map(|l| l.junction).collect();
@@ -184,7 +184,7 @@ fn lights_by_junction(network: &RoadNetwork) -> BTreeMap<u32, Vec<(LaneId, Optio
 
 /// Gives arms that face each other one stage, all others one of their own, and the arms of one controller those of the map
 /// as far as they face each other. Returns the number of stages.
-fn assign_stages(arms: &mut [Arm], controllers: &[Option<usize>]) -> usize {
+fn assign_stages(arms: &mut [JunctionArm], controllers: &[Option<usize>]) -> usize {
     let mut num_stages = 0;
     for i in 0..arms.len() {
         let fits = |j: &usize| {

@@ -62,7 +62,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
                 }
             }
         }
-        let solid = |s: &&crate::town::placement::placer::Standing| s.rect.half.x > 0.01;
+        let solid = |s: &&crate::town::placement::placer::PropFootprint| s.rect.half.x > 0.01;
         for (i, a) in props.standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
             for (j, b) in props.standing.iter().enumerate().filter(|(_, s)| solid(s)) {
                 let is_far = (a.rect.center - b.rect.center).length() > 16.0;

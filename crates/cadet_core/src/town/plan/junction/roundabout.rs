@@ -77,7 +77,7 @@ impl Roundabout {
             let bend = |start: PlanPose| Segment {
                 start,
                 length_m: BEND_M * (PI / 2.0 - beside_rad),
-                curvature: -1.0 / BEND_M,
+                curvature_per_m: -1.0 / BEND_M,
             };
             let at =
                 |place_rad: f64| PlanPose::new(self.center + unit(place_rad) * self.island_m, place_rad + PI / 2.0);
@@ -87,7 +87,7 @@ impl Roundabout {
             curve.segments.push(Segment {
                 start: at(first_rad),
                 length_m: around_rad * self.island_m,
-                curvature: 1.0 / self.island_m,
+                curvature_per_m: 1.0 / self.island_m,
             });
             on_ring = Some(OnRing { from_m, to_m: curve.length_m(), lane_m: self.lane_m });
             curve.segments.push(bend(at(last_rad)));
@@ -99,7 +99,9 @@ impl Roundabout {
     /// The edge of its island, once round, counter-clockwise.
     pub(in crate::town) fn island(&self) -> PlanCurve {
         let start = PlanPose::new(self.center + DVec2::X * self.island_m, PI / 2.0);
-        PlanCurve { segments: vec![Segment { start, length_m: TAU * self.island_m, curvature: 1.0 / self.island_m }] }
+        PlanCurve {
+            segments: vec![Segment { start, length_m: TAU * self.island_m, curvature_per_m: 1.0 / self.island_m }],
+        }
     }
 }
 

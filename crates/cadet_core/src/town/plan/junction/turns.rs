@@ -11,7 +11,7 @@ pub(in crate::town) const STRAIGHT_RAD: f64 = 0.6;
 
 /// Which end of a street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::town) enum End {
+pub(in crate::town) enum WhichEnd {
     Start,
     Finish,
 }
@@ -20,7 +20,7 @@ pub(in crate::town) enum End {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::town) struct StreetEnd {
     pub street: usize,
-    pub end: End,
+    pub end: WhichEnd,
 }
 
 /// A street's arm at a junction.
@@ -44,7 +44,7 @@ impl StreetArm {
 
 /// A way through a junction: from one lane at a street's end to one at another's.
 #[derive(Debug, Clone)]
-pub(in crate::town) struct Turn {
+pub(in crate::town) struct PlannedTurn {
     pub(in crate::town) junction: usize,
     pub(in crate::town) from: StreetEnd,
     pub(in crate::town) to: StreetEnd,
@@ -64,7 +64,7 @@ pub(in crate::town) struct Turn {
 
 /// The ways from each arm of a junction to each other one, across it or round a roundabout; arms go round
 /// counter-clockwise.
-pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Option<&Roundabout>) -> Vec<Turn> {
+pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Option<&Roundabout>) -> Vec<PlannedTurn> {
     let mut turns = Vec::new();
     for (i, from) in arms.iter().enumerate() {
         let bend = |to: &StreetArm| wrap_angle(to.heading_rad - from.heading_rad - PI);
@@ -88,7 +88,7 @@ pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Op
         for (_, to) in others() {
             if from.style.tracks.is_some() && to.style.tracks.is_some() && bend(to).abs() < STRAIGHT_RAD {
                 let curve = PlanCurve::between(from.pose().reversed(), to.pose());
-                turns.push(Turn {
+                turns.push(PlannedTurn {
                     junction,
                     from: from.from,
                     to: to.from,
@@ -114,7 +114,7 @@ pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Op
                     None => (PlanCurve::between(ends.0, ends.1), None),
                 };
                 let is_inner_and_straight = *lanes == [0, 0] && bend(to).abs() < STRAIGHT_RAD;
-                turns.push(Turn {
+                turns.push(PlannedTurn {
                     junction,
                     from: from.from,
                     to: to.from,

@@ -59,7 +59,7 @@ pub(in crate::town) struct LaneRecord {
 
 /// The lanes from a place on, up to the next section.
 pub(in crate::town) struct Section {
-    pub s: f64,
+    pub s_m: f64,
     /// Line, gap, and width of the broken line in the middle, if there is one.
     pub center_line_m: Option<(f64, f64, f64)>,
     pub lanes: Vec<LaneRecord>,
@@ -174,11 +174,11 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
         lanes
     };
     let has_bay = |right: bool| street.bays.stretch_m.is_some() && street.bays.widths_m[usize::from(!right)] > 0.0;
-    let section = |s: f64, bay: Option<f64>, before: bool, after: bool| {
+    let section = |s_m: f64, bay: Option<f64>, before: bool, after: bool| {
         let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
         lanes.reverse();
         lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
-        Section { s, center_line_m: center_line_m(style), lanes }
+        Section { s_m, center_line_m: center_line_m(style), lanes }
     };
     match street.bays.stretch_m {
         None => vec![section(0.0, None, false, false)],
@@ -194,18 +194,18 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
 pub(in crate::town) fn write_lanes(out: &mut String, sections: &[Section]) {
     out.push_str("<lanes>\n");
     for section in sections {
-        put(out, format_args!("<laneSection s=\"{:.6}\">\n", section.s));
+        put(out, format_args!("<laneSection s=\"{:.6}\">\n", section.s_m));
         let side = |out: &mut String, name: &str, keep: &dyn Fn(i32) -> bool| {
             if section.lanes.iter().any(|l| keep(l.id)) {
                 put(out, format_args!("<{name}>\n"));
-                section.lanes.iter().filter(|l| keep(l.id)).for_each(|l| write_lane(out, section.s, l));
+                section.lanes.iter().filter(|l| keep(l.id)).for_each(|l| write_lane(out, section.s_m, l));
                 put(out, format_args!("</{name}>\n"));
             }
         };
         side(out, "left", &|id| id > 0);
         out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
         if let Some((line_m, gap_m, width_m)) = section.center_line_m {
-            write_broken_line(out, section.s, (line_m, gap_m), width_m);
+            write_broken_line(out, section.s_m, (line_m, gap_m), width_m);
         } else {
             put(
                 out,

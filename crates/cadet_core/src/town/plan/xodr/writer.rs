@@ -4,7 +4,7 @@ use crate::math;
 use crate::town::network::road_network::LaneSurface;
 use crate::town::plan::junction::cycle_turns::CycleTurn;
 use crate::town::plan::junction::roundabout::Roundabout;
-use crate::town::plan::junction::turns::{End, StreetEnd, Turn};
+use crate::town::plan::junction::turns::{PlannedTurn, StreetEnd, WhichEnd};
 use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::relief::Relief;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
@@ -13,7 +13,7 @@ use crate::town::plan::xodr::lanes::{
     CYCLE_FORD_M, LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
     street_sections, write_lanes,
 };
-use crate::town::plan::xodr::signals::{write_controllers, write_junction_controllers, write_signals};
+use crate::town::plan::xodr::signal_records::{write_controllers, write_junction_controllers, write_signals};
 use crate::town::plan::xodr::text::{Cubic, put};
 
 /// How a document begins.
@@ -78,17 +78,17 @@ fn cycle_turn_id(plan: &StreetPlan, turn: usize) -> usize {
 }
 
 /// Signs of the ids of the lanes that traffic arrives on at a street's end, and of those that it leaves on.
-fn signs_at(end: End) -> (i32, i32) {
+fn signs_at(end: WhichEnd) -> (i32, i32) {
     match end {
-        End::Start => (1, -1),
-        End::Finish => (-1, 1),
+        WhichEnd::Start => (1, -1),
+        WhichEnd::Finish => (-1, 1),
     }
 }
 
-fn contact(end: End) -> &'static str {
+fn contact(end: WhichEnd) -> &'static str {
     match end {
-        End::Start => "start",
-        End::Finish => "end",
+        WhichEnd::Start => "start",
+        WhichEnd::Finish => "end",
     }
 }
 
@@ -134,7 +134,7 @@ fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
     put(out, format_args!("<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n"));
 }
 
-fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, relief: &Relief) {
+fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedTurn, relief: &Relief) {
     let (a, b) = (&plan.streets[turn.from.street].style, &plan.streets[turn.to.street].style);
     let length = turn.curve.length_m();
     write_way(out, plan, (turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
@@ -178,7 +178,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         }
         lanes.push(LaneRecord { surface, ..lane(turn_walk_id(plan, turn), kind, widths_m, Some(walked)) });
     }
-    write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
+    write_lanes(out, &[Section { s_m: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }
 
@@ -200,12 +200,12 @@ fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief)
         predecessor: None,
         successor: None,
     }];
-    write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
+    write_lanes(out, &[Section { s_m: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }
 
 /// Id of the sidewalk's lane of a turn along a curb: beyond the strip of road that cycle lanes go on as.
-fn turn_walk_id(plan: &StreetPlan, turn: &Turn) -> i32 {
+fn turn_walk_id(plan: &StreetPlan, turn: &PlannedTurn) -> i32 {
     let has_cycle_lane = |at: StreetEnd| plan.streets[at.street].style.cycle_lane.is_some();
     if has_cycle_lane(turn.from) || has_cycle_lane(turn.to) { -3 } else { -2 }
 }
@@ -225,7 +225,7 @@ fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Cy
         successor: Some(ridden_id(b, signs_at(turn.to.end).1)),
     };
     let center_line_m = turn.has_lines.then_some(CYCLE_FORD_M);
-    write_lanes(out, &[Section { s: 0.0, center_line_m, lanes: vec![lane] }]);
+    write_lanes(out, &[Section { s_m: 0.0, center_line_m, lanes: vec![lane] }]);
     out.push_str("</road>\n");
 }
 
@@ -315,10 +315,10 @@ pub(in crate::town) fn write_shape(
             out,
             format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"),
         );
-        if g.curvature == 0.0 {
+        if g.curvature_per_m == 0.0 {
             out.push_str("<line/>");
         } else {
-            put(out, format_args!("<arc curvature=\"{:.12}\"/>", g.curvature));
+            put(out, format_args!("<arc curvature=\"{:.12}\"/>", g.curvature_per_m));
         }
         out.push_str("</geometry>\n");
         s += length;

@@ -69,5 +69,5 @@ fn across(section: &CrossSection) -> Section {
     let mut lanes: Vec<LaneRecord> = side(1).collect();
     lanes.reverse();
     lanes.extend(side(-1));
-    Section { s: 0.0, center_line_m: None, lanes }
+    Section { s_m: 0.0, center_line_m: None, lanes }
 }

@@ -1,7 +1,7 @@
 //! The traffic lights of a street plan as OpenDRIVE: signals along the streets, and the controllers of junctions.
 
 use crate::math::{PI, wrap_angle};
-use crate::town::plan::junction::turns::End;
+use crate::town::plan::junction::turns::WhichEnd;
 use crate::town::plan::street_plan::{Street, StreetPlan};
 use crate::town::plan::xodr::text::put;
 
@@ -9,21 +9,21 @@ use crate::town::plan::xodr::text::put;
 const BEFORE_END_M: f64 = 4.2;
 /// Arms that lie opposite each other within this have one controller.
 const FACING_RAD: f64 = 0.8;
-const ENDS: [End; 2] = [End::Start, End::Finish];
+const ENDS: [WhichEnd; 2] = [WhichEnd::Start, WhichEnd::Finish];
 
 /// Number of a light: streets have two ends.
-fn signal_id(street: usize, end: End) -> usize {
-    2 * street + usize::from(end == End::Finish) + 1
+fn signal_id(street: usize, end: WhichEnd) -> usize {
+    2 * street + usize::from(end == WhichEnd::Finish) + 1
 }
 
-fn junction_at(street: &Street, end: End) -> usize {
-    street.junctions[usize::from(end == End::Finish)]
+fn junction_at(street: &Street, end: WhichEnd) -> usize {
+    street.junctions[usize::from(end == WhichEnd::Finish)]
 }
 
 /// The lights at the ends of a street.
 pub(in crate::town) fn write_signals(out: &mut String, plan: &StreetPlan, index: usize) {
     let street = &plan.streets[index];
-    let lit: Vec<End> = ENDS.into_iter().filter(|end| plan.has_signals[junction_at(street, *end)]).collect();
+    let lit: Vec<WhichEnd> = ENDS.into_iter().filter(|end| plan.has_signals[junction_at(street, *end)]).collect();
     if lit.is_empty() {
         return;
     }
@@ -33,8 +33,8 @@ pub(in crate::town) fn write_signals(out: &mut String, plan: &StreetPlan, index:
     for end in lit {
         // Traffic arrives at the finish along s, on the right, and at the start against it, on the left.
         let (s, t, orientation) = match end {
-            End::Start => (BEFORE_END_M, half_m, '-'),
-            End::Finish => (length_m - BEFORE_END_M, -half_m, '+'),
+            WhichEnd::Start => (BEFORE_END_M, half_m, '-'),
+            WhichEnd::Finish => (length_m - BEFORE_END_M, -half_m, '+'),
         };
         put(
             out,
@@ -55,8 +55,8 @@ fn arms(plan: &StreetPlan, junction: usize) -> Vec<(usize, f64)> {
     for (index, street) in plan.streets.iter().enumerate() {
         for end in ENDS.into_iter().filter(|end| junction_at(street, *end) == junction) {
             let heading_rad = match end {
-                End::Start => street.curve.pose_at(0.0).heading_rad,
-                End::Finish => street.curve.pose_at(street.curve.length_m()).heading_rad + PI,
+                WhichEnd::Start => street.curve.pose_at(0.0).heading_rad,
+                WhichEnd::Finish => street.curve.pose_at(street.curve.length_m()).heading_rad + PI,
             };
             arms.push((signal_id(index, end), heading_rad));
         }

@@ -7,7 +7,7 @@ use crate::town::signals::{Aspect, Signals};
 
 /// A light.
 #[derive(Debug, Clone)]
-pub struct Head {
+pub struct SignalHead {
     /// What it is like.
     pub kind: HeadKind,
     /// Its junction and arm in [`Signals::junctions`].
@@ -16,7 +16,7 @@ pub struct Head {
     pub world_from_head: DPose3,
 }
 
-impl Head {
+impl SignalHead {
     /// Which lenses are lit: red, yellow, green.
     #[must_use]
     pub fn lenses(&self, signals: &Signals, time_s: f64) -> [bool; 3] {
