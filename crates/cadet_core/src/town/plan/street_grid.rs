@@ -4,7 +4,6 @@ use crate::math::{self, DVec2, TAU};
 use crate::plane::unit;
 use crate::rng::Stream;
 use crate::town::network::road_network::LaneSurface;
-use crate::town::plan::junction::turns::WhichEnd;
 use crate::town::plan::plan_curve::heading_of;
 use crate::town::plan::suburb_config::SuburbConfig;
 
@@ -277,6 +276,13 @@ pub(in crate::town) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut 
             style.median_width_m = (bed_m * 5.0).round() / 5.0;
         }
     }
+}
+
+/// Which end of a street.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::town) enum WhichEnd {
+    Start,
+    Finish,
 }
 
 /// A walk along the grid from one junction to the next.

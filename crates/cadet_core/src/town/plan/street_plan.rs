@@ -5,10 +5,12 @@ use crate::plane::unit;
 use crate::rng::{Stream, StreamKey};
 use crate::town::plan::junction::cycle_turns::{CycleTurn, cycle_turns};
 use crate::town::plan::junction::roundabout::Roundabout;
-use crate::town::plan::junction::turns::{PlannedTurn, StreetArm, StreetEnd, WhichEnd, turns};
+use crate::town::plan::junction::street_arm::{StreetArm, StreetEnd};
+use crate::town::plan::junction::turns::{PlannedTurn, turns};
 use crate::town::plan::place_streets;
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose, heading_of};
 use crate::town::plan::street_bays::StreetBays;
+use crate::town::plan::street_grid::WhichEnd;
 use crate::town::plan::street_grid::{
     Chain, LineStyle, StreetGrid, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads,
 };

@@ -1,7 +1,8 @@
 //! The ways of bicycles through a junction that a street with cycle lanes leads to: from every arm to every other one.
 
 use crate::math::{PI, wrap_angle};
-use crate::town::plan::junction::turns::{STRAIGHT_RAD, StreetArm, StreetEnd};
+use crate::town::plan::junction::street_arm::{StreetArm, StreetEnd};
+use crate::town::plan::junction::turns::STRAIGHT_RAD;
 use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::street_grid::LineStyle;
 

@@ -3,7 +3,7 @@
 use crate::math::{self, DVec2, PI, TAU};
 use crate::plane::unit;
 use crate::rng::Stream;
-use crate::town::plan::junction::turns::StreetArm;
+use crate::town::plan::junction::street_arm::StreetArm;
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose, Segment};
 use crate::town::plan::street_grid::StreetKind;
 

@@ -1,46 +1,12 @@
 //! The ways through a junction: which lane leads to which.
 
-use crate::math::{DVec2, PI, wrap_angle};
-use crate::plane::unit;
+use crate::math::{PI, wrap_angle};
 use crate::town::plan::junction::roundabout::{OnRing, Roundabout};
+use crate::town::plan::junction::street_arm::{StreetArm, StreetEnd};
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose};
-use crate::town::plan::street_grid::LineStyle;
 
 /// Ways that bend less than this go straight on.
 pub(in crate::town) const STRAIGHT_RAD: f64 = 0.6;
-
-/// Which end of a street.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::town) enum WhichEnd {
-    Start,
-    Finish,
-}
-
-/// One end of a street.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::town) struct StreetEnd {
-    pub street: usize,
-    pub end: WhichEnd,
-}
-
-/// A street's arm at a junction.
-pub(in crate::town) struct StreetArm {
-    pub from: StreetEnd,
-    /// The middle of the junction.
-    pub center: DVec2,
-    /// Out of the junction.
-    pub heading_rad: f64,
-    pub style: LineStyle,
-    /// How far from the middle of the junction the street ends.
-    pub cut_m: f64,
-}
-
-impl StreetArm {
-    /// Where the middle of the street ends, looking out of the junction.
-    pub fn pose(&self) -> PlanPose {
-        PlanPose::new(self.center + unit(self.heading_rad) * self.cut_m, self.heading_rad)
-    }
-}
 
 /// A way through a junction: from one lane at a street's end to one at another's.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! The traffic lights of a street plan as OpenDRIVE: signals along the streets, and the controllers of junctions.
 
 use crate::math::{PI, wrap_angle};
-use crate::town::plan::junction::turns::WhichEnd;
+use crate::town::plan::street_grid::WhichEnd;
 use crate::town::plan::street_plan::{Street, StreetPlan};
 use crate::town::plan::xodr::text::put;
 

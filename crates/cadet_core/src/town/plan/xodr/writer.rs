@@ -4,9 +4,11 @@ use crate::math;
 use crate::town::network::road_network::LaneSurface;
 use crate::town::plan::junction::cycle_turns::CycleTurn;
 use crate::town::plan::junction::roundabout::Roundabout;
-use crate::town::plan::junction::turns::{PlannedTurn, StreetEnd, WhichEnd};
+use crate::town::plan::junction::street_arm::StreetEnd;
+use crate::town::plan::junction::turns::PlannedTurn;
 use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::relief::Relief;
+use crate::town::plan::street_grid::WhichEnd;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
 use crate::town::plan::street_plan::{Street, StreetPlan};
 use crate::town::plan::xodr::lanes::{
