@@ -10,7 +10,7 @@ use crate::math::{DVec2, DVec3, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 use crate::town::placement::placer::Placer;
-use crate::town::signals::{FORD_M, JunctionArm};
+use crate::town::signals::{ArmId, FORD_M, JunctionArm};
 use crate::town::signals::{SignalHead, Signals};
 
 /// Posts stand so far before the junction, and so far behind the curb; farther where that is still a road.
@@ -32,7 +32,8 @@ pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mu
         for (a, arm) in junction.arms.iter().enumerate() {
             let (has_mast, has_board) = (s.chance(MAST_SHARE), s.chance(BOARD_SHARE));
             let has_mast = arm.is_main() && (has_mast || arm.lanes.len() > 1);
-            let mut posts = Posts { placer, heads: &mut heads, obstacles: &mut obstacles, arm: (j, a) };
+            let mut posts =
+                Posts { placer, heads: &mut heads, obstacles: &mut obstacles, arm: ArmId { junction: j, arm: a } };
             posts.beside(arm, has_mast, has_board);
         }
     }
@@ -44,7 +45,7 @@ struct Posts<'a, 'b> {
     placer: &'a mut Placer<'b>,
     heads: &'a mut Vec<SignalHead>,
     obstacles: &'a mut Vec<OrientedRect>,
-    arm: (usize, usize),
+    arm: ArmId,
 }
 
 impl Posts<'_, '_> {

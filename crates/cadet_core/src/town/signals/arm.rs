@@ -25,12 +25,21 @@ const ONE_END_M: f64 = 25.0;
 pub enum CrossingRule {
     /// There is no ford near by.
     Anywhere,
-    /// On the ford of an arm: junction and arm.
-    Ford((usize, usize)),
+    /// On the ford of an arm.
+    Ford(ArmId),
     /// On a zebra crossing.
     Zebra,
     /// Not here: there is a ford a few steps away.
     Nowhere,
+}
+
+/// An arm of a junction with lights, by its places in [`Signals::junctions`](super::Signals::junctions).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArmId {
+    /// The junction.
+    pub junction: usize,
+    /// Its arm.
+    pub arm: usize,
 }
 
 /// A street where it meets a junction.
@@ -110,13 +119,13 @@ impl JunctionArm {
         left_m > self.right_m - SIDEWALK_M && left_m < self.left_m + SIDEWALK_M
     }
 
-    /// How people get over this arm with lights: [`CrossingRule::Ford`] with zeros on its ford.
-    pub(super) fn crossing_rule(&self, from: DVec2, to: DVec2) -> CrossingRule {
+    /// How people get over this arm with lights, which has an id.
+    pub(super) fn crossing_rule(&self, id: ArmId, from: DVec2, to: DVec2) -> CrossingRule {
         let (before_m, left_m) = self.local((from + to) / 2.0);
         if !(-NO_CROSSING_M.1..NO_CROSSING_M.0).contains(&before_m) || !self.is_across(left_m) {
             CrossingRule::Anywhere
         } else if self.has_ford() && self.is_over(from, to) {
-            CrossingRule::Ford((0, 0))
+            CrossingRule::Ford(id)
         } else {
             CrossingRule::Nowhere
         }

@@ -106,10 +106,19 @@ pub(in crate::town) fn sidewalk_id(style: &LineStyle, sign: i32) -> i32 {
     driving_id(style, sign, style.lanes_per_side + usize::from(style.cycle_lane.is_some()))
 }
 
+/// Whether a section of a street has one before it and one behind it.
+#[derive(Clone, Copy)]
+struct Neighbors {
+    before: bool,
+    after: bool,
+}
+
 /// The lane sections of a street: one, or three where it has bays.
 pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
     let style = &street.style;
-    let side = |sign: i32, bay: Option<f64>, before: bool, after: bool, has_bay: &dyn Fn(bool) -> bool| {
+    let has_bay = |sign: i32| street.bays.stretch_m.is_some() && street.bays.widths_m[usize::from(sign > 0)] > 0.0;
+    let side = |sign: i32, bay: Option<f64>, neighbors: Neighbors| {
+        let Neighbors { before, after } = neighbors;
         let through = |id: i32, kind: &'static str, width_m: f64| LaneRecord {
             id,
             kind,
@@ -159,7 +168,7 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
             });
         }
         // Bays take the sidewalk's number in the middle section, which moves the sidewalk out by one.
-        let number = |in_bay_section: bool| bay_id + if in_bay_section && has_bay(sign < 0) { sign } else { 0 };
+        let number = |in_bay_section: bool| bay_id + if in_bay_section && has_bay(sign) { sign } else { 0 };
         let in_bays = bay.is_some() || (before && after);
         let (kind, surface) = outermost_lane(style);
         lanes.push(LaneRecord {
@@ -173,19 +182,18 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
         });
         lanes
     };
-    let has_bay = |right: bool| street.bays.stretch_m.is_some() && street.bays.widths_m[usize::from(!right)] > 0.0;
-    let section = |s_m: f64, bay: Option<f64>, before: bool, after: bool| {
-        let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
+    let section = |s_m: f64, bay: Option<f64>, neighbors: Neighbors| {
+        let mut lanes = side(1, bay.filter(|_| has_bay(1)), neighbors);
         lanes.reverse();
-        lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
+        lanes.extend(side(-1, bay.filter(|_| has_bay(-1)), neighbors));
         Section { s_m, center_line_m: center_line_m(style), lanes }
     };
     match street.bays.stretch_m {
-        None => vec![section(0.0, None, false, false)],
+        None => vec![section(0.0, None, Neighbors { before: false, after: false })],
         Some((from, to)) => vec![
-            section(0.0, None, false, true),
-            section(from, Some(to - from), true, true),
-            section(to, None, true, false),
+            section(0.0, None, Neighbors { before: false, after: true }),
+            section(from, Some(to - from), Neighbors { before: true, after: true }),
+            section(to, None, Neighbors { before: true, after: false }),
         ],
     }
 }

@@ -79,11 +79,11 @@ fn cycle_turn_id(plan: &StreetPlan, turn: usize) -> usize {
     turn_id(plan, plan.turns.len() + turn)
 }
 
-/// Signs of the ids of the lanes that traffic arrives on at a street's end, and of those that it leaves on.
-fn signs_at(end: WhichEnd) -> (i32, i32) {
+/// The sign of the ids of the lanes that traffic arrives on at a street's end; it leaves on those of the other sign.
+fn arriving_sign(end: WhichEnd) -> i32 {
     match end {
-        WhichEnd::Start => (1, -1),
-        WhichEnd::Finish => (-1, 1),
+        WhichEnd::Start => 1,
+        WhichEnd::Finish => -1,
     }
 }
 
@@ -140,7 +140,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedT
     let (a, b) = (&plan.streets[turn.from.street].style, &plan.streets[turn.to.street].style);
     let length = turn.curve.length_m();
     write_way(out, plan, (turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
-    let (arrives, leaves) = (signs_at(turn.from.end).0, signs_at(turn.to.end).1);
+    let (arrives, leaves) = (arriving_sign(turn.from.end), -arriving_sign(turn.to.end));
     let lane = |id: i32, kind: &'static str, [at_start_m, at_end_m]: [f64; 2], links: Option<[i32; 2]>| LaneRecord {
         id,
         kind,
@@ -223,8 +223,8 @@ fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Cy
         widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
         surface: if turn.is_red { LaneSurface::Red } else { LaneSurface::Usual },
         outer_line: if turn.has_lines { OuterLine::CycleFord } else { OuterLine::None },
-        predecessor: Some(ridden_id(a, signs_at(turn.from.end).0)),
-        successor: Some(ridden_id(b, signs_at(turn.to.end).1)),
+        predecessor: Some(ridden_id(a, arriving_sign(turn.from.end))),
+        successor: Some(ridden_id(b, -arriving_sign(turn.to.end))),
     };
     let center_line_m = turn.has_lines.then_some(CYCLE_FORD_M);
     write_lanes(out, &[Section { s_m: 0.0, center_line_m, lanes: vec![lane] }]);
@@ -264,7 +264,7 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
     let here = plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
     for (number, (index, turn)) in here.enumerate() {
         let style = &plan.streets[turn.from.street].style;
-        let sign = signs_at(turn.from.end).0;
+        let sign = arriving_sign(turn.from.end);
         let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
         put(
             out,
@@ -292,7 +292,7 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
                 first + number,
                 street_id(turn.from.street),
                 cycle_turn_id(plan, index),
-                ridden_id(&plan.streets[turn.from.street].style, signs_at(turn.from.end).0)
+                ridden_id(&plan.streets[turn.from.street].style, arriving_sign(turn.from.end))
             ),
         );
     }
