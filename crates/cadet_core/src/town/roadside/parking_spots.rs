@@ -53,8 +53,7 @@ const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
 pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) -> Vec<ParkingSpot> {
     let mut spots = Vec::new();
     for lane in &network.lanes {
-        let mut stream = key.indexed("town/parking", lane.id.0 as u64);
-        let pitch_m = stream.range(PITCH_M.0, PITCH_M.1);
+        let (pitch_m, mut stream) = pitch_and_stream(key, lane);
         match lane.kind {
             LaneKind::Parking if lane.width_m.iter().all(|w| *w < MIN_BAY_M) => {
                 half_bays(lane, network, ground, pitch_m, &mut spots);
@@ -70,6 +69,12 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
         }
     }
     spots
+}
+
+/// The spacing of parallel places along a lane, and the stream that all else of them is drawn from.
+fn pitch_and_stream(key: &StreamKey, lane: &Lane) -> (f64, Stream) {
+    let mut stream = key.indexed("town/parking", lane.id.0 as u64);
+    (stream.range(PITCH_M.0, PITCH_M.1), stream)
 }
 
 /// Whether a lane for bicycles lies beside a lane.
@@ -146,9 +151,7 @@ fn angle_and_pitch(lane: &Lane, stream: &mut Stream) -> (f64, f64) {
 pub(in crate::town) fn bay_lines(network: &RoadNetwork, key: &StreamKey) -> Vec<PaintedQuad> {
     let mut lines = Vec::new();
     for lane in network.lanes.iter().filter(|l| is_at_aisle(l)) {
-        let mut stream = key.indexed("town/parking", lane.id.0 as u64);
-        // As for the places themselves, whose first draw this is.
-        let _ = stream.range(PITCH_M.0, PITCH_M.1);
+        let (_, mut stream) = pitch_and_stream(key, lane);
         let (angle_rad, pitch_m) = angle_and_pitch(lane, &mut stream);
         let middles = row(lane, MIN_DEEP_BAY_M, pitch_m);
         let starts = middles.iter().map(|s| s - pitch_m / 2.0);
