@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 /// # Errors
 /// The line of what is wrong, where the text is not well-formed, and what it is.
 pub(in crate::town) fn parse(text: &str) -> Result<Document<'_>, (Option<usize>, String)> {
-    let map = Document::parse(text).map_err(|e| (Some(e.pos().row as usize), format!("no OpenDRIVE: {e}")))?;
+    let map = Document::parse(text).map_err(|e| (Some(e.pos().row as usize), format!("not readable as XML: {e}")))?;
     let root = map.root_element().tag_name().name().to_owned();
     if root == "OpenDRIVE" {
         Ok(map)
