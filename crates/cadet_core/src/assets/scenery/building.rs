@@ -51,6 +51,16 @@ impl House {
         }
     }
 
+    /// The ways in at its front: from where to where along y, meters.
+    #[must_use]
+    pub fn doorways_m(&self) -> Vec<[f64; 2]> {
+        let doorways = match &self.design {
+            Design::Garden(design) => design.doorways(),
+            Design::Row(design) => design.doorways(),
+        };
+        doorways.into_iter().map(|doorway| doorway.map(f64::from)).collect()
+    }
+
     /// Draws colors for it.
     #[must_use]
     pub fn draw_palette(&self, stream: &mut Stream) -> Arc<Palette> {

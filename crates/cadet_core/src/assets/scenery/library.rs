@@ -6,14 +6,14 @@ use super::building::{Design, House};
 use super::city::CityDesign;
 use super::hall::HallDesign;
 use super::house::HouseDesign;
-use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
+use super::materials::{fence_palette, furniture_palette, house_palette, plant_palette};
 use super::tree::TreeDesign;
 use super::{
     CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture, NUM_CITY_HOUSES,
     PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences, furniture as bins,
     garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles, thing_palette, things,
 };
-use crate::geometry::{Bounds, LodSet, Mesh, MeshBuilder};
+use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
@@ -126,18 +126,6 @@ pub fn lot_furniture(kind: LotFurniture) -> SceneryModel {
             }
         })
         .clone()
-}
-
-/// Where the doors of a house's front are: the y of their middles.
-#[must_use]
-pub fn house_doors(house: &SceneryModel) -> Vec<f64> {
-    let mesh: &Mesh = &house.shape.levels[0].1;
-    let front = house.footprint_max.x - 0.6;
-    let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
-    let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize]));
-    let mut sides: Vec<f64> = corners.filter(|p| f64::from(p.x) > front).map(|p| f64::from(p.y)).collect();
-    sides.sort_by(f64::total_cmp);
-    sides.chunk_by(|a, b| b - a < 0.7).map(|door| (door[0] + door[door.len() - 1]) / 2.0).collect()
 }
 
 /// A garage of one or two bays; the doors face +x.

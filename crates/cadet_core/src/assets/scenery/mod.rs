@@ -42,8 +42,8 @@ pub use hall::{HALL_VARIANTS, HallKind, hall_palette};
 pub use hedge::NARROW_HEDGES;
 pub use house::HouseKind;
 pub use library::{
-    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, house_doors, lot_furniture,
-    num_variants, paving, pole, thing, tree,
+    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, lot_furniture, num_variants,
+    paving, pole, thing, tree,
 };
 pub use lot_furniture::{LotFurniture, lot_furniture_palette};
 pub use motorway::{

@@ -241,7 +241,6 @@ fn yard(plot: &Plot) -> OrientedRect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::assets::scenery::house_doors;
     use crate::rng::StreamKey;
     use crate::town::plots::frontage;
     use crate::town::props::{Props, place_props};
@@ -324,8 +323,9 @@ mod tests {
                     let is_there =
                         |s: &&crate::town::placement::placer::PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
                     assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.house.model.name));
-                    for door in house_doors(&house.house.model) {
+                    for [y0, y1] in house.house.doorways_m() {
                         num_doors += 1;
+                        let door = (y0 + y1) / 2.0;
                         let steps: Vec<DVec2> = [0.3, 0.7, 1.1].map(|d| plot.at(-door, -d)).into();
                         let on_sidewalk = |p: &DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Sidewalk);
                         let is_free = |p: &DVec2| !props.standing.iter().any(|s| s.rect.contains(*p, 0.2));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::assets::scenery::materials::house_palette;
 use crate::assets::scenery::{
-    FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, house_doors, num_variants, paving, tree,
+    FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, num_variants, paving, tree,
 };
 use crate::frames;
 use crate::math::DVec3;
@@ -17,7 +17,7 @@ use crate::town::{ParkingSpot, SpotKind};
 
 const GATE_M: f64 = 1.3;
 /// Kept free on the sidewalk before a door.
-const DOOR_HALF_M: f64 = 0.85;
+const DOOR_WIDTH_M: f64 = 1.7;
 const DOOR_DEPTH_M: f64 = 1.6;
 
 /// A strip of the plot that stays open, from the gate to a door or garage: [a0, a1] along the front.
@@ -97,11 +97,7 @@ fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Pl
         let parts = plot.house_parts();
         placer.cover(&parts);
         placer.row_walls.extend(parts);
-        for y in house_doors(&house.house.model) {
-            // The house looks toward the street, so its own y axis runs against the plot's.
-            let a = house.along_m - y;
-            placer.ways.push(plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [-DOOR_DEPTH_M, 0.0]));
-        }
+        placer.ways.extend(plot.before_doors(DOOR_WIDTH_M, [-DOOR_DEPTH_M, 0.0]));
     }
 }
 

@@ -64,6 +64,18 @@ impl Plot {
         vec![strip(-w, cut_at, d), strip(cut_at + 0.005, w, [d[0] + corner.cut_m, d[1]])]
     }
 
+    /// The ground before the doors of its house, as wide as they are and at least `least_m`, from where to where behind the
+    /// plot's front.
+    pub fn before_doors(&self, least_m: f64, behind_m: [f64; 2]) -> Vec<OrientedRect> {
+        let Some(house) = &self.house else { return Vec::new() };
+        let before = |[y0, y1]: [f64; 2]| {
+            // The house looks toward the street, so its own y axis runs against the plot's.
+            let (middle_m, half_m) = (house.along_m - (y0 + y1) / 2.0, ((y1 - y0) / 2.0).max(least_m / 2.0));
+            self.rect([middle_m - half_m, middle_m + half_m], behind_m)
+        };
+        house.house.doorways_m().into_iter().map(before).collect()
+    }
+
     /// The walls of its house.
     pub fn house_rect(&self) -> Option<OrientedRect> {
         self.house.as_ref().map(|h| {

@@ -112,9 +112,9 @@ fn no_thing_stands_before_a_door() {
             for plot in crate::town::plots::lay_out(frontage, &style, &site, &mut taken, &mut s) {
                 let Some(house) = &plot.house else { continue };
                 let wall = plot.at(house.along_m, house.setback_m);
-                for y in house_doors(&house.house.model) {
+                for [y0, y1] in house.house.doorways_m() {
                     // A meter before the door; the house looks against the plot's outward way.
-                    let before = wall - plot.along * y - plot.out() * 1.0;
+                    let before = wall - plot.along * ((y0 + y1) / 2.0) - plot.out() * 1.0;
                     let blocked =
                         props.standing.iter().find(|s| kind_of(&s.name).is_some() && s.rect.contains(before, 0.4));
                     assert!(blocked.is_none(), "seed {seed}: {blocked:?} before a door at {before}");

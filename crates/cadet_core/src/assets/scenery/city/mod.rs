@@ -123,6 +123,13 @@ impl CityDesign {
         Some(CityCorner { side, cut_m: f64::from(self.cut) })
     }
 
+    /// The ways in at the front: from where to where along y.
+    pub fn doorways(&self) -> Vec<[f32; 2]> {
+        let front = plan::sides(self.kind, self.depth, self.width, self.cut)[0];
+        let along = |[u0, u1]: [f32; 2]| [front.from.y + u0, front.from.y + u1];
+        front::doorways(self, front.width(), 0).into_iter().map(along).collect()
+    }
+
     /// Height of a floor: 0 is the ground floor's.
     fn floor(&self, story: usize) -> f32 {
         if story == 0 { 0.1 } else { self.ground_m + self.story_m * (story - 1) as f32 }
