@@ -23,13 +23,6 @@ pub(in crate::town) struct PropFootprint {
     pub name: String,
 }
 
-/// How many instances and footprints there were at a time.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::town) struct Mark {
-    instances: usize,
-    standing: usize,
-}
-
 /// The instances so far.
 #[derive(Debug)]
 pub(in crate::town) struct Placer<'a> {
@@ -58,18 +51,6 @@ impl<'a> Placer<'a> {
             bays: Vec::new(),
             plants: Vec::new(),
         }
-    }
-
-    /// How much stands so far.
-    pub fn mark(&self) -> Mark {
-        Mark { instances: self.instances.len(), standing: self.standing.len() }
-    }
-
-    /// Takes away what stands at [`mark`](Self::mark)s from one to another. Plants still keep their distance from those
-    /// that were there, so that what is drawn for them later stays.
-    pub fn clear(&mut self, from: Mark, to: Mark) {
-        self.instances.drain(from.instances..to.instances);
-        self.standing.drain(from.standing..to.standing);
     }
 
     /// Puts a model upright, its x axis along `facing`; houses go to the mean height of their corners, but never so

@@ -56,18 +56,15 @@ pub(in crate::town) fn place_props(
     let mut plots_on_streets = Vec::new();
     for (i, (frontage, style)) in frontages.iter().zip(&styles).enumerate() {
         let plots = plots::lay_out(frontage, style, &site, &mut taken, &mut stream("plots", i));
-        let mut s = stream("gardens", i);
         let mut things = stream("things/lots", i);
-        for plot in &plots {
-            let before = placer.mark();
-            garden::fill(plot, style, &mut s, &mut placer, &mut drives);
+        for plot in plots {
             // What is built on a vacant plot takes the place of its garden.
-            if street_things::is_cleared(plot, config.clutter, &mut things) {
-                placer.clear(before, placer.mark());
-                plots_on_streets.push(PlotOnStreet { plot: plot.clone(), frontage: i, is_cleared: true });
-            } else {
-                plots_on_streets.push(PlotOnStreet { plot: plot.clone(), frontage: i, is_cleared: false });
+            let is_cleared = street_things::is_cleared(&plot, config.clutter, &mut things);
+            if !is_cleared {
+                let mut s = stream("garden", plots_on_streets.len());
+                garden::fill(&plot, style, &mut s, &mut placer, &mut drives);
             }
+            plots_on_streets.push(PlotOnStreet { plot, frontage: i, is_cleared });
         }
         // Roundabouts have signs of their own.
         let lane = frontage.lane.map(|id| network.lane(id)).filter(|lane| !network.ends_at_roundabout(lane));

@@ -121,7 +121,7 @@ pub(super) fn place(
         if plots_on_streets.is_cleared {
             lots::build(&mut furnisher, &plots_on_streets.plot, style, &mut s);
         } else {
-            gardens::furnish(&mut furnisher, &plots_on_streets.plot, style, clutter, &mut s);
+            gardens::furnish(&mut furnisher, &plots_on_streets.plot, clutter, &mut s);
         }
     }
     for spot in drives.iter().filter(|spot| spot.kind == SpotKind::Drive) {

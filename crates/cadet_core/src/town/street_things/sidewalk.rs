@@ -147,10 +147,6 @@ fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut St
             f.taken.take(rect);
         }
     };
-    // Lights stand where they rule; these draws are kept so that those after them stay.
-    if s.chance(0.65) {
-        let _ = s.below(6);
-    }
     let is_built = plots.iter().any(|p| p.house.is_some());
     if !is_built && s.chance(0.4) {
         let post = pole(PoleKind::Delineator, s.below(6));
