@@ -51,20 +51,21 @@ pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Op
                 }
             }
         }
+        let turn = |to: &StreetArm, curve: PlanCurve| PlannedTurn {
+            junction,
+            from: from.from,
+            to: to.from,
+            lanes: [0, 0],
+            curve,
+            along_curb: false,
+            is_track: false,
+            on_ring: None,
+            paved_left_m: [0.0; 2],
+        };
         for (_, to) in others() {
             if from.style.tracks.is_some() && to.style.tracks.is_some() && bend(to).abs() < STRAIGHT_RAD {
                 let curve = PlanCurve::between(from.pose().reversed(), to.pose());
-                turns.push(PlannedTurn {
-                    junction,
-                    from: from.from,
-                    to: to.from,
-                    lanes: [0, 0],
-                    curve,
-                    along_curb: false,
-                    is_track: true,
-                    on_ring: None,
-                    paved_left_m: [0.0; 2],
-                });
+                turns.push(PlannedTurn { is_track: true, ..turn(to, curve) });
             }
         }
         for ((j, to), pairs) in others().zip(&pairs) {
@@ -81,16 +82,12 @@ pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Op
                 };
                 let is_inner_and_straight = *lanes == [0, 0] && bend(to).abs() < STRAIGHT_RAD;
                 turns.push(PlannedTurn {
-                    junction,
-                    from: from.from,
-                    to: to.from,
                     lanes: *lanes,
-                    curve,
-                    is_track: false,
                     on_ring,
                     along_curb: j == (i + 1) % arms.len() && *lanes == outermost,
                     paved_left_m: [from, to]
                         .map(|arm| if is_inner_and_straight { arm.style.median_width_m / 2.0 } else { 0.0 }),
+                    ..turn(to, curve)
                 });
             }
         }

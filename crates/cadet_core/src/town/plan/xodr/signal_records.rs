@@ -36,14 +36,12 @@ pub(in crate::town) fn write_signals(out: &mut String, plan: &StreetPlan, index:
             WhichEnd::Start => (BEFORE_END_M, half_m, '-'),
             WhichEnd::Finish => (length_m - BEFORE_END_M, -half_m, '+'),
         };
-        put(
+        put!(
             out,
-            format_args!(
-                "<signal s=\"{s:.6}\" t=\"{t:.6}\" id=\"{}\" name=\"\" dynamic=\"yes\" orientation=\"{orientation}\" \
+            "<signal s=\"{s:.6}\" t=\"{t:.6}\" id=\"{}\" name=\"\" dynamic=\"yes\" orientation=\"{orientation}\" \
                  zOffset=\"2.25\" country=\"DE\" type=\"1000001\" subtype=\"-1\" value=\"-1\" height=\"0.9\" \
                  width=\"0.3\"/>\n",
-                signal_id(index, end)
-            ),
+            signal_id(index, end)
         );
     }
     out.push_str("</signals>\n");
@@ -89,9 +87,9 @@ pub(in crate::town) fn write_controllers(out: &mut String, plan: &StreetPlan) {
     for junction in (0..plan.num_junctions).filter(|j| plan.has_signals[*j]) {
         let first = first_controller(plan, junction);
         for (k, lights) in groups(plan, junction).iter().enumerate() {
-            put(out, format_args!("<controller id=\"{}\" name=\"\" sequence=\"{k}\">", first + k));
+            put!(out, "<controller id=\"{}\" name=\"\" sequence=\"{k}\">", first + k);
             for light in lights {
-                put(out, format_args!("<control signalId=\"{light}\" type=\"\"/>"));
+                put!(out, "<control signalId=\"{light}\" type=\"\"/>");
             }
             out.push_str("</controller>\n");
         }
@@ -105,7 +103,7 @@ pub(in crate::town) fn write_junction_controllers(out: &mut String, plan: &Stree
     }
     let first = first_controller(plan, junction);
     for k in 0..groups(plan, junction).len() {
-        put(out, format_args!("<controller id=\"{}\" type=\"\" sequence=\"{k}\"/>", first + k));
+        put!(out, "<controller id=\"{}\" type=\"\" sequence=\"{k}\"/>", first + k);
     }
     out.push('\n');
 }

@@ -33,10 +33,7 @@ const CROSSFALL_RAMP_M: f64 = 20.0;
 pub(in crate::town) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &[f64]) -> String {
     let mut out = String::with_capacity(1 << 20);
     out.push_str(HEADER);
-    put(
-        &mut out,
-        format_args!("<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n"),
-    );
+    put!(&mut out, "<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n");
     for (i, (street, fall)) in plan.streets.iter().zip(crossfall).enumerate() {
         write_street(&mut out, (plan, i), street, relief, *fall);
     }
@@ -54,13 +51,11 @@ pub(in crate::town) fn write(name: &str, plan: &StreetPlan, relief: &Relief, cro
         write_junction(&mut out, plan, junction);
     }
     for junction in (0..plan.num_junctions).filter(|j| plan.roundabouts[*j].is_some()) {
-        put(
+        put!(
             &mut out,
-            format_args!(
-                "<junctionGroup name=\"\" id=\"{0}\" type=\"roundabout\"><junctionReference junction=\"{0}\"/>\
+            "<junctionGroup name=\"\" id=\"{0}\" type=\"roundabout\"><junctionReference junction=\"{0}\"/>\
                  </junctionGroup>\n",
-                junction + 1
-            ),
+            junction + 1
         );
     }
     out.push_str("</OpenDRIVE>\n");
@@ -103,16 +98,14 @@ fn write_street(
 ) {
     let [from, to] = street.junctions;
     let length = street.curve.length_m();
-    put(
+    put!(
         out,
-        format_args!(
-            "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
+        "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
              <predecessor elementType=\"junction\" elementId=\"{}\"/>\
              <successor elementType=\"junction\" elementId=\"{}\"/></link>\n",
-            street_id(index),
-            from + 1,
-            to + 1
-        ),
+        street_id(index),
+        from + 1,
+        to + 1
     );
     write_type(out, &street.style, street.style.speed_kmh);
     write_shape(out, &street.curve, relief, &|s| crossfall * crossfall_share(s, length));
@@ -133,7 +126,7 @@ fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
     } else {
         "lowSpeed"
     };
-    put(out, format_args!("<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n"));
+    put!(out, "<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n");
 }
 
 fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedTurn, relief: &Relief) {
@@ -142,13 +135,9 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedT
     write_way(out, plan, (turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
     let (arrives, leaves) = (arriving_sign(turn.from.end), -arriving_sign(turn.to.end));
     let lane = |id: i32, kind: &'static str, [at_start_m, at_end_m]: [f64; 2], links: Option<[i32; 2]>| LaneRecord {
-        id,
-        kind,
-        widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
-        surface: LaneSurface::Usual,
-        outer_line: OuterLine::None,
         predecessor: links.map(|[from, _]| from),
         successor: links.map(|[_, to]| to),
+        ..LaneRecord::new(id, kind, vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))])
     };
     let mut lanes = Vec::new();
     if turn.paved_left_m.iter().any(|m| *m > 0.0) {
@@ -188,20 +177,9 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedT
 fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief) {
     let curve = ring.island();
     let length = curve.length_m();
-    put(
-        out,
-        format_args!("<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"-1\" rule=\"RHT\">\n<link/>\n"),
-    );
+    put!(out, "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"-1\" rule=\"RHT\">\n<link/>\n");
     write_shape(out, &curve, relief, &|_| 0.0);
-    let lanes = vec![LaneRecord {
-        id: 1,
-        kind: "median",
-        widths: vec![Cubic::constant(ring.island_m - ISLAND_MIDDLE_M)],
-        surface: LaneSurface::Usual,
-        outer_line: OuterLine::None,
-        predecessor: None,
-        successor: None,
-    }];
+    let lanes = vec![LaneRecord::new(1, "median", vec![Cubic::constant(ring.island_m - ISLAND_MIDDLE_M)])];
     write_lanes(out, &[Section { s_m: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }
@@ -218,13 +196,11 @@ fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Cy
     let [a, b] = [turn.from, turn.to].map(|at| &plan.streets[at.street].style);
     let (length, [at_start_m, at_end_m]) = (turn.curve.length_m(), turn.widths_m);
     let lane = LaneRecord {
-        id: -1,
-        kind: "biking",
-        widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
         surface: if turn.is_red { LaneSurface::Red } else { LaneSurface::Usual },
         outer_line: if turn.has_lines { OuterLine::CycleFord } else { OuterLine::None },
         predecessor: Some(ridden_id(a, arriving_sign(turn.from.end))),
         successor: Some(ridden_id(b, -arriving_sign(turn.to.end))),
+        ..LaneRecord::new(-1, "biking", vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))])
     };
     let center_line_m = turn.has_lines.then_some(CYCLE_FORD_M);
     write_lanes(out, &[Section { s_m: 0.0, center_line_m, lanes: vec![lane] }]);
@@ -241,18 +217,16 @@ fn write_way(
 ) {
     let (a, b) = (&plan.streets[from.street].style, &plan.streets[to.street].style);
     let length = curve.length_m();
-    put(
+    put!(
         out,
-        format_args!(
-            "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"{}\" rule=\"RHT\">\n<link>\
+        "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"{}\" rule=\"RHT\">\n<link>\
              <predecessor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/>\
              <successor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/></link>\n",
-            junction + 1,
-            street_id(from.street),
-            contact(from.end),
-            street_id(to.street),
-            contact(to.end)
-        ),
+        junction + 1,
+        street_id(from.street),
+        contact(from.end),
+        street_id(to.street),
+        contact(to.end)
     );
     write_type(out, a, a.speed_kmh.min(b.speed_kmh));
     // Crossings lie level: a street's crossfall begins and ends with its own piece.
@@ -260,40 +234,36 @@ fn write_way(
 }
 
 fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
-    put(out, format_args!("<junction name=\"\" id=\"{}\">\n", junction + 1));
+    put!(out, "<junction name=\"\" id=\"{}\">\n", junction + 1);
     let here = plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
     for (number, (index, turn)) in here.enumerate() {
         let style = &plan.streets[turn.from.street].style;
         let sign = arriving_sign(turn.from.end);
         let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
-        put(
+        put!(
             out,
-            format_args!(
-                "<connection id=\"{number}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
+            "<connection id=\"{number}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
                  <laneLink from=\"{arrives}\" to=\"-1\"/>",
-                street_id(turn.from.street),
-                turn_id(plan, index)
-            ),
+            street_id(turn.from.street),
+            turn_id(plan, index)
         );
         if turn.along_curb {
             let to = turn_walk_id(plan, turn);
-            put(out, format_args!("<laneLink from=\"{}\" to=\"{to}\"/>", sidewalk_id(style, sign)));
+            put!(out, "<laneLink from=\"{}\" to=\"{to}\"/>", sidewalk_id(style, sign));
         }
         out.push_str("</connection>\n");
     }
     let first = plan.turns.iter().filter(|t| t.junction == junction).count();
     let here = plan.cycle_turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
     for (number, (index, turn)) in here.enumerate() {
-        put(
+        put!(
             out,
-            format_args!(
-                "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
+            "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
                  <laneLink from=\"{}\" to=\"-1\"/></connection>\n",
-                first + number,
-                street_id(turn.from.street),
-                cycle_turn_id(plan, index),
-                ridden_id(&plan.streets[turn.from.street].style, arriving_sign(turn.from.end))
-            ),
+            first + number,
+            street_id(turn.from.street),
+            cycle_turn_id(plan, index),
+            ridden_id(&plan.streets[turn.from.street].style, arriving_sign(turn.from.end))
         );
     }
     write_junction_controllers(out, plan, junction);
@@ -313,14 +283,11 @@ pub(in crate::town) fn write_shape(
     for g in &curve.segments {
         let (x, y, hdg) = (g.start.at.x, g.start.at.y, g.start.heading_rad);
         let length = g.length_m;
-        put(
-            out,
-            format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"),
-        );
+        put!(out, "<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">");
         if g.curvature_per_m == 0.0 {
             out.push_str("<line/>");
         } else {
-            put(out, format_args!("<arc curvature=\"{:.12}\"/>", g.curvature_per_m));
+            put!(out, "<arc curvature=\"{:.12}\"/>", g.curvature_per_m);
         }
         out.push_str("</geometry>\n");
         s += length;
