@@ -110,14 +110,8 @@ fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch_m: f64, 
         if out.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Sidewalk) {
             continue;
         }
-        if let Some(world_from_spot) = stand(ground, &pose, side * out, pitch_m, HALF_BAY_SPOT_WIDTH_M) {
-            spots.push(ParkingSpot {
-                kind: SpotKind::Parallel,
-                world_from_spot,
-                length_m: pitch_m,
-                width_m: HALF_BAY_SPOT_WIDTH_M,
-            });
-        }
+        let size_m = (pitch_m, HALF_BAY_SPOT_WIDTH_M);
+        spots.extend(spot(ground, SpotKind::Parallel, &pose, side * out, size_m));
     }
 }
 
@@ -126,9 +120,7 @@ fn bays(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>
         let pose = lane.pose_at(s);
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
         let out = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_CURB_M).max(0.0);
-        if let Some(world_from_spot) = stand(ground, &pose, lane.curb_side() * out, pitch_m, width_m) {
-            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch_m, width_m });
-        }
+        spots.extend(spot(ground, SpotKind::Parallel, &pose, lane.curb_side() * out, (pitch_m, width_m)));
     }
 }
 
@@ -189,9 +181,7 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
         let heading = forward * cos + out * sin;
         let place = pose.translation + (out * aside_m).extend(0.0);
         let turned = frames::upright(place, math::atan2(heading.y, heading.x));
-        if let Some(world_from_spot) = stand(ground, &turned, 0.0, length_m, width_m) {
-            spots.push(ParkingSpot { kind, world_from_spot, length_m, width_m });
-        }
+        spots.extend(spot(ground, kind, &turned, 0.0, (length_m, width_m)));
     }
 }
 
@@ -199,14 +189,9 @@ fn curbside(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingS
     let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch_m / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch_m / 2.0);
     while s <= end {
         let pose = lane.pose_at(s);
-        let out = curbside_offset(lane, ground, s, pitch_m).map(|m| lane.curb_side() * m);
-        if let Some(world_from_spot) = out.and_then(|left_m| stand(ground, &pose, left_m, pitch_m, SPOT_WIDTH_M)) {
-            spots.push(ParkingSpot {
-                kind: SpotKind::Parallel,
-                world_from_spot,
-                length_m: pitch_m,
-                width_m: SPOT_WIDTH_M,
-            });
+        if let Some(out_m) = curbside_offset(lane, ground, s, pitch_m) {
+            let size_m = (pitch_m, SPOT_WIDTH_M);
+            spots.extend(spot(ground, SpotKind::Parallel, &pose, lane.curb_side() * out_m, size_m));
         }
         s += pitch_m;
     }
@@ -238,8 +223,14 @@ fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch_m: f64) -> Option
     Some(CLEAR_OF_LANE_M + SPOT_WIDTH_M / 2.0)
 }
 
-/// The pose of a car that stands `left_m` left of `lane_pose`, its wheels on the ground (half on a curb, if need be).
-fn stand(ground: &Ground, lane_pose: &DPose3, left_m: f64, length_m: f64, width_m: f64) -> Option<DPose3> {
+/// A place `left_m` left of `lane_pose`, in which a car has its wheels on the ground (half on a curb, if need be).
+fn spot(
+    ground: &Ground,
+    kind: SpotKind,
+    lane_pose: &DPose3,
+    left_m: f64,
+    (length_m, width_m): (f64, f64),
+) -> Option<ParkingSpot> {
     let forward = (lane_pose.rotation * DVec3::X).truncate().normalize_or_zero();
     let left = forward.perp();
     let middle = lane_pose.translation.truncate() + left * left_m;
@@ -252,5 +243,6 @@ fn stand(ground: &Ground, lane_pose: &DPose3, left_m: f64, length_m: f64, width_
     let along = front_left + front_right - rear_left - rear_right;
     let across = front_left + rear_left - front_right - rear_right;
     let z = (front_left.z + front_right.z + rear_left.z + rear_right.z) / 4.0;
-    Some(frames::facing(middle.extend(z), along, along.cross(across)))
+    let world_from_spot = frames::facing(middle.extend(z), along, along.cross(across));
+    Some(ParkingSpot { kind, world_from_spot, length_m, width_m })
 }
