@@ -110,12 +110,17 @@ impl ClearanceGrid {
 
 /// Lowers the squares of the clearances about an edge of the outline, whose ends are relative to the grid's origin.
 fn lower_about([a, b]: [DVec2; 2], [columns, rows]: [usize; 2], squared_m2: &mut Tiles<f64>) {
-    let reach = DVec2::splat(MAX_MARGIN_M);
-    let lo = ((a.min(b) - reach) / STEP_M).ceil().max(DVec2::ZERO);
-    let hi = ((a.max(b) + reach) / STEP_M).floor();
     let (d, length_2) = (b - a, (b - a).length_squared().max(1e-12));
-    for row in lo.y as usize..=(hi.y as usize).min(rows - 1) {
-        for column in lo.x as usize..=(hi.x as usize).min(columns - 1) {
+    let points = |low_m: f64, high_m: f64, count: usize| {
+        let [first, last] = [(low_m - MAX_MARGIN_M) / STEP_M, (high_m + MAX_MARGIN_M) / STEP_M];
+        first.ceil().max(0.0) as usize..=(last.floor() as usize).min(count - 1)
+    };
+    for row in points(a.y.min(b.y), a.y.max(b.y), rows) {
+        let y = row as f64 * STEP_M;
+        // The x of the part of the edge within reach of the row: the whole edge where it runs along the rows.
+        let ends = [y - MAX_MARGIN_M, y + MAX_MARGIN_M].map(|y| ((y - a.y) / d.y).clamp(0.0, 1.0));
+        let [from, to] = if d.y.abs() > 1e-9 { ends } else { [0.0, 1.0] }.map(|t| a.x + d.x * t);
+        for column in points(from.min(to), from.max(to), columns) {
             let p = DVec2::new(column as f64, row as f64) * STEP_M - a;
             let t = (p.dot(d) / length_2).clamp(0.0, 1.0);
             let known = squared_m2.at_mut(column, row);
