@@ -23,6 +23,17 @@ def test_a_draw_is_a_pure_function_of_its_numbers() -> None:
     assert policy.draw(5, 9, 0).config != policy.draw(5, 9, 1).config
 
 
+def test_large_seeds_are_used_in_full_and_episodes_that_would_share_their_streams_are_refused() -> None:
+    seeds = [3, *(3 + 2**bit for bit in (32, 40, 52, 53, 62)), 3 * 2**40, 2**63 - 1]
+    policy = ResetPolicy.kitti()
+    assert len({policy.draw(seed, 0).config for seed in seeds}) == len(seeds)
+    # Both are the 32-bit words 1, 3, 7, 0.
+    assert policy.draw(1 + 3 * 2**32, 7).config
+    for episode, attempt, name in [(3 + 7 * 2**32, 0, "episode"), (-1, 0, "episode"), (0, 10**9 + 1, "attempt")]:
+        with pytest.raises(CadetError, match=f"^{name}: expected a whole number from 0 to 1000000000, got "):
+            policy.draw(1, episode, attempt)
+
+
 def test_kittis_weather_is_bad_in_a_tenth_of_the_episodes() -> None:
     num = 4000
     drawn = Counter(ResetPolicy.kitti().draw(0, episode).weather for episode in range(num))

@@ -15,6 +15,7 @@ import numpy as np
 from cadet.errors import CadetError
 
 MAX_SEED = 2**63 - 1
+MAX_EPISODE = 10**9
 
 _LONGEST_SHOWN = 100
 
@@ -177,14 +178,14 @@ def as_pairs(owner: str, name: str, values: object, what: str) -> tuple[tuple[An
     return tuple((first, second) for first, second in pairs)
 
 
-def as_seed(seed: object, name: str = "seed") -> int:
+def as_seed(seed: object) -> int:
     """Return a seed as Python's own integer; NumPy's are accepted.
 
     Raises:
         CadetError: not a whole number from 0 to `MAX_SEED`.
     """
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or not 0 <= seed <= MAX_SEED:
-        raise CadetError(f"{name}: expected a whole number from 0 to 2**63 - 1, got {shown(seed)}")
+        raise CadetError(f"seed: expected a whole number from 0 to 2**63 - 1, got {shown(seed)}")
     return int(seed)
 
 

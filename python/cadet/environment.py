@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from cadet.assets import Assets
-from cadet.checks import as_seed, check_number, fresh_seed
+from cadet.checks import MAX_EPISODE, as_seed, check_number, fresh_seed
 from cadet.config import SceneConfig
 from cadet.episode import Episode, as_command
 from cadet.errors import CadetError
@@ -70,7 +70,7 @@ class Environment:
                 one of a seed that is kept.
 
         Raises:
-            CadetError: a seed or an episode that is no whole number of at least 0.
+            CadetError: a seed that is none, or an episode that is no whole number from 0 to `MAX_EPISODE`.
         """
         before = self._current
         if seed is None and before is not None:
@@ -78,7 +78,7 @@ class Environment:
         else:
             seed, next_episode = fresh_seed() if seed is None else as_seed(seed), 0
         episode = next_episode if episode is None else episode
-        check_number("reset", "episode", episode, 0, 10**9, whole=True)
+        check_number("reset", "episode", episode, 0, MAX_EPISODE, whole=True)
         self._current = Episode(self.policy, seed, int(episode), self._draw, wanted=self._wanted)
         self._next_sample = 0
 

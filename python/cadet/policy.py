@@ -8,6 +8,7 @@ from typing import Any
 
 from cadet.assets import Assets
 from cadet.checks import (
+    MAX_EPISODE,
     as_pairs,
     as_seed,
     as_tuple,
@@ -264,9 +265,13 @@ class ResetPolicy:
         """Draw the world of an episode: a pure function of the policy and the three numbers.
 
         Raises:
-            CadetError: one of them is no whole number of at least 0.
+            CadetError: a seed that is none, or an episode or attempt that is no whole number from 0 to `MAX_EPISODE`.
         """
-        seed, episode, attempt = as_seed(seed), as_seed(episode, "episode"), as_seed(attempt, "attempt")
+        seed = as_seed(seed)
+        # Larger ones would share streams with other seeds: `Draws` puts all numbers into one row of 32-bit words.
+        check_number("", "episode", episode, 0, MAX_EPISODE, whole=True)
+        check_number("", "attempt", attempt, 0, MAX_EPISODE, whole=True)
+        episode, attempt = int(episode), int(attempt)
         weather = Draws(seed, episode, attempt, "weather").weighted(self.weathers)
         district = Draws(seed, episode, attempt, "district").weighted(self.districts)
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None

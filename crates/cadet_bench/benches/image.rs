@@ -40,8 +40,9 @@ fn street() -> PosedScene {
     for k in 0..20_usize {
         let (x, side) = (k as f64 * 6.0 + 6.0, if k % 2 == 0 { 1.0 } else { -1.0 });
         let yaw = -side * PI / 2.0;
-        instances
-            .push(house(HouseKind::ALL[k % HouseKind::ALL.len()], 0).at(upright(DVec3::new(x, side * 16.0, 0.0), yaw)));
+        instances.push(
+            house(HouseKind::ALL[k % HouseKind::ALL.len()], 0).model.at(upright(DVec3::new(x, side * 16.0, 0.0), yaw)),
+        );
         instances.push(tree(TreeKind::Street, k % 2).at(upright(DVec3::new(x + 3.0, side * 5.5, 0.0), k as f64)));
         let car = VehicleModel::generate(ObjectClass::Car, k as u64).expect("a car has a shape");
         instances.push(Instance::new(

@@ -37,12 +37,22 @@ impl StreamKey {
     pub fn indexed(&self, name: &str, index: u64) -> Stream {
         let mut seed = [0_u8; 32];
         seed[..8].copy_from_slice(&self.seed.to_le_bytes());
-        seed[8..16].copy_from_slice(&(self.episode | (self.attempt << 40)).to_le_bytes());
+        // Episode and attempt are 128 bits: the key holds the low ones of both, ChaCha's stream number the high ones.
+        let (low_episode, high_episode) = (self.episode & EPISODE_MASK, self.episode >> EPISODE_BITS);
+        let high_attempt = self.attempt >> ATTEMPT_BITS << ATTEMPT_BITS;
+        seed[8..16].copy_from_slice(&(low_episode | (self.attempt << EPISODE_BITS)).to_le_bytes());
         seed[16..24].copy_from_slice(&index.to_le_bytes());
         seed[24..].copy_from_slice(&fnv1a(name.as_bytes()).to_le_bytes());
-        Stream(ChaCha8Rng::from_seed(seed))
+        let mut generator = ChaCha8Rng::from_seed(seed);
+        generator.set_stream(high_episode | high_attempt);
+        Stream(generator)
     }
 }
+
+/// Bits of an episode's and of an attempt's number that stand side by side in a stream's key.
+const EPISODE_BITS: u32 = 40;
+const ATTEMPT_BITS: u32 = u64::BITS - EPISODE_BITS;
+const EPISODE_MASK: u64 = (1 << EPISODE_BITS) - 1;
 
 fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
@@ -199,6 +209,8 @@ pub fn nearly_normal(bits: u64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
@@ -215,6 +227,24 @@ mod tests {
             first(StreamKey { attempt: 1, ..key }.indexed("lidar", 3)),
         ];
         assert!(others.iter().all(|o| *o != base));
+    }
+
+    #[test]
+    fn every_bit_of_seed_episode_and_attempt_counts() {
+        let mut first = BTreeSet::new();
+        let bits = (0..64).map(|bit| 1_u64 << bit);
+        for value in bits.chain([0, u64::MAX, (1 << 53) + 1]) {
+            let zero = StreamKey { seed: 0, episode: 0, attempt: 0 };
+            for key in [
+                StreamKey { seed: value, ..zero },
+                StreamKey { episode: value, ..zero },
+                StreamKey { attempt: value, ..zero },
+            ] {
+                first.insert(key.stream("bits").next_u64());
+            }
+        }
+        // The three keys of zeros are one.
+        assert_eq!(first.len(), 3 * 66 + 1);
     }
 
     #[test]

@@ -28,7 +28,9 @@ pub use plan::suburb::{Suburb, generate as generate_suburb};
 pub use plan::suburb_config::SuburbConfig;
 pub use roadside::parking_spots::parking_spots;
 pub use roadside::walkway::walkways;
-pub use signals::{Arm, Aspect, CrossingRule, Head, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
+pub use signals::{
+    ArmId, Aspect, CrossingRule, JunctionArm, STOP_LINE_M, SignalHead, SignalPlan, SignalledJunction, Signals,
+};
 pub use street_things::Seat;
 
 use self::paint::wear::Wear;

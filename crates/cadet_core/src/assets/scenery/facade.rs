@@ -24,6 +24,18 @@ pub(super) enum Filling {
     Gate,
 }
 
+impl Opening {
+    /// Where along the wall people or cars go in, if they do.
+    pub fn doorway(&self) -> Option<[f32; 2]> {
+        let [u0, u1, ..] = self.rect;
+        match self.filling {
+            Filling::Door | Filling::Gate => Some([u0, u1]),
+            Filling::Shop(shop) => Some(shop.doorway([u0, u1])),
+            Filling::Window { .. } | Filling::GarageDoor | Filling::RollerGate => None,
+        }
+    }
+}
+
 /// What hangs behind a pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Curtain {

@@ -166,8 +166,34 @@ impl HouseDesign {
         Filling::Window { sashes: self.sashes, shutter, curtain: Curtain::draw(s, 0.55) }
     }
 
-    /// The openings of one side; doors only where `doors` units have theirs.
-    fn openings(&self, s: &mut Stream, width: f32, doors: usize, gable: Option<f32>, density: f64) -> Vec<Opening> {
+    /// Length of a side's wall; sides go round counter-clockwise from the front.
+    fn side_width(&self, side: usize) -> f32 {
+        if side.is_multiple_of(2) { self.width } else { self.depth }
+    }
+
+    /// Whether the roof's end is over a side.
+    fn has_gable(&self, side: usize) -> bool {
+        side.is_multiple_of(2) == self.gable_to_street
+    }
+
+    /// Height of the gables.
+    fn rise(&self) -> f32 {
+        let roof = self.roof();
+        if self.flat_roof || roof.hipped { 0.0 } else { roof.ridge() - self.eaves }
+    }
+
+    /// The ways in at the front: from where to where along y.
+    pub fn doorways(&self) -> Vec<[f32; 2]> {
+        let along = |[u0, u1]: [f32; 2]| [u0 - self.width / 2.0, u1 - self.width / 2.0];
+        self.openings(0).iter().filter_map(Opening::doorway).map(along).collect()
+    }
+
+    /// The openings of a side, the same for every level of detail: doors at the front, one a unit.
+    fn openings(&self, side: usize) -> Vec<Opening> {
+        let s = &mut Stream::from_seed("facade", self.seed ^ side as u64);
+        let (width, doors) = (self.side_width(side), if side == 0 { self.units } else { 0 });
+        let gable = self.has_gable(side).then(|| self.rise());
+        let density = [0.95, 0.55, 0.85, 0.55][side];
         let (w, h) = self.window;
         let mut openings = Vec::new();
         let pitch = if self.kind == HouseKind::Block { 2.3 } else { 2.7 };
@@ -206,19 +232,18 @@ impl HouseDesign {
         let mut b = MeshBuilder::new();
         let (x, y) = (self.depth / 2.0, self.width / 2.0);
         let roof = self.roof();
-        let rise = if self.flat_roof || roof.hipped { 0.0 } else { roof.ridge() - self.eaves };
-        let sides = [
-            (Vec3::new(x, -y, 0.0), Vec3::Y, self.width, self.units, self.gable_to_street, 0.95),
-            (Vec3::new(x, y, 0.0), -Vec3::X, self.depth, 0, !self.gable_to_street, 0.55),
-            (Vec3::new(-x, y, 0.0), -Vec3::Y, self.width, 0, self.gable_to_street, 0.85),
-            (Vec3::new(-x, -y, 0.0), Vec3::X, self.depth, 0, !self.gable_to_street, 0.55),
-        ];
-        for (i, (origin, u, width, doors, gabled, density)) in sides.into_iter().enumerate() {
-            // The same stream for every level of detail: the same windows.
-            let mut s = Stream::from_seed("facade", self.seed ^ i as u64);
-            let rise = if gabled { rise } else { 0.0 };
-            let openings = self.openings(&mut s, width, doors, gabled.then_some(rise), density);
-            let plane = WallPlane { origin, u };
+        for (i, plane) in [
+            WallPlane { origin: Vec3::new(x, -y, 0.0), u: Vec3::Y },
+            WallPlane { origin: Vec3::new(x, y, 0.0), u: -Vec3::X },
+            WallPlane { origin: Vec3::new(-x, y, 0.0), u: -Vec3::Y },
+            WallPlane { origin: Vec3::new(-x, -y, 0.0), u: Vec3::X },
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let openings = self.openings(i);
+            let rise = if self.has_gable(i) { self.rise() } else { 0.0 };
+            let width = self.side_width(i);
             let shape = WallShape {
                 width,
                 bottom: self.plinth - 0.05,

@@ -2,18 +2,18 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::building::{Design, House};
 use super::city::CityDesign;
 use super::hall::HallDesign;
 use super::house::HouseDesign;
-use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
+use super::materials::{fence_palette, furniture_palette, house_palette, plant_palette};
 use super::tree::TreeDesign;
 use super::{
-    CityCorner, CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture,
-    NUM_CITY_HOUSES, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences,
-    furniture as bins, garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles,
-    thing_palette, things,
+    CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture, NUM_CITY_HOUSES,
+    PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences, furniture as bins,
+    garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles, thing_palette, things,
 };
-use crate::geometry::{Bounds, LodSet, Mesh, MeshBuilder};
+use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
@@ -50,12 +50,13 @@ fn model(name: String, shape: Arc<LodSet>, palette: Arc<Palette>, half: DVec2, h
 
 /// A house; x is its depth (the front at +x), y its width along the street.
 #[must_use]
-pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
+pub fn house(kind: HouseKind, variant: usize) -> House {
     static CELLS: [Cell; HOUSES * HouseKind::ALL.len()] = cells!(HOUSES * HouseKind::ALL.len());
     let variant = variant % HOUSES;
-    CELLS[kind as usize * HOUSES + variant]
+    let design = HouseDesign::new(kind, variant);
+    let model = CELLS[kind as usize * HOUSES + variant]
         .get_or_init(|| {
-            let design = HouseDesign::new(kind, variant);
+            let design = design.clone();
             let name = format!("{}/{variant}", kind.name());
             let palette = house_palette(&mut Stream::from_seed(&name, 0), design.flat_roof);
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
@@ -63,19 +64,20 @@ pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
             let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
             model(name, shape, palette, half, height_m)
         })
-        .clone()
+        .clone();
+    House { model, design: Design::Garden(design) }
 }
 
-/// A house of a closed row; x is its depth (the front at +x), y its width along the street, and its cut corner.
+/// A house of a closed row; x is its depth (the front at +x), y its width along the street.
 #[must_use]
-pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityCorner>) {
+pub fn city_house(kind: CityKind, variant: usize) -> House {
     const MOST: usize = 12;
     static CELLS: [Cell; 3 * MOST] = cells!(3 * MOST);
     let variant = variant % NUM_CITY_HOUSES[kind as usize];
     let design = CityDesign::new(kind, variant);
-    let corner = design.corner();
     let model = CELLS[kind as usize * MOST + variant]
         .get_or_init(|| {
+            let design = design.clone();
             let name = format!("{}/{variant}", kind.name());
             let palette = design.lit_shops(city_palette(&mut Stream::from_seed(&name, 0)));
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
@@ -84,7 +86,7 @@ pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityC
             model(name, shape, palette, half, height_m)
         })
         .clone();
-    (model, corner)
+    House { model, design: Design::Row(design) }
 }
 
 /// A large building; x is its depth (the front at +x), y its width along the street.
@@ -124,18 +126,6 @@ pub fn lot_furniture(kind: LotFurniture) -> SceneryModel {
             }
         })
         .clone()
-}
-
-/// Where the doors of a house's front are: the y of their middles.
-#[must_use]
-pub fn house_doors(house: &SceneryModel) -> Vec<f64> {
-    let mesh: &Mesh = &house.shape.levels[0].1;
-    let front = house.footprint_max.x - 0.6;
-    let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
-    let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize]));
-    let mut sides: Vec<f64> = corners.filter(|p| f64::from(p.x) > front).map(|p| f64::from(p.y)).collect();
-    sides.sort_by(f64::total_cmp);
-    sides.chunk_by(|a, b| b - a < 0.7).map(|door| (door[0] + door[door.len() - 1]) / 2.0).collect()
 }
 
 /// A garage of one or two bays; the doors face +x.

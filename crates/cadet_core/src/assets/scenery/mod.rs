@@ -4,6 +4,7 @@
 //! for houses, the driver for signs), or along the piece for fences and hedges. Foundations and trunks go on below
 //! z = 0, so that nothing floats on a slope.
 
+mod building;
 mod city;
 mod crops;
 mod draw;
@@ -32,9 +33,8 @@ mod wall_plane;
 
 use std::sync::Arc;
 
-pub use city::{
-    CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, light_shops, span_lamp, tree_pit,
-};
+pub use building::House;
+pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, span_lamp, tree_pit};
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
@@ -42,8 +42,8 @@ pub use hall::{HALL_VARIANTS, HallKind, hall_palette};
 pub use hedge::NARROW_HEDGES;
 pub use house::HouseKind;
 pub use library::{
-    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, house_doors, lot_furniture,
-    num_variants, paving, pole, thing, tree,
+    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, lot_furniture, num_variants,
+    paving, pole, thing, tree,
 };
 pub use lot_furniture::{LotFurniture, lot_furniture_palette};
 pub use motorway::{

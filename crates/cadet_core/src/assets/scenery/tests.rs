@@ -33,10 +33,11 @@ pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u
 fn every_model() -> Vec<SceneryModel> {
     let [houses, trees, fences, hedges, poles, bins] = num_variants();
     let mut models = vec![garage(1), garage(2), paving(true).0, paving(false).0];
-    models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v))));
+    models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v).model)));
     models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
     models.extend(FenceKind::ALL.iter().flat_map(|k| (0..fences).map(|v| fence(*k, v, 1))));
-    models.extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).0)));
+    models
+        .extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)));
     models.push(tree_pit());
     models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
     models.extend((0..hedges).map(|v| hedge(v, 1)));
@@ -96,7 +97,7 @@ fn levels_of_detail_keep_the_silhouette() {
 #[test]
 fn windows_are_openings_with_rooms_behind() {
     for kind in HouseKind::ALL {
-        let model = house(kind, 0);
+        let model = house(kind, 0).model;
         let mesh: &Mesh = &model.shape.levels[0].1;
         let mut panes = 0;
         for (face, _) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == house_slot::GLASS) {
@@ -127,7 +128,7 @@ fn windows_keep_their_panes_nets_and_frames_at_every_level() {
     let mut nets_m2 = 0.0;
     let variants = num_variants()[0];
     for (kind, variant) in HouseKind::ALL.iter().flat_map(|k| (0..variants).map(|v| (*k, v))) {
-        let model = house(kind, variant);
+        let model = house(kind, variant).model;
         let [near, mid, far] = [0, 1, 2].map(|k| &model.shape.levels[k].1);
         let panes_m2 = |mesh| area_m2(mesh, &[house_slot::GLASS, house_slot::DARK_GLASS, house_slot::NET_GLASS]);
         for (level, mesh) in [("middle", mid), ("far", far)] {
@@ -147,7 +148,7 @@ fn windows_keep_their_panes_nets_and_frames_at_every_level() {
 fn house_walls_have_no_holes_but_windows() {
     let mut s = Stream::from_seed("walls", 0);
     for kind in HouseKind::ALL {
-        let model = house(kind, 1);
+        let model = house(kind, 1).model;
         for level in &model.shape.levels {
             let mesh = &level.1;
             for _ in 0..150 {

@@ -75,8 +75,8 @@ fn propose(s: &mut Stream, frontage: &Frontage, land: &Land, from_m: f64, is_ham
     let [variants, ..] = num_variants();
     let kinds = [HouseKind::Detached, HouseKind::Village, HouseKind::Semi];
     let kind = kinds[s.weighted(if is_hamlet { &[0.7, 0.1, 0.2] } else { &[0.45, 0.5, 0.05] })];
-    let model = house(kind, s.below(variants));
-    let size = model.footprint_size();
+    let house = house(kind, s.below(variants));
+    let size = house.model.footprint_size();
     let (left_m, right_m) = (s.range(3.0, 7.0), 6.8 + s.range(0.0, 4.0));
     let setback_m = if is_hamlet { s.range(4.0, 8.0) } else { s.range(6.0, 16.0) };
     let length_m = size.y + left_m + right_m;
@@ -92,7 +92,7 @@ fn propose(s: &mut Stream, frontage: &Frontage, land: &Land, from_m: f64, is_ham
     if high - low > MOST_BENT_M || land.roadside.depth_m(front) > SHALLOW_M {
         return None;
     }
-    let house = PlacedHouse { kind, model, along_m: (left_m - right_m) / 2.0, setback_m, garage_bays: 1, corner: None };
+    let house = PlacedHouse { house, along_m: (left_m - right_m) / 2.0, setback_m, garage_bays: 1 };
     Some(Plot { front, along, length_m, depth_m: setback_m + size.x + s.range(9.0, 16.0), house: Some(house) })
 }
 
@@ -117,7 +117,7 @@ fn culvert(plot: &Plot, land: &Land, taken: &mut Occupancy, placer: &mut Placer)
 /// Behind the house, its gable to the road.
 fn barn(s: &mut Stream, plot: &Plot, taken: &mut Occupancy, placer: &mut Placer) {
     let [variants, ..] = num_variants();
-    let model = house(HouseKind::Village, s.below(variants));
+    let model = house(HouseKind::Village, s.below(variants)).model;
     let size = model.footprint_size();
     let side = if s.chance(0.5) { 1.0 } else { -1.0 };
     let a = side * (plot.length_m / 2.0 + size.x / 2.0 + s.range(2.0, 5.0));

@@ -8,7 +8,7 @@ use crate::math::DVec2;
 use crate::plane::bounds;
 use crate::rng::{Stream, StreamKey};
 use crate::town::countryside::SEEN_M;
-use crate::town::countryside::roadsides::room_m;
+use crate::town::countryside::verges::room_m;
 use crate::town::ground::land::fields::Crop;
 use crate::town::ground::region::{Inside, Ring, with_steps};
 use crate::town::placement::boundary::Boundary;
@@ -41,14 +41,14 @@ const LONE_TREE_M2: f64 = 4500.0;
 const FENCE_SEEN_M: f64 = 80.0;
 
 /// A field and how far it reaches.
-struct Site<'a> {
+struct FieldArea<'a> {
     rings: &'a [Ring],
     inside: Inside,
     min: DVec2,
     max: DVec2,
 }
 
-impl<'a> Site<'a> {
+impl<'a> FieldArea<'a> {
     fn new(rings: &'a [Ring]) -> Self {
         let points = rings.iter().flatten();
         let (min, max) = bounds(points.copied());
@@ -85,7 +85,7 @@ impl<'a> Site<'a> {
 pub(super) fn grow(key: &StreamKey, streets: &StreetPoints, greenery: f64, taken: &Occupancy, placer: &mut Placer) {
     for (i, (crop, rings)) in placer.site.fields().iter().enumerate() {
         let s = &mut key.indexed("country/field", i as u64);
-        let field = Site::new(rings);
+        let field = FieldArea::new(rings);
         if greenery <= 0.0 {
             continue;
         }
@@ -110,7 +110,7 @@ fn plant(s: &mut Stream, kind: TreeKind, at: DVec2, taken: &Occupancy, placer: &
     }
 }
 
-fn wood(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
+fn wood(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
     thicket(s, field, streets, taken, placer);
     let conifers = [0.05, 0.25, 0.7][s.weighted(&[0.5, 0.3, 0.2])];
     for at in field.cells(WOOD_CELL_M, s) {
@@ -132,7 +132,7 @@ fn wood(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy,
 }
 
 /// Undergrowth along the edge of a wood, where it gets light.
-fn thicket(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
+fn thicket(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
     let gaps = s.range(0.05, 0.35);
     for ring in field.rings {
         let points = with_steps(ring, THICKET_M);
@@ -153,7 +153,7 @@ fn thicket(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupan
 }
 
 /// Its outer rows; the others are hidden by them.
-fn maize(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
+fn maize(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
     let palette = maize_palette(s);
     for ring in field.rings {
         let points = with_steps(ring, MAIZE_M.0);
@@ -174,7 +174,14 @@ fn maize(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy
     }
 }
 
-fn meadow(s: &mut Stream, field: &Site, streets: &StreetPoints, greenery: f64, taken: &Occupancy, placer: &mut Placer) {
+fn meadow(
+    s: &mut Stream,
+    field: &FieldArea,
+    streets: &StreetPoints,
+    greenery: f64,
+    taken: &Occupancy,
+    placer: &mut Placer,
+) {
     let (is_orchard, has_fence, has_hedge) =
         (s.chance(ORCHARD_SHARE), s.chance(FENCE_SHARE), s.chance(HEDGE_SHARE * greenery.min(1.5)));
     if is_orchard {
@@ -203,7 +210,7 @@ fn meadow(s: &mut Stream, field: &Site, streets: &StreetPoints, greenery: f64, t
 }
 
 /// Wire on posts round a pasture.
-fn fence(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
+fn fence(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
     let boundary = Boundary::Fence(FenceKind::Wire, s.below(2));
     let palette = boundary_palette(boundary, s);
     for ring in field.rings {
@@ -218,7 +225,7 @@ fn fence(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy
 }
 
 /// Shrubs and trees on half of the balks round a field.
-fn hedge(s: &mut Stream, field: &Site, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
+fn hedge(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
     for ring in field.rings {
         let points = with_steps(ring, 1.0);
         let (first, count) = (s.below(points.len()), points.len() / 2);

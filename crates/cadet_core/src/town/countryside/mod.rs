@@ -4,9 +4,9 @@ mod farms;
 mod growth;
 mod horizon;
 mod motorway;
-mod roadsides;
 #[cfg(test)]
 mod tests;
+mod verges;
 
 pub(super) use horizon::hills;
 
@@ -31,7 +31,7 @@ pub(super) fn furnish(
     config: &PropConfig,
     placer: &mut Placer,
 ) -> Vec<ParkingSpot> {
-    let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(4).copied()), SEEN_M);
+    let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(4).copied()));
     let mut taken = Occupancy::default();
     let mut drives = Vec::new();
     if network.is_motorway() {
@@ -45,7 +45,7 @@ pub(super) fn furnish(
     }
     for (i, frontage) in frontages.iter().enumerate() {
         let s = &mut key.indexed("country/roadside", i as u64);
-        roadsides::furnish((key, network, signals), s, frontage, land, config.greenery, &taken, placer);
+        verges::furnish((key, network, signals), s, frontage, land, config.greenery, &taken, placer);
     }
     growth::grow(key, &streets, config.greenery, &taken, placer);
     drives

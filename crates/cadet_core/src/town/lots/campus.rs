@@ -5,27 +5,26 @@ use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
-use crate::town::lots::layout::{Item, Layout, fitting};
+use crate::town::lots::layout::{LotItem, LotLayout, fitting};
 use crate::town::placement::boundary::Boundary;
 
 /// Width of the way to a door.
 const WAY_M: f64 = 3.0;
 
 /// Lays one out.
-pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
-    let mut lot = Layout::default();
+pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> LotLayout {
+    let mut lot = LotLayout::default();
     let half = length_m / 2.0;
     let setback_m = s.range(6.0, 14.0);
-    let model = fitting(HallKind::Institute, length_m - 3.0, depth_m - setback_m - 2.0, s)
-        .or_else(|| fitting(HallKind::Office, length_m - 3.0, depth_m - setback_m - 2.0, s));
+    let kinds = [HallKind::Institute, HallKind::Office];
+    let building = fitting(&kinds, length_m - 3.0, depth_m - setback_m - 2.0, s);
     let way_m = s.range(-0.3, 0.3) * length_m;
     // A plaza in place of the lawn, now and then.
     let is_plaza = s.chance(0.3);
     let surface = if s.chance(0.5) { YardSurface::Slabs } else { YardSurface::Pavers };
     let paved = if is_plaza { [-half + 1.0, half - 1.0] } else { [way_m - WAY_M / 2.0, way_m + WAY_M / 2.0] };
     lot.paved.push((surface, [paved[0], paved[1], -BEFORE_M, setback_m - 0.1]));
-    if let Some(model) = model {
-        let kind = HallKind::ALL.into_iter().find(|k| model.name.starts_with(k.name())).unwrap_or(HallKind::Office);
+    if let Some((kind, model)) = building {
         let free_m = (length_m - 2.0 - model.footprint_size().y) / 2.0;
         let at_m = s.range(-free_m, free_m);
         lot.walks.push((1.6, vec![DVec2::new(way_m, 0.8), DVec2::new(way_m, setback_m - 1.2)]));
@@ -54,7 +53,7 @@ fn take(taken: &mut Vec<[f64; 2]>, [from, to]: [f64; 2]) -> bool {
 }
 
 /// Hoops in a row with bicycles at most of them, square to the street.
-fn racks(lot: &mut Layout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Stream) {
+fn racks(lot: &mut LotLayout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Stream) {
     for _ in 0..1 + s.below(3) {
         let count = 6 + s.below(12);
         let length_m = 0.8 * count as f64;
@@ -76,7 +75,7 @@ fn racks(lot: &mut Layout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Stream)
     }
 }
 
-fn benches(lot: &mut Layout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Stream) {
+fn benches(lot: &mut LotLayout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Stream) {
     for _ in 0..1 + s.below(4) {
         let a = s.range(-half + 2.0, half - 2.0);
         if !take(taken, [a - 1.3, a + 1.3]) {
@@ -85,7 +84,7 @@ fn benches(lot: &mut Layout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Strea
         let model = furniture(FurnitureKind::Bench, s.below(3));
         let palette = std::sync::Arc::clone(&model.palette);
         let at = DVec2::new(a, 0.9);
-        lot.items.push(Item { model, palette, at, facing: -DVec2::Y, seat_m: Some(BENCH_SEAT_M) });
+        lot.items.push(LotItem { model, palette, at, facing: -DVec2::Y, seat_m: Some(BENCH_SEAT_M) });
         if s.chance(0.4) {
             lot.thing(ThingKind::Tub, DVec2::new(a + 2.2, 0.9), -DVec2::Y, s);
         }
@@ -93,7 +92,7 @@ fn benches(lot: &mut Layout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Strea
 }
 
 /// Large ones on the lawn, and shrubs at the wall.
-fn trees(lot: &mut Layout, (half, setback_m): (f64, f64), taken: &[[f64; 2]], s: &mut Stream) {
+fn trees(lot: &mut LotLayout, (half, setback_m): (f64, f64), taken: &[[f64; 2]], s: &mut Stream) {
     let count = 2 + s.below(2 + (half / 5.0) as usize);
     for _ in 0..count {
         let at = DVec2::new(s.range(-half + 2.5, half - 2.5), s.range(3.4, (setback_m - 2.5).max(3.6)));

@@ -6,7 +6,7 @@ use crate::rng::Stream;
 use crate::town::SpotKind;
 use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
-use crate::town::lots::layout::{Bay, Layout, fitting};
+use crate::town::lots::layout::{Bay, LotLayout, fitting};
 use crate::town::placement::boundary::Boundary;
 
 /// A bay and an aisle (EAR 05: 2.5 m by 5.0 m, aisles of 6.0 m).
@@ -38,15 +38,15 @@ impl Axes {
 }
 
 /// Lays one out. `is_aisle`: the street itself is one, and rows begin right behind its walk.
-pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Stream) -> Layout {
-    let mut lot = Layout::default();
+pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Stream) -> LotLayout {
+    let mut lot = LotLayout::default();
     let half = length_m / 2.0;
     let front = if is_aisle { 0.3 } else { s.range(1.7, 3.4) };
     let (a0, a1) = (-half + EDGE_M, half - EDGE_M);
     let wants_market = s.chance(0.6);
     let room_m = depth_m - front - MODULE_M - BEFORE_MARKET_M - 0.6;
-    let market = if wants_market { fitting(HallKind::Market, length_m - 1.5, room_m, s) } else { None };
-    let behind_m = market.as_ref().map_or(EDGE_M, |m| m.footprint_size().x + BEFORE_MARKET_M + 0.4);
+    let market = if wants_market { fitting(&[HallKind::Market], length_m - 1.5, room_m, s) } else { None };
+    let behind_m = market.as_ref().map_or(EDGE_M, |(_, m)| m.footprint_size().x + BEFORE_MARKET_M + 0.4);
     let rows_m = depth_m - front - behind_m;
     let is_across = rows_m > 22.0 && s.chance(0.4);
     let axes = Axes { is_across };
@@ -77,10 +77,10 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Strea
         }
         entries.push(cross);
     }
-    if let Some(market) = market {
+    if let Some((kind, market)) = market {
         let free_m = (length_m - 1.0 - market.footprint_size().y) / 2.0;
         let at_m = s.range(-free_m, free_m);
-        lot.building(HallKind::Market, market, at_m, depth_m - behind_m + BEFORE_MARKET_M, s);
+        lot.building(kind, market, at_m, depth_m - behind_m + BEFORE_MARKET_M, s);
         lot.furniture(LotFurniture::Pylon, DVec2::new(entries[0][0] - 0.2, 1.0), DVec2::X, s);
     }
     let surface = if s.chance(0.8) { YardSurface::Asphalt } else { YardSurface::Pavers };
@@ -97,7 +97,7 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Strea
 
 /// Two rows with an aisle between them, or one where there is no room for both, from `w` on across.
 fn module(
-    lot: &mut Layout,
+    lot: &mut LotLayout,
     axes: Axes,
     along: [f64; 2],
     (w, has_both): (f64, bool),
@@ -112,7 +112,7 @@ fn module(
 }
 
 /// One row of bays, noses toward `side`.
-fn row(lot: &mut Layout, axes: Axes, [u0, u1]: [f64; 2], (w, side): (f64, f64), has_trolleys: bool, s: &mut Stream) {
+fn row(lot: &mut LotLayout, axes: Axes, [u0, u1]: [f64; 2], (w, side): (f64, f64), has_trolleys: bool, s: &mut Stream) {
     let count = ((u1 - u0) / BAY_M.1 + 1e-9) as usize;
     let from = u0 + (u1 - u0 - BAY_M.1 * count as f64) / 2.0;
     let heading = axes.at(0.0, side);
@@ -159,7 +159,7 @@ fn line(axes: Axes, u: f64, w: f64) -> [DVec2; 2] {
 
 /// Hedges, fences, or low walls about it, and trees along the street.
 fn edges(
-    lot: &mut Layout,
+    lot: &mut LotLayout,
     [left, right]: [f64; 2],
     (front, depth_m, behind_m): (f64, f64, f64),
     (is_aisle, entries): (bool, &[[f64; 2]]),
@@ -187,7 +187,7 @@ fn edges(
     let gaps: Vec<[f64; 2]> = entries.iter().map(|e| [e[0] - 1.2, e[1] + 0.6]).collect();
     lot.border_along(along, [left + 1.0, right - 1.0], front - 0.6, &gaps);
     if s.chance(0.6) && front > 2.2 {
-        let mut trees = Layout::default();
+        let mut trees = LotLayout::default();
         let spacing_m = s.range(8.0, 13.0);
         let d = front - 1.7;
         trees.tree_line(TreeKind::Street, DVec2::new(left + 1.0, d), DVec2::new(right - 1.0, d), spacing_m, s);

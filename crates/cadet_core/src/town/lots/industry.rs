@@ -6,7 +6,7 @@ use crate::rng::Stream;
 use crate::town::SpotKind;
 use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
-use crate::town::lots::layout::{Bay, Layout, fitting};
+use crate::town::lots::layout::{Bay, LotLayout, fitting};
 use crate::town::placement::boundary::Boundary;
 
 const BAY_M: (f64, f64) = (5.0, 2.5);
@@ -18,8 +18,8 @@ const AT_FENCE_M: f64 = 0.9;
 const GATE_M: f64 = 7.0;
 
 /// Lays one out.
-pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
-    let mut lot = Layout::default();
+pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> LotLayout {
+    let mut lot = LotLayout::default();
     let half = length_m / 2.0;
     let lawn_m = if s.chance(0.65) { s.range(2.5, 6.5) } else { 0.6 };
     let kind = [HallKind::Works, HallKind::Office, HallKind::Market][s.weighted(&[0.66, 0.2, 0.14])];
@@ -29,11 +29,9 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
     let is_left = s.chance(0.5);
     // The yard lies at one end of the lot, the hall fills what it can of the rest.
     let built = if is_left { [-half + yard_m, half - 1.2] } else { [-half + 1.2, half - yard_m] };
-    let model = fitting(kind, built[1] - built[0], depth_m - front - 1.0, s)
-        .or_else(|| fitting(HallKind::Office, built[1] - built[0], depth_m - front - 1.0, s));
+    let building = fitting(&[kind, HallKind::Office], built[1] - built[0], depth_m - front - 1.0, s);
     let mut yard = if is_left { [-half + AT_FENCE_M, built[0] - 0.8] } else { [built[1] + 0.8, half - AT_FENCE_M] };
-    if let Some(model) = model {
-        let kind = HallKind::ALL.into_iter().find(|k| model.name.starts_with(k.name())).unwrap_or(kind);
+    if let Some((kind, model)) = building {
         let width_m = model.footprint_size().y;
         let at_m = if is_left { built[1] - width_m / 2.0 } else { built[0] + width_m / 2.0 };
         if is_left {
@@ -66,7 +64,7 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
 }
 
 /// Cars in a row before the building, noses to the street.
-fn forecourt(lot: &mut Layout, [a0, a1]: [f64; 2], lawn_m: f64, s: &mut Stream) {
+fn forecourt(lot: &mut LotLayout, [a0, a1]: [f64; 2], lawn_m: f64, s: &mut Stream) {
     let count = ((a1 - a0) / BAY_M.1) as usize;
     let from = a0 + (a1 - a0 - BAY_M.1 * count as f64) / 2.0;
     let d = lawn_m + 0.6;
@@ -84,7 +82,7 @@ fn forecourt(lot: &mut Layout, [a0, a1]: [f64; 2], lawn_m: f64, s: &mut Stream) 
 }
 
 /// Along the fence of the yard: trucks and vans, containers, goods, skips.
-fn goods(lot: &mut Layout, [a0, a1]: [f64; 2], (front, depth_m): (f64, f64), is_left: bool, s: &mut Stream) {
+fn goods(lot: &mut LotLayout, [a0, a1]: [f64; 2], (front, depth_m): (f64, f64), is_left: bool, s: &mut Stream) {
     let edge = if is_left { a0 } else { a1 };
     let inward = if is_left { DVec2::X } else { -DVec2::X };
     let room_m = a1 - a0;
@@ -143,13 +141,13 @@ fn goods(lot: &mut Layout, [a0, a1]: [f64; 2], (front, depth_m): (f64, f64), is_
 }
 
 /// Grass along the street with young trees, shrubs, and a sign or a poster.
-fn lawn(lot: &mut Layout, half: f64, lawn_m: f64, gate: [f64; 2], s: &mut Stream) {
+fn lawn(lot: &mut LotLayout, half: f64, lawn_m: f64, gate: [f64; 2], s: &mut Stream) {
     if lawn_m < 2.0 {
         return;
     }
     let is_off = |p: &DVec2| p.x < gate[0] - 1.5 || p.x > gate[1] + 1.5;
     if s.chance(0.7) {
-        let mut line = Layout::default();
+        let mut line = LotLayout::default();
         let (d, spacing_m) = (lawn_m * 0.5, s.range(7.0, 12.0));
         line.tree_line(TreeKind::Street, DVec2::new(-half, d), DVec2::new(half, d), spacing_m, s);
         lot.trees.extend(line.trees.into_iter().filter(|(_, p)| is_off(p)));

@@ -26,7 +26,7 @@ pub(in super::super) struct Bay {
 
 /// Something that stands.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Item {
+pub(in super::super) struct LotItem {
     pub model: SceneryModel,
     pub palette: Arc<Palette>,
     /// Of the model's origin.
@@ -38,33 +38,33 @@ pub(in super::super) struct Item {
 
 /// All of a lot.
 #[derive(Debug, Clone, Default)]
-pub(in super::super) struct Layout {
+pub(in super::super) struct LotLayout {
     /// [from, to] along the front and behind it.
     pub paved: Vec<(YardSurface, [f64; 4])>,
     pub bays: Vec<Bay>,
     pub lines: Vec<[DVec2; 2]>,
-    pub items: Vec<Item>,
+    pub items: Vec<LotItem>,
     pub trees: Vec<(TreeKind, DVec2)>,
     pub borders: Vec<(Boundary, DVec2, DVec2)>,
     /// Width, and the line's corners.
     pub walks: Vec<(f64, Vec<DVec2>)>,
 }
 
-impl Layout {
+impl LotLayout {
     pub fn furniture(&mut self, kind: LotFurniture, at: DVec2, facing: DVec2, s: &mut Stream) {
         let palette = lot_furniture_palette(kind, s);
-        self.items.push(Item { model: lot_furniture(kind), palette, at, facing, seat_m: None });
+        self.items.push(LotItem { model: lot_furniture(kind), palette, at, facing, seat_m: None });
     }
 
     pub fn thing(&mut self, kind: ThingKind, at: DVec2, facing: DVec2, s: &mut Stream) {
         let (model, palette) = (thing(kind, s.below(THING_VARIANTS)), thing_palette(kind, s));
-        self.items.push(Item { model, palette, at, facing, seat_m: None });
+        self.items.push(LotItem { model, palette, at, facing, seat_m: None });
     }
 
     /// A building whose front lies `front_m` behind the lot's and looks at the street.
     pub fn building(&mut self, kind: HallKind, model: SceneryModel, at_m: f64, front_m: f64, s: &mut Stream) {
         let at = DVec2::new(at_m, front_m + model.footprint_max.x);
-        self.items.push(Item { model, palette: hall_palette(kind, s), at, facing: -DVec2::Y, seat_m: None });
+        self.items.push(LotItem { model, palette: hall_palette(kind, s), at, facing: -DVec2::Y, seat_m: None });
     }
 
     /// Trees in a line, none nearer to its ends than a meter and a half.
@@ -91,13 +91,19 @@ impl Layout {
     }
 }
 
-/// The largest of some buildings of a kind that fits.
-pub(super) fn fitting(kind: HallKind, width_m: f64, depth_m: f64, s: &mut Stream) -> Option<SceneryModel> {
-    let first = s.below(HALL_VARIANTS);
-    let drawn = (0..3).map(|k| hall(kind, first + 3 * k)).chain([hall(kind, 0)]);
+/// The largest of some buildings that fits, of the first kind that has one.
+pub(super) fn fitting(
+    kinds: &[HallKind],
+    width_m: f64,
+    depth_m: f64,
+    s: &mut Stream,
+) -> Option<(HallKind, SceneryModel)> {
     let fits = |m: &SceneryModel| m.footprint_size().y <= width_m && m.footprint_size().x <= depth_m;
-    drawn.filter(fits).max_by(|a, b| {
-        let area = |m: &SceneryModel| m.footprint_size().x * m.footprint_size().y;
-        area(a).total_cmp(&area(b))
+    let area_m2 = |m: &SceneryModel| m.footprint_size().x * m.footprint_size().y;
+    kinds.iter().find_map(|kind| {
+        let first = s.below(HALL_VARIANTS);
+        let drawn = (0..3).map(|k| hall(*kind, first + 3 * k)).chain([hall(*kind, 0)]);
+        let largest = drawn.filter(fits).max_by(|a, b| area_m2(a).total_cmp(&area_m2(b)));
+        largest.map(|model| (*kind, model))
     })
 }

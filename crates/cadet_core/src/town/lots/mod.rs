@@ -23,7 +23,7 @@ use crate::town::plots::street_style::StreetStyle;
 use crate::town::plots::{fits, plot_at};
 use crate::town::{Ground, PaintedQuad, ParkingSpot, RoadNetwork, Walkway};
 
-use crate::town::lots::layout::Layout;
+use crate::town::lots::layout::LotLayout;
 
 /// Width of the lines between bays.
 const LINE_M: f64 = 0.12;
@@ -40,7 +40,7 @@ const STEP_M: f64 = 1.8;
 #[derive(Debug, Clone)]
 pub(super) struct Lot {
     pub plot: Plot,
-    pub layout: Layout,
+    pub layout: LotLayout,
 }
 
 /// The lots of a town, before its ground is made.

@@ -7,7 +7,7 @@ use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
-use crate::town::lots::layout::Item;
+use crate::town::lots::layout::LotItem;
 use crate::town::lots::{Lot, Lots};
 use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::{Placer, boundary_palette};
@@ -84,7 +84,7 @@ impl Lot {
         }
     }
 
-    fn seats(&self, item: &Item, placer: &Placer, things: &mut StreetThings) {
+    fn seats(&self, item: &LotItem, placer: &Placer, things: &mut StreetThings) {
         let (Some(height_m), Some(last)) = (item.seat_m, placer.instances.last()) else { return };
         for aside_m in ASIDE_M {
             let place = last.world_from_local.transform_point(DVec3::new(0.0, aside_m, 0.0));

@@ -3,11 +3,11 @@
 //! `xodr` bakes lanes in single precision along the road's own direction; here they become double-precision polylines
 //! in **driving** direction, rounded to 0.1 mm so that the last bit of a platform's `sin` leaves no trace.
 
+pub(in crate::town) mod document;
 pub(in crate::town) mod levels;
+pub(in crate::town) mod map_signals;
 pub(in crate::town) mod numbers;
 pub(in crate::town) mod offset;
-pub(in crate::town) mod signals;
-pub(in crate::town) mod tags;
 pub(in crate::town) mod warnings;
 
 use std::collections::BTreeMap;
@@ -18,7 +18,6 @@ use crate::town::network::road_network::{
     GeoReference, Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork,
 };
 use crate::town::opendrive::numbers::PassedOver;
-use crate::town::opendrive::tags::Tags;
 use crate::town::opendrive::warnings::{Said, in_one_line};
 
 /// Lanes without a speed limit get the one of German towns: 50 km/h.
@@ -51,19 +50,20 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
 /// As [`load`].
 pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwork, Vec<String>)> {
     let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason: in_one_line(&reason) };
-    let root = Tags::of(xodr_text).next().map_or("no XML", |tag| tag.name);
-    if root != "OpenDRIVE" {
-        return Err(fail(format!("no OpenDRIVE: expected the element <OpenDRIVE> first, got {root}")));
-    }
-    let passed_over =
-        numbers::check(xodr_text).map_err(|(line, reason)| Error::Map { map: format!("{map_name}:{line}"), reason })?;
-    let offset_m = offset::offset_m(xodr_text);
-    let near_text = offset::moved_back(xodr_text, offset_m);
+    let fail_at =
+        |line: usize, reason: &str| Error::Map { map: format!("{map_name}:{line}"), reason: in_one_line(reason) };
+    let document = document::parse(xodr_text).map_err(|(line, reason)| match line {
+        Some(line) => fail_at(line, &reason),
+        None => fail(reason),
+    })?;
+    let passed_over = numbers::check(&document).map_err(|(line, reason)| fail_at(line, &reason))?;
+    let offset_m = offset::offset_m(&document);
+    let near_text = offset::moved_back(&document, offset_m);
     let (map, provenance) = xodr::load_str_with_provenance(&near_text).map_err(|e| fail(e.to_string()))?;
     if let Some(warning) = provenance.warnings.iter().find(|warning| loses_a_lane(warning, &passed_over)) {
         return Err(fail(warning.to_string()));
     }
-    let baked: Vec<(&xodr::Lane, Option<Polyline>)> = map
+    let baked: Vec<(&xodr::Lane, Option<LaneLine>)> = map
         .lanes()
         .iter()
         .filter(|l| l.layer == xodr::Layer::Permanent)
@@ -80,6 +80,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         }
     }
     let by_xodr_id: BTreeMap<usize, &xodr::Lane> = baked.iter().map(|(l, _)| (l.id.0, *l)).collect();
+    let junctions = junction_numbers(&map);
     let mut lanes: Vec<Lane> = Vec::with_capacity(ids.len());
     for (lane, line) in &baked {
         let Some(line) = line else { continue };
@@ -102,7 +103,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
             width_m: line.widths.clone(),
             successors,
             predecessors: Vec::new(),
-            junction: road.and_then(|r| r.junction()).map(number_of),
+            junction: road.and_then(|r| r.junction()).map(|id| junctions[id]),
             road: place.map_or(u32::MAX, |p| p.road.0 as u32),
             speed_limit_mps,
             keeps_left: place.is_some_and(|p| (p.od_id > 0) == (lane.direction != xodr::Direction::Backward)),
@@ -116,16 +117,17 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
     let lane_marks = lane_marks(&map);
-    let lights = signals::lights(&map, &ids, &lanes);
-    let signs = signals::signs(&map, &ids, &lanes);
-    let roundabouts = roundabouts(&map);
+    let (lights, unused_lights) = map_signals::lights(&map, &ids, &lanes, offset_m);
+    let signs = map_signals::signs(&map, &ids, &lanes);
+    let roundabouts = roundabouts(&map, &junctions);
     let road_name = |road: u32| map.roads().get(road as usize).map_or("", xodr::Road::od_id);
     let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
     said.extend(levels::warnings(&lanes, road_name));
+    said.extend(unused_lights);
     said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
     let network =
         RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m, geo_reference: geo_reference(&map) };
-    said.extend(warnings::of_travel_direction(xodr_text).filter(|_| !network.is_left_hand()));
+    said.extend(warnings::of_travel_direction(&document).filter(|_| !network.is_left_hand()));
     said.extend(network.is_left_hand().then(warnings::of_left_hand_traffic));
     said.extend((offset_m != DVec2::ZERO).then(|| warnings::of_offset(offset_m)));
     Ok((network, warnings::lines(map_name, said)))
@@ -156,10 +158,21 @@ fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
         .collect()
 }
 
+/// Numbers the junctions by their ids, from 1 on, as the map's roads come to them.
+fn junction_numbers(map: &xodr::RoadNetwork) -> BTreeMap<&str, u32> {
+    let mut numbers = BTreeMap::new();
+    for id in map.roads().iter().filter_map(xodr::Road::junction) {
+        let next = numbers.len() as u32 + 1;
+        numbers.entry(id).or_insert(next);
+    }
+    numbers
+}
+
 /// The numbers of the junctions that the map calls roundabouts, ascending.
-fn roundabouts(map: &xodr::RoadNetwork) -> Vec<u32> {
+fn roundabouts(map: &xodr::RoadNetwork, junctions: &BTreeMap<&str, u32>) -> Vec<u32> {
     let groups = map.junction_groups().iter().filter(|g| g.kind == xodr::JunctionGroupKind::Roundabout);
-    let mut numbers: Vec<u32> = groups.flat_map(|g| &g.junctions).map(|id| number_of(id)).collect();
+    let ids = groups.flat_map(|g| &g.junctions);
+    let mut numbers: Vec<u32> = ids.filter_map(|id| junctions.get(id.as_str()).copied()).collect();
     numbers.sort_unstable();
     numbers.dedup();
     numbers
@@ -183,11 +196,6 @@ fn loses_a_lane(warning: &xodr::Warning, passed_over: &[PassedOver]) -> bool {
         warning,
         W::LaneIdUnreadable { .. } | W::LaneOnWrongSide { .. } | W::LaneIdRepeated { .. } | W::IncludeDropped { .. }
     )
-}
-
-/// A junction's number: its id where that is one, else a number made of its letters.
-fn number_of(id: &str) -> u32 {
-    id.parse().unwrap_or_else(|_| id.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193)))
 }
 
 fn kind_of(kind: xodr::LaneType, surface: LaneSurface) -> LaneKind {
@@ -248,12 +256,12 @@ fn drop_links_between_kinds(lanes: &mut [Lane]) {
 }
 
 /// A lane's middle in driving direction.
-struct Polyline {
+struct LaneLine {
     points: Vec<DVec3>,
     widths: Vec<f64>,
 }
 
-impl Polyline {
+impl LaneLine {
     fn distances(&self) -> Vec<f64> {
         let mut s = vec![0.0];
         for pair in self.points.windows(2) {
@@ -264,7 +272,7 @@ impl Polyline {
 }
 
 /// The lane's points, denser on curves; `None` where it is too short to have two.
-fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> {
+fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<LaneLine>, String> {
     let points: Vec<DVec3> =
         lane.center.points().iter().map(|p| DVec3::new(p.x.into(), p.y.into(), p.z.into())).collect();
     let tangents: Vec<DVec3> =
@@ -283,7 +291,7 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> 
     if widest_m > MAX_LANE_WIDTH_M {
         return Err(format!("a lane is {widest_m:.1} m wide, expected at most {MAX_LANE_WIDTH_M} m"));
     }
-    let mut line = Polyline { points: Vec::new(), widths: Vec::new() };
+    let mut line = LaneLine { points: Vec::new(), widths: Vec::new() };
     let mut push = |p: DVec3, w: f64| {
         let p = (p * 1e4).round() / 1e4;
         let far = |q: &DVec3| hypot(p.x - q.x, p.y - q.y) > SAME_POINT_M;
@@ -325,3 +333,6 @@ fn hermite(a: DVec3, slope_a: DVec3, b: DVec3, slope_b: DVec3, t: f64) -> DVec3 
     let (t2, t3) = (t * t, t * t * t);
     a * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + slope_b * (t3 - t2)
 }
+
+#[cfg(test)]
+mod tests;

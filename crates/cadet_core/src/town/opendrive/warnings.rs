@@ -1,7 +1,9 @@
 //! What a map's reader passed over, in lines that a person can read.
 
+use roxmltree::{Document, Node};
+
 use crate::math::DVec2;
-use crate::town::opendrive::tags::Tags;
+use crate::town::opendrive::document::number;
 
 /// Further roads that a line names.
 const MAX_NAMED: usize = 5;
@@ -40,14 +42,15 @@ pub(in crate::town) fn of_left_hand_traffic() -> Said {
 }
 
 /// What RoadRunner's maps of left-hand traffic should say: before OpenDRIVE 1.5 they have the direction in user data alone.
-pub(in crate::town) fn of_travel_direction(xodr_text: &str) -> Option<Said> {
-    let (mut is_right, mut with_rule, mut against_rule) = (true, 0, 0);
-    for tag in Tags::of(xodr_text) {
-        match (tag.name, tag.value("travelDir")) {
-            ("lane", _) => is_right = tag.number("id").is_some_and(|id| id < 0.0),
-            ("vectorLane", Some("forward")) if is_right => with_rule += 1,
-            ("vectorLane", Some("backward")) if !is_right => with_rule += 1,
-            ("vectorLane", Some("forward" | "backward")) => against_rule += 1,
+pub(in crate::town) fn of_travel_direction(map: &Document) -> Option<Said> {
+    let (mut with_rule, mut against_rule) = (0, 0);
+    for node in map.descendants().filter(|n| n.has_tag_name("vectorLane")) {
+        let lane = node.ancestors().find(|n: &Node| n.has_tag_name("lane"));
+        let is_right = lane.and_then(|lane| number(lane, "id")).is_some_and(|id| id < 0.0);
+        match node.attribute("travelDir") {
+            Some("forward") if is_right => with_rule += 1,
+            Some("backward") if !is_right => with_rule += 1,
+            Some("forward" | "backward") => against_rule += 1,
             _ => {}
         }
     }
@@ -72,7 +75,7 @@ pub(in crate::town) fn in_one_line(text: &str) -> String {
 }
 
 /// Warnings of one kind: the first in its own words, the others by their roads.
-struct Kind {
+struct WarningKind {
     key: String,
     line: Option<usize>,
     first: String,
@@ -83,10 +86,17 @@ struct Kind {
 
 /// Lines that name a map, one for each kind of warning.
 pub(in crate::town) fn lines(map_name: &str, warnings: Vec<Said>) -> Vec<String> {
-    let mut kinds: Vec<Kind> = Vec::new();
+    let mut kinds: Vec<WarningKind> = Vec::new();
     for Said { kind: key, line, road, text } in warnings {
         let Some(kind) = kinds.iter_mut().find(|kind| kind.key == key) else {
-            kinds.push(Kind { key, line, first: text, first_road: road, num_others: 0, other_roads: Vec::new() });
+            kinds.push(WarningKind {
+                key,
+                line,
+                first: text,
+                first_road: road,
+                num_others: 0,
+                other_roads: Vec::new(),
+            });
             continue;
         };
         kind.num_others += 1;
@@ -110,7 +120,7 @@ pub(in crate::town) fn lines(map_name: &str, warnings: Vec<Said>) -> Vec<String>
     lines
 }
 
-impl Kind {
+impl WarningKind {
     fn text(&self) -> String {
         if self.num_others == 0 {
             return self.first.clone();

@@ -3,7 +3,7 @@
 use crate::math::{DVec2, DVec3};
 use crate::town::network::road_network::{Lane, LaneId, PaintColor, PaintedQuad, RoadNetwork};
 use crate::town::paint::{Paint, STOP_LINE_DEPTH_M};
-use crate::town::signals::{Arm, FORD_M, STOP_LINE_M, Signals};
+use crate::town::signals::{FORD_M, JunctionArm, STOP_LINE_M, Signals};
 
 /// Line, gap, and width of the lines along a ford (RMS-1).
 const FORD_DASH_M: (f64, f64, f64) = (0.5, 0.2, 0.12);
@@ -47,7 +47,7 @@ pub(in crate::town) fn draw(network: &RoadNetwork, signals: &Signals, paint: &mu
     }
 }
 
-fn stop_line(arm: &Arm, lane: &Lane, line: u32, paint: &mut Paint) {
+fn stop_line(arm: &JunctionArm, lane: &Lane, line: u32, paint: &mut Paint) {
     let end = lane.center[lane.center.len() - 1];
     let half_m = lane.width_at(lane.length_m()) / 2.0;
     let left_m = (end.truncate() - arm.at).dot(arm.along.perp());
@@ -56,7 +56,7 @@ fn stop_line(arm: &Arm, lane: &Lane, line: u32, paint: &mut Paint) {
 }
 
 /// Two broken lines across the street.
-fn ford(arm: &Arm, line: u32, paint: &mut Paint) {
+fn ford(arm: &JunctionArm, line: u32, paint: &mut Paint) {
     let (dash_m, gap_m, width_m) = FORD_DASH_M;
     for before_m in [FORD_M.0, FORD_M.1 - width_m] {
         let mut left_m = arm.right_m + OFF_CURB_M;
@@ -74,7 +74,7 @@ fn ford(arm: &Arm, line: u32, paint: &mut Paint) {
 }
 
 /// Bars along the street.
-fn zebra(arm: &Arm, line: u32, paint: &mut Paint) {
+fn zebra(arm: &JunctionArm, line: u32, paint: &mut Paint) {
     let mut left_m = arm.right_m + 0.3;
     while left_m + ZEBRA_M.0 < arm.left_m - 0.2 {
         paint.across(

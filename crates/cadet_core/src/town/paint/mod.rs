@@ -1,6 +1,6 @@
 //! Paint that is laid on a ground: thin quadrilaterals that hug it.
 
-pub(in crate::town) mod cycle_lanes;
+pub(in crate::town) mod cycle_markings;
 pub(in crate::town) mod junctions;
 pub(in crate::town) mod rails;
 pub(in crate::town) mod repairs;

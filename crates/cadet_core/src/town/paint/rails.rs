@@ -27,7 +27,7 @@ pub(in crate::town) fn draw(network: &RoadNetwork, height: Height<'_>, quads: &m
     for lane in network.tracks() {
         let is_raised = lane.surface == LaneSurface::Ballast;
         let pieces = (lane.length_m() / PIECE_M).ceil().max(1.0) as usize;
-        let ends: Vec<Spot> =
+        let ends: Vec<TrackEdge> =
             (0..=pieces).map(|k| lane.middle_and_left(lane.length_m() * k as f64 / pieces as f64)).collect();
         for pair in ends.windows(2) {
             for side in [-1.0, 1.0] {
@@ -45,17 +45,17 @@ pub(in crate::town) fn draw(network: &RoadNetwork, height: Height<'_>, quads: &m
 }
 
 /// A place of a track, and the unit vector to its left.
-type Spot = (DVec3, DVec2);
+type TrackEdge = (DVec3, DVec2);
 
 /// A strip between two lines beside the track's middle, each so far to the left and so high over the ground below it.
 fn strip(
-    [from, to]: [Spot; 2],
+    [from, to]: [TrackEdge; 2],
     [right, left]: [(f64, f64); 2],
     color: PaintColor,
     height: Height<'_>,
     quads: &mut Vec<PaintedQuad>,
 ) {
-    let at = |(middle, side): Spot, (offset_m, lift_m): (f64, f64)| {
+    let at = |(middle, side): TrackEdge, (offset_m, lift_m): (f64, f64)| {
         let p = middle + (side * offset_m).extend(0.0);
         height(p).map(|z| p.with_z(z + lift_m))
     };
@@ -68,7 +68,7 @@ fn strip(
     }
 }
 
-fn grooved_rail(ends: [Spot; 2], side: f64, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
+fn grooved_rail(ends: [TrackEdge; 2], side: f64, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
     let inner = side * GAUGE_M / 2.0;
     let mut lay = |a: f64, b: f64, color| {
         strip(ends, [(a.min(b), FLUSH_M), (a.max(b), FLUSH_M)], color, height, quads);
@@ -79,7 +79,7 @@ fn grooved_rail(ends: [Spot; 2], side: f64, height: Height<'_>, quads: &mut Vec<
     lay(inner - side * GROOVE_M, inner - side * (GROOVE_M + LIP_M), PaintColor::Steel);
 }
 
-fn raised_rail(ends: [Spot; 2], side: f64, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
+fn raised_rail(ends: [TrackEdge; 2], side: f64, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
     let inner = side * GAUGE_M / 2.0;
     let (right, left) = (inner.min(inner + side * HEAD_M), inner.max(inner + side * HEAD_M));
     let mut lay = |a, b, color| strip(ends, [a, b], color, height, quads);

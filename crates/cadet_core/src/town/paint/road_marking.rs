@@ -5,7 +5,7 @@ use crate::math::DVec3;
 use crate::town::network::road_network::RightOfWay;
 use crate::town::network::road_network::{PaintedQuad, RoadNetwork};
 use crate::town::paint::{Paint, STOP_LINE_DEPTH_M};
-use crate::town::paint::{cycle_lanes, junctions};
+use crate::town::paint::{cycle_markings, junctions};
 use crate::town::signals::Signals;
 
 /// A give-way line: dash and gap across the lane, depth along it.
@@ -44,7 +44,7 @@ pub(in crate::town) fn draw(
         }
     }
     paint.is_on_roads = true;
-    cycle_lanes::draw(network, &mut paint);
+    cycle_markings::draw(network, &mut paint);
     junctions::draw(network, signals, &mut paint);
     paint.quads
 }

@@ -15,7 +15,7 @@ use crate::town::placement::occupancy::Site;
 
 /// What stands on the ground: for the tests, and for what is placed later.
 #[derive(Debug, Clone)]
-pub(in crate::town) struct Standing {
+pub(in crate::town) struct PropFootprint {
     /// What it covers at the ground: trunks of trees, crowns of shrubs, walls of houses.
     pub rect: OrientedRect,
     /// The prototype's name.
@@ -28,9 +28,11 @@ pub(in crate::town) struct Standing {
 pub(in crate::town) struct Placer<'a> {
     pub site: &'a Site<'a>,
     pub instances: Vec<Instance>,
-    pub standing: Vec<Standing>,
+    pub standing: Vec<PropFootprint>,
     /// Ways to doors and garages.
     pub ways: Vec<OrientedRect>,
+    /// What houses of closed rows cover.
+    pub row_walls: Vec<OrientedRect>,
     /// Places for vehicles on lots.
     pub bays: Vec<OrientedRect>,
     /// Trunks and shrubs so far: place and radius.
@@ -45,21 +47,10 @@ impl<'a> Placer<'a> {
             instances: Vec::new(),
             standing: Vec::new(),
             ways: Vec::new(),
+            row_walls: Vec::new(),
             bays: Vec::new(),
             plants: Vec::new(),
         }
-    }
-
-    /// How much stands so far.
-    pub fn mark(&self) -> (usize, usize) {
-        (self.instances.len(), self.standing.len())
-    }
-
-    /// Takes away what stands at [`mark`](Self::mark)s from one to another. Plants still keep their distance from those
-    /// that were there, so that what is drawn for them later stays.
-    pub fn clear(&mut self, (instances, standing): (usize, usize), to: (usize, usize)) {
-        self.instances.drain(instances..to.0);
-        self.standing.drain(standing..to.1);
     }
 
     /// Puts a model upright, its x axis along `facing`; houses go to the mean height of their corners, but never so
@@ -75,13 +66,13 @@ impl<'a> Placer<'a> {
         let position = at.extend(mean.min(lowest + 1.0));
         let yaw_rad = atan2(axis.y, axis.x);
         self.instances.push(model.with_palette(palette, frames::upright(position, yaw_rad)));
-        self.standing.push(Standing { rect, name: model.name.clone() });
+        self.standing.push(PropFootprint { rect, name: model.name.clone() });
     }
 
     /// What was put last covers these rectangles instead of all of its footprint.
     pub fn cover(&mut self, parts: &[OrientedRect]) {
         let Some(last) = self.standing.pop() else { return };
-        self.standing.extend(parts.iter().map(|rect| Standing { rect: *rect, name: last.name.clone() }));
+        self.standing.extend(parts.iter().map(|rect| PropFootprint { rect: *rect, name: last.name.clone() }));
     }
 
     /// Puts a tree or a shrub, turned anyhow, if it keeps its distance from other plants.
@@ -107,7 +98,7 @@ impl<'a> Placer<'a> {
         // The square inside a round crown.
         let half = if matches!(kind, TreeKind::Shrub | TreeKind::Conifer) { radius * 0.7 } else { 0.3 };
         let rect = OrientedRect { center: at, axis: DVec2::X, half: DVec2::splat(half) };
-        self.standing.push(Standing { rect, name: model.name.clone() });
+        self.standing.push(PropFootprint { rect, name: model.name.clone() });
         true
     }
 
@@ -128,7 +119,7 @@ impl<'a> Placer<'a> {
         self.instances.push(model.with_palette(palette, frames::facing(a, b - a, DVec3::Z)));
         let (axis, half) = ((to - from).normalize_or(DVec2::X), model.footprint_size() / 2.0);
         let rect = OrientedRect { center: from + axis * half.x, axis, half };
-        self.standing.push(Standing { rect, name: model.name.clone() });
+        self.standing.push(PropFootprint { rect, name: model.name.clone() });
     }
 
     /// Runs a boundary from one place to another, in one color.
@@ -153,7 +144,8 @@ impl<'a> Placer<'a> {
             self.instances.push(model.with_palette(Arc::clone(palette), frames::facing(a, b - a, DVec3::Z)));
             let center = from + along * (start + step / 2.0);
             let half = DVec2::new(step / 2.0, model.footprint_max.y);
-            self.standing.push(Standing { rect: OrientedRect { center, axis: along, half }, name: model.name.clone() });
+            self.standing
+                .push(PropFootprint { rect: OrientedRect { center, axis: along, half }, name: model.name.clone() });
             done = start + step;
         }
     }

@@ -35,7 +35,7 @@ mod tests {
     use crate::town::ground::Ground;
     use crate::town::ground::kind::GroundKind;
     use crate::town::network::road_network::{Lane, LaneKind, PaintColor, RoadNetwork};
-    use crate::town::paint::{Paint, cycle_lanes};
+    use crate::town::paint::{Paint, cycle_markings};
     use crate::town::plan::suburb::generate;
     use crate::town::plan::suburb_config::SuburbConfig;
     use crate::town::roadside::parking_spots;
@@ -143,7 +143,7 @@ mod tests {
         for seed in 0..12 {
             let network = network(seed);
             let mut paint = Paint::new(&|_| Some((0.0, true)), true);
-            cycle_lanes::draw(&network, &mut paint);
+            cycle_markings::draw(&network, &mut paint);
             for quad in &paint.quads {
                 let middle = quad.corners.iter().sum::<DVec3>() / 4.0;
                 let is_on = |l: &&Lane| {

@@ -7,6 +7,7 @@ pub(in crate::town) mod motorway;
 pub(in crate::town) mod place_streets;
 pub(in crate::town) mod plan_curve;
 pub(in crate::town) mod relief;
+pub(in crate::town) mod street_bays;
 pub(in crate::town) mod street_grid;
 pub(in crate::town) mod street_plan;
 pub(in crate::town) mod suburb;

@@ -43,16 +43,16 @@ pub(in crate::town) struct Segment {
     pub(in crate::town) start: PlanPose,
     pub(in crate::town) length_m: f64,
     /// Positive turns left.
-    pub(in crate::town) curvature: f64,
+    pub(in crate::town) curvature_per_m: f64,
 }
 
 impl Segment {
     fn pose_at(&self, s: f64) -> PlanPose {
-        let turned = self.start.heading_rad + self.curvature * s;
-        let at = if self.curvature == 0.0 {
+        let turned = self.start.heading_rad + self.curvature_per_m * s;
+        let at = if self.curvature_per_m == 0.0 {
             self.start.direction() * s
         } else {
-            let (h, k) = (self.start.heading_rad, self.curvature);
+            let (h, k) = (self.start.heading_rad, self.curvature_per_m);
             DVec2::new(math::sin(turned) - math::sin(h), math::cos(h) - math::cos(turned)) / k
         };
         PlanPose::new(self.start.at + at, turned)
@@ -79,7 +79,7 @@ impl PlanCurve {
 
     /// The smallest radius of its arcs; infinite for a line.
     pub(in crate::town) fn min_radius_m(&self) -> f64 {
-        self.segments.iter().map(|s| 1.0 / s.curvature.abs()).fold(f64::INFINITY, f64::min)
+        self.segments.iter().map(|s| 1.0 / s.curvature_per_m.abs()).fold(f64::INFINITY, f64::min)
     }
 
     /// The pose at distance `s` (clamped to the curve).
@@ -98,7 +98,7 @@ impl PlanCurve {
     pub(in crate::town) fn straight_to(&mut self, start: PlanPose, end: DVec2) {
         let length_m = (end - start.at).length();
         if length_m > LEAST_LINE_M {
-            self.segments.push(Segment { start, length_m, curvature: 0.0 });
+            self.segments.push(Segment { start, length_m, curvature_per_m: 0.0 });
         }
     }
 
@@ -118,9 +118,9 @@ impl PlanCurve {
         let joint = first.pose_at(first.length_m);
         self.segments.push(first);
         let mut second = arc(PlanPose::new(middle, joint.heading_rad), end.at);
-        if second.curvature == 0.0 && first.curvature == 0.0 {
+        if second.curvature_per_m == 0.0 && first.curvature_per_m == 0.0 {
             self.segments.pop();
-            second = Segment { start, length_m: v.length(), curvature: 0.0 };
+            second = Segment { start, length_m: v.length(), curvature_per_m: 0.0 };
         }
         self.segments.push(second);
     }
@@ -133,9 +133,9 @@ fn arc(start: PlanPose, end: DVec2) -> Segment {
     let half_turn = wrap_angle(heading_of(chord) - start.heading_rad);
     let sin = math::sin(half_turn);
     if sin.abs() < 1e-7 {
-        return Segment { start, length_m: length, curvature: 0.0 };
+        return Segment { start, length_m: length, curvature_per_m: 0.0 };
     }
-    Segment { start, length_m: length * half_turn / sin, curvature: 2.0 * sin / length }
+    Segment { start, length_m: length * half_turn / sin, curvature_per_m: 2.0 * sin / length }
 }
 
 #[cfg(test)]

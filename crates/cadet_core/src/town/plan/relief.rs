@@ -11,7 +11,7 @@ const MIN_VERTICAL_RADIUS_M: f64 = 1000.0;
 const REACH_M: f64 = 400.0;
 
 #[derive(Debug, Clone)]
-struct Wave {
+struct ReliefWave {
     k: DVec2,
     phase: f64,
     amplitude_m: f64,
@@ -20,7 +20,7 @@ struct Wave {
 /// Height above sea level as a smooth function of the plane.
 #[derive(Debug, Clone)]
 pub(in crate::town) struct Relief {
-    waves: Vec<Wave>,
+    waves: Vec<ReliefWave>,
 }
 
 impl Relief {
@@ -28,13 +28,13 @@ impl Relief {
     pub(in crate::town) fn new(stream: &mut Stream, hilly_share: f64, max_slope: f64) -> Self {
         let hilly = stream.chance(hilly_share);
         let sum_of_slopes = max_slope * if hilly { stream.range(1.2, 1.8) } else { stream.range(0.35, 0.9) };
-        let mut waves: Vec<Wave> = (0..4)
+        let mut waves: Vec<ReliefWave> = (0..4)
             .map(|i| {
                 let length = stream.range(380.0, 620.0) + 90.0 * f64::from(i);
                 let heading = stream.range(0.0, TAU);
                 let k = unit(heading) * (TAU / length);
                 let steepness = stream.range(0.5, 1.0);
-                Wave { k, phase: stream.range(0.0, TAU), amplitude_m: steepness / k.length() }
+                ReliefWave { k, phase: stream.range(0.0, TAU), amplitude_m: steepness / k.length() }
             })
             .collect();
         // Waves seldom all peak at once: the slope seen along streets has a standard deviation of a quarter of the sum.

@@ -84,7 +84,7 @@ impl LineStyle {
 }
 
 /// Nodes on a bent grid, and the streets between them.
-pub(in crate::town) struct Grid {
+pub(in crate::town) struct StreetGrid {
     pub columns: usize,
     pub rows: usize,
     pub at: Vec<DVec2>,
@@ -92,7 +92,7 @@ pub(in crate::town) struct Grid {
     pub links: Vec<[Option<usize>; 4]>,
 }
 
-impl Grid {
+impl StreetGrid {
     pub fn degree(&self, node: usize) -> usize {
         self.links[node].iter().flatten().count()
     }
@@ -138,7 +138,7 @@ impl Grid {
 }
 
 /// Draws the nodes of a grid, all linked to their neighbors.
-pub(in crate::town) fn draw_grid(stream: &mut Stream, config: &SuburbConfig) -> Grid {
+pub(in crate::town) fn draw_grid(stream: &mut Stream, config: &SuburbConfig) -> StreetGrid {
     let (columns, rows) = (config.blocks.0 + 1, config.blocks.1 + 1);
     let mut spread = |n: usize| {
         let mut at = vec![0.0];
@@ -178,11 +178,11 @@ pub(in crate::town) fn draw_grid(stream: &mut Stream, config: &SuburbConfig) -> 
             ]
         })
         .collect();
-    Grid { columns, rows, at, links }
+    StreetGrid { columns, rows, at, links }
 }
 
 /// Takes streets away until T-junctions prevail; no node is left with fewer than two streets.
-pub(in crate::town) fn thin(grid: &mut Grid, stream: &mut Stream) {
+pub(in crate::town) fn thin(grid: &mut StreetGrid, stream: &mut Stream) {
     let (columns, rows) = (grid.columns, grid.rows);
     if columns > 3 && rows > 3 && stream.chance(0.6) {
         let corner = [0, columns - 1, columns * (rows - 1), columns * rows - 1][stream.below(4)];
@@ -215,7 +215,7 @@ pub(in crate::town) fn thin(grid: &mut Grid, stream: &mut Stream) {
 /// made, may run along the border unless `are_inner`, as trams need it.
 pub(in crate::town) fn draw_styles(
     stream: &mut Stream,
-    grid: &Grid,
+    grid: &StreetGrid,
     sidewalk_m: (f64, f64),
     are_inner: bool,
 ) -> Vec<LineStyle> {
@@ -263,7 +263,7 @@ pub(in crate::town) fn widen_main_roads(stream: &mut Stream, share: f64, styles:
 }
 
 /// Lays the two tracks of a tram in some of the main roads that cross the suburb from one side to the other.
-pub(in crate::town) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut [LineStyle], grid: &mut Grid) {
+pub(in crate::town) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut [LineStyle], grid: &mut StreetGrid) {
     for (line, style) in styles.iter_mut().enumerate() {
         let (has_tracks, bed_m) = (stream.chance(share), stream.range(TRACK_BED_M.0, TRACK_BED_M.1));
         let bed = TRACK_BEDS[stream.weighted(&TRACK_BEDS.map(|b| b.1))].0;
@@ -278,6 +278,13 @@ pub(in crate::town) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut 
     }
 }
 
+/// Which end of a street.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::town) enum WhichEnd {
+    Start,
+    Finish,
+}
+
 /// A walk along the grid from one junction to the next.
 pub(in crate::town) struct Chain {
     pub nodes: Vec<usize>,
@@ -288,8 +295,18 @@ pub(in crate::town) struct Chain {
     pub line: usize,
 }
 
+impl Chain {
+    /// The node at an end.
+    pub fn node(&self, end: WhichEnd) -> usize {
+        match end {
+            WhichEnd::Start => self.nodes[0],
+            WhichEnd::Finish => self.nodes[self.nodes.len() - 1],
+        }
+    }
+}
+
 /// The streets of the grid, each once, and the heading of every arm.
-pub(in crate::town) fn trace(grid: &Grid, stream: &mut Stream) -> (Vec<Chain>, Vec<[f64; 4]>) {
+pub(in crate::town) fn trace(grid: &StreetGrid, stream: &mut Stream) -> (Vec<Chain>, Vec<[f64; 4]>) {
     let headings: Vec<[f64; 4]> =
         (0..grid.at.len()).map(|n| [0, 1, 2, 3].map(|d| grid.arm_heading(n, d, stream))).collect();
     let mut seen = vec![[false; 4]; grid.at.len()];

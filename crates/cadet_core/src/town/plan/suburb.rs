@@ -8,7 +8,7 @@ use crate::town::plan::motorway::Motorway;
 use crate::town::plan::relief::Relief;
 use crate::town::plan::street_plan;
 use crate::town::plan::suburb_config::SuburbConfig;
-use crate::town::plan::xodr::{motorway, writer};
+use crate::town::plan::xodr::{motorway_writer, writer};
 
 /// Smallest radius of crests and dips on motorways: they are driven fast.
 const MOTORWAY_VERTICAL_RADIUS_M: f64 = 5000.0;
@@ -37,7 +37,7 @@ pub fn generate(key: &StreamKey, config: &SuburbConfig) -> Result<Suburb> {
     let relief = Relief::new(&mut key.stream("suburb/relief"), config.hilly_share, config.max_slope);
     if key.stream("suburb/motorway share").chance(config.motorway_share) {
         let motorway = Motorway::draw(&mut key.stream("suburb/motorway"));
-        let xodr = motorway::write("motorway", &motorway, &relief.flattened(MOTORWAY_VERTICAL_RADIUS_M));
+        let xodr = motorway_writer::write("motorway", &motorway, &relief.flattened(MOTORWAY_VERTICAL_RADIUS_M));
         let network = opendrive::load("motorway", &xodr)?;
         return Ok(Suburb { xodr, network });
     }

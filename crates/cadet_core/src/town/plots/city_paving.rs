@@ -30,7 +30,7 @@ impl Paving {
     pub fn new<'a>(plots: impl Iterator<Item = &'a Plot>) -> Self {
         let mut kept = Occupancy::default();
         for plot in plots {
-            if plot.house.as_ref().is_some_and(|h| h.corner.is_some()) {
+            if plot.house.as_ref().is_some_and(|h| h.house.corner().is_some()) {
                 plot.house_parts().into_iter().for_each(|part| kept.take(part));
             } else {
                 kept.take(plot.whole());

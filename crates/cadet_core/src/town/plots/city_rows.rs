@@ -1,6 +1,6 @@
 //! Closed rows of houses along the streets of an inner city: corner houses, then what fits between them.
 
-use crate::assets::scenery::{CityCorner, CityKind, HouseKind, NUM_CITY_HOUSES, SceneryModel, city_house};
+use crate::assets::scenery::{CityKind, House, NUM_CITY_HOUSES, city_house};
 use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
@@ -34,7 +34,7 @@ const GARDEN_FROM_M: f64 = 3.0;
 /// Lays houses wall to wall along one frontage and takes their ground.
 pub(in crate::town) fn lay_out(frontage: &Frontage, site: &Site, taken: &mut Occupancy, s: &mut Stream) -> Vec<Plot> {
     let length_m = frontage.length_m();
-    let mut row = Row { frontage, site, taken, plots: Vec::new() };
+    let mut row = HouseRow { frontage, site, taken, plots: Vec::new() };
     let mut is_open = [true, true];
     let mut end_of = |kind: CityKind| {
         let ahead_m = row.goes_on_for_m(kind);
@@ -68,14 +68,14 @@ pub(in crate::town) fn lay_out(frontage: &Frontage, site: &Site, taken: &mut Occ
     row.plots
 }
 
-struct Row<'a, 'b> {
+struct HouseRow<'a, 'b> {
     frontage: &'a Frontage,
     site: &'a Site<'b>,
     taken: &'a mut Occupancy,
     plots: Vec<Plot>,
 }
 
-impl Row<'_, '_> {
+impl HouseRow<'_, '_> {
     /// A place along the front, which goes on straight beyond both ends.
     fn at(&self, s: f64) -> DVec2 {
         let (f, length_m) = (self.frontage, self.frontage.length_m());
@@ -100,8 +100,8 @@ impl Row<'_, '_> {
     }
 
     /// The plot from `s` on that a house fills from side to side; `None` where the street bends too much.
-    fn plot(&self, s: f64, model: SceneryModel, corner: Option<CityCorner>) -> Option<Plot> {
-        let size = model.footprint_size();
+    fn plot(&self, s: f64, house: House) -> Option<Plot> {
+        let size = house.model.footprint_size();
         let (p, mut q) = (self.at(s), self.at(s + size.y));
         let along = (q - p).normalize_or_zero();
         if along == DVec2::ZERO {
@@ -115,7 +115,7 @@ impl Row<'_, '_> {
             return None;
         }
         let front = (p + q) / 2.0 + out * (bulge + FRONT_GAP_M);
-        let house = PlacedHouse { kind: HouseKind::Block, model, along_m: 0.0, setback_m: 0.0, garage_bays: 0, corner };
+        let house = PlacedHouse { house, along_m: 0.0, setback_m: 0.0, garage_bays: 0 };
         let depth_m = size.x + BEHIND_M;
         Some(Plot { front, along, length_m: size.y, depth_m, house: Some(house) })
     }
@@ -150,15 +150,15 @@ impl Row<'_, '_> {
         let first = s.below(NUM_CITY_HOUSES[kind as usize]);
         let length_m = self.frontage.length_m();
         for k in 0..2 {
-            let (model, corner) = city_house(kind, first + k);
-            let width = model.footprint_size().y;
+            let house = city_house(kind, first + k);
+            let width = house.model.footprint_size().y;
             if width + 2.0 > length_m {
                 continue;
             }
             let mut ahead_m = MOST_AHEAD_M;
             while ahead_m > -3.0 {
                 let from = if kind == CityKind::FirstCorner { -ahead_m } else { length_m + ahead_m - width };
-                let plot = self.plot(from, model.clone(), corner).and_then(|plot| self.settle(plot));
+                let plot = self.plot(from, house.clone()).and_then(|plot| self.settle(plot));
                 if let Some(plot) = plot {
                     self.take(plot);
                     return Some(if kind == CityKind::FirstCorner { from + width + PARTY_GAP_M } else { from });
@@ -174,20 +174,19 @@ impl Row<'_, '_> {
         let count = NUM_CITY_HOUSES[CityKind::Row as usize];
         let first = s.below(count);
         // Where the narrowest does not fit none does.
-        let (narrowest, corner) = city_house(CityKind::Row, 0);
-        self.plot(from, narrowest, corner).and_then(|plot| self.settle(plot))?;
+        self.plot(from, city_house(CityKind::Row, 0)).and_then(|plot| self.settle(plot))?;
         let left = end - from;
         let rest = |width: f64| left - width - PARTY_GAP_M;
         let closes = |width: f64| rest(width) >= 0.0 && (rest(width) < SMALL_GAP_M || rest(width) > NARROWEST_M);
         // First those after which the row can still close, then any.
         for must_close in [true, false] {
             // Steps of 5 visit all twelve.
-            for (model, corner) in (0..count).map(|k| city_house(CityKind::Row, (first + 5 * k) % count)) {
-                let width = model.footprint_size().y;
+            for house in (0..count).map(|k| city_house(CityKind::Row, (first + 5 * k) % count)) {
+                let width = house.model.footprint_size().y;
                 if rest(width) < 0.0 || closes(width) != must_close {
                     continue;
                 }
-                let plot = self.plot(from, model, corner).and_then(|plot| self.settle(plot));
+                let plot = self.plot(from, house).and_then(|plot| self.settle(plot));
                 if let Some(mut plot) = plot {
                     self.widen_court(&mut plot);
                     self.take(plot);
@@ -235,14 +234,13 @@ fn outline(rect: &OrientedRect) -> impl Iterator<Item = DVec2> {
 /// The ground behind the house.
 fn yard(plot: &Plot) -> OrientedRect {
     let half = plot.length_m / 2.0;
-    let depth_m = plot.house.as_ref().map_or(0.0, |h| h.model.footprint_size().x);
+    let depth_m = plot.house.as_ref().map_or(0.0, |h| h.size_m().x);
     plot.rect([-half, half], [depth_m, plot.depth_m])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::assets::scenery::house_doors;
     use crate::rng::StreamKey;
     use crate::town::plots::frontage;
     use crate::town::props::{Props, place_props};
@@ -323,14 +321,15 @@ mod tests {
                 for plot in lay_out(frontage, &site, &mut taken, &mut key.indexed("plots", i as u64)) {
                     let Some(house) = &plot.house else { continue };
                     let is_there =
-                        |s: &&crate::town::placement::placer::Standing| s.rect.contains(plot.at(0.0, 6.0), 0.0);
-                    assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.model.name));
-                    for door in house_doors(&house.model) {
+                        |s: &&crate::town::placement::placer::PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
+                    assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.house.model.name));
+                    for [y0, y1] in house.house.doorways_m() {
                         num_doors += 1;
+                        let door = (y0 + y1) / 2.0;
                         let steps: Vec<DVec2> = [0.3, 0.7, 1.1].map(|d| plot.at(-door, -d)).into();
                         let on_sidewalk = |p: &DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Sidewalk);
                         let is_free = |p: &DVec2| !props.standing.iter().any(|s| s.rect.contains(*p, 0.2));
-                        num_far += usize::from(house.corner.is_none() && !steps.iter().any(on_sidewalk));
+                        num_far += usize::from(house.house.corner().is_none() && !steps.iter().any(on_sidewalk));
                         num_blocked += usize::from(!steps[..2].iter().all(is_free));
                     }
                 }
@@ -357,7 +356,7 @@ mod tests {
                 assert!(kind.is_some_and(|k| k != GroundKind::Terrain), "seed {seed}: lamp at {middle}");
                 for end in [bounds.min.y, bounds.max.y] {
                     let at = lamp.world_from_local.transform_point(crate::math::DVec3::new(0.0, f64::from(end), 0.0));
-                    let in_wall = |s: &crate::town::placement::placer::Standing| {
+                    let in_wall = |s: &crate::town::placement::placer::PropFootprint| {
                         s.name.starts_with("city-") && s.rect.contains(at.truncate(), 0.0)
                     };
                     assert!(props.standing.iter().any(in_wall), "seed {seed}: a wire ends in the air at {at}");

@@ -43,24 +43,24 @@ impl Frontage {
     }
 
     /// The point at a distance along the edge.
-    pub fn at(&self, s: f64) -> DVec2 {
-        self.line.at(s.clamp(0.0, self.length_m()))
+    pub fn at(&self, s_m: f64) -> DVec2 {
+        self.line.at(s_m.clamp(0.0, self.length_m()))
     }
 
     /// The direction of travel at a distance along the edge.
-    pub fn along(&self, s: f64) -> DVec2 {
-        self.line.tangent(s)
+    pub fn along(&self, s_m: f64) -> DVec2 {
+        self.line.tangent(s_m)
     }
 
-    /// Width from the carriageway's edge to this edge.
-    pub fn sidewalk_at(&self, s: f64) -> f64 {
-        let (i, t) = piece_at(self.line.s_m(), s.clamp(0.0, self.length_m()));
+    /// Width from the carriageway's_m edge to this edge.
+    pub fn sidewalk_at(&self, s_m: f64) -> f64 {
+        let (i, t) = piece_at(self.line.s_m(), s_m.clamp(0.0, self.length_m()));
         self.sidewalk_m[i - 1] + (self.sidewalk_m[i] - self.sidewalk_m[i - 1]) * t
     }
 
     /// The points strictly between two distances.
-    pub fn between(&self, from: f64, to: f64) -> &[DVec2] {
-        self.line.between(from, to)
+    pub fn between(&self, from_m: f64, to_m: f64) -> &[DVec2] {
+        self.line.between(from_m, to_m)
     }
 }
 

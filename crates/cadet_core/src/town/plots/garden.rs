@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use crate::assets::scenery::materials::house_palette;
 use crate::assets::scenery::{
-    FenceKind, FurnitureKind, HouseKind, TreeKind, city_palette, furniture, garage, house_doors, light_shops,
-    num_variants, paving, tree,
+    FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, num_variants, paving, tree,
 };
 use crate::frames;
 use crate::math::DVec3;
@@ -18,11 +17,11 @@ use crate::town::{ParkingSpot, SpotKind};
 
 const GATE_M: f64 = 1.3;
 /// Kept free on the sidewalk before a door.
-const DOOR_HALF_M: f64 = 0.85;
+const DOOR_WIDTH_M: f64 = 1.7;
 const DOOR_DEPTH_M: f64 = 1.6;
 
 /// A strip of the plot that stays open, from the gate to a door or garage: [a0, a1] along the front.
-type Way = [f64; 2];
+type GardenWay = [f64; 2];
 
 /// Fills one plot; drives become places to park.
 pub(in crate::town) fn fill(
@@ -34,17 +33,17 @@ pub(in crate::town) fn fill(
 ) {
     let half = plot.length_m / 2.0;
     let boundary = if s.chance(0.65) { style.boundary } else { Boundary::draw(s) };
-    let mut ways: Vec<Way> = Vec::new();
+    let mut ways: Vec<GardenWay> = Vec::new();
     let mut behind = 0.0;
     if let Some(house) = &plot.house {
         place_house(plot, house, s, placer);
-        behind = house.setback_m + house.model.footprint_size().x;
+        behind = house.setback_m + house.size_m().x;
         if house.garage_bays > 0 {
             ways.push(place_garage(plot, house, s, placer, drives));
         }
         if house.setback_m > 1.5 {
-            let width = house.model.footprint_size().y;
-            let doors = if house.kind == HouseKind::Terrace { 3 } else { 1 };
+            let width = house.size_m().y;
+            let doors = if house.house.kind() == Some(HouseKind::Terrace) { 3 } else { 1 };
             for k in 0..doors {
                 let a = house.along_m + width * ((k as f64 + s.range(0.3, 0.7)) / doors as f64 - 0.5);
                 ways.push([a - GATE_M / 2.0, a + GATE_M / 2.0]);
@@ -91,21 +90,15 @@ pub(in crate::town) fn fill(
 }
 
 fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Placer) {
-    let size = house.model.footprint_size();
+    let size = house.size_m();
     let at = plot.at(house.along_m, house.setback_m + size.x / 2.0);
-    if house.is_city() {
-        let shop_lamps = house.model.palette.at_night().map_or(&[][..], |night| night.lamps());
-        placer.put(&house.model, light_shops(city_palette(s), shop_lamps), at, -plot.out());
-        placer.cover(&plot.house_parts());
-        for y in house_doors(&house.model) {
-            // The house looks toward the street, so its own y axis runs against the plot's.
-            let a = house.along_m - y;
-            placer.ways.push(plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [-DOOR_DEPTH_M, 0.0]));
-        }
-        return;
+    placer.put(&house.house.model, house.house.draw_palette(s), at, -plot.out());
+    if house.house.is_in_row() {
+        let parts = plot.house_parts();
+        placer.cover(&parts);
+        placer.row_walls.extend(parts);
+        placer.ways.extend(plot.before_doors(DOOR_WIDTH_M, [-DOOR_DEPTH_M, 0.0]));
     }
-    let flat_roof = house.model.palette.materials()[2].pattern == crate::material::Pattern::Plain;
-    placer.put(&house.model, house_palette(s, flat_roof), at, -plot.out());
 }
 
 /// A garage beside the house, with its drive.
@@ -115,7 +108,7 @@ fn place_garage(
     s: &mut Stream,
     placer: &mut Placer,
     drives: &mut Vec<ParkingSpot>,
-) -> Way {
+) -> GardenWay {
     let model = garage(house.garage_bays);
     let size = model.footprint_size();
     let a = plot.length_m / 2.0 - 0.15 - size.y / 2.0;
@@ -142,7 +135,7 @@ fn place_garage(
 }
 
 /// Paves a way from the front to `depth` behind it.
-fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
+fn pave(plot: &Plot, [a0, a1]: GardenWay, depth_m: f64, placer: &mut Placer) {
     let (model, length) = paving(a1 - a0 > 2.0);
     placer.ways.push(plot.rect([a0, a1], [0.0, depth_m.max(0.1)]));
     let a = (a0 + a1) / 2.0;
@@ -156,8 +149,8 @@ fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
 }
 
 /// Walls between a house on the sidewalk's line and its neighbors.
-fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, placer: &mut Placer) {
-    let (half, width) = (plot.length_m / 2.0, house.model.footprint_size().y);
+fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[GardenWay], s: &mut Stream, placer: &mut Placer) {
+    let (half, width) = (plot.length_m / 2.0, house.size_m().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);
     let boundary = Boundary::Fence(if s.chance(0.6) { FenceKind::Wall } else { FenceKind::Screen }, s.below(2));
     let palette = boundary_palette(boundary, s);
@@ -169,7 +162,14 @@ fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, pl
     }
 }
 
-fn plants(plot: &Plot, ways: &[Way], boundary: Boundary, style: &StreetStyle, s: &mut Stream, placer: &mut Placer) {
+fn plants(
+    plot: &Plot,
+    ways: &[GardenWay],
+    boundary: Boundary,
+    style: &StreetStyle,
+    s: &mut Stream,
+    placer: &mut Placer,
+) {
     let half = plot.length_m / 2.0;
     let [_, variants, ..] = num_variants();
     let built = plot.house_rect();

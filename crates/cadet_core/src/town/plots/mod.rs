@@ -11,65 +11,12 @@ pub(in crate::town) mod street_style;
 
 use crate::assets::scenery::{HouseKind, house, num_variants};
 use crate::math::DVec2;
-use crate::plane::OrientedRect;
 use crate::rng::Stream;
 use crate::town::plots::street_style::StreetStyle;
 
 use crate::town::placement::occupancy::{Occupancy, Site};
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::{PlacedHouse, Plot};
-
-impl Plot {
-    /// Away from the street.
-    pub fn out(&self) -> DVec2 {
-        right_of(self.along)
-    }
-
-    /// The place `a` along the front from its middle and `d` behind it.
-    pub fn at(&self, a: f64, d: f64) -> DVec2 {
-        self.front + self.along * a + self.out() * d
-    }
-
-    /// A rectangle of the plot: from a0 to a1 along the front and from d0 to d1 behind it.
-    pub fn rect(&self, [a0, a1]: [f64; 2], [d0, d1]: [f64; 2]) -> OrientedRect {
-        let center = self.at((a0 + a1) / 2.0, (d0 + d1) / 2.0);
-        OrientedRect { center, axis: self.along, half: DVec2::new((a1 - a0) / 2.0, (d1 - d0) / 2.0) }
-    }
-
-    /// Places along its front, half a meter apart.
-    fn front_line(&self) -> impl Iterator<Item = DVec2> + '_ {
-        let steps = (self.length_m / 0.5).ceil();
-        (0..=steps as usize).map(move |k| self.at(self.length_m * (k as f64 / steps - 0.5), 0.0))
-    }
-
-    /// The whole of it.
-    pub fn whole(&self) -> OrientedRect {
-        self.rect([-self.length_m / 2.0, self.length_m / 2.0], [0.0, self.depth_m])
-    }
-
-    /// What its house covers: one rectangle, or two where a corner is cut.
-    pub fn house_parts(&self) -> Vec<OrientedRect> {
-        let (Some(house), Some(whole)) = (&self.house, self.house_rect()) else { return Vec::new() };
-        let Some(corner) = house.corner else { return vec![whole] };
-        let (w, d) = (house.model.footprint_size().y / 2.0, [house.setback_m, house.setback_m + whole.half.y * 2.0]);
-        // The house looks toward the street, so its own y axis runs against the plot's.
-        let strip = |a0: f64, a1: f64, d: [f64; 2]| {
-            let (a0, a1) = if corner.side > 0.0 { (-a1, -a0) } else { (a0, a1) };
-            self.rect([house.along_m + a0, house.along_m + a1], d)
-        };
-        // A hair's breadth apart: they are not to count as overlapping.
-        let cut_at = w - corner.cut_m;
-        vec![strip(-w, cut_at, d), strip(cut_at + 0.005, w, [d[0] + corner.cut_m, d[1]])]
-    }
-
-    /// The walls of its house.
-    pub fn house_rect(&self) -> Option<OrientedRect> {
-        self.house.as_ref().map(|h| {
-            let size = h.model.footprint_size();
-            self.rect([h.along_m - size.y / 2.0, h.along_m + size.y / 2.0], [h.setback_m, h.setback_m + size.x])
-        })
-    }
-}
 
 /// Between the sidewalk's edge and the plot.
 const FRONT_GAP_M: f64 = 0.12;
@@ -82,14 +29,20 @@ const GARAGE_BAY_M: f64 = 3.0;
 const MOST_BENT_M: f64 = 0.6;
 
 /// A plot over [s, s + length] of a frontage, its front moved back until the sidewalk is clear of it.
-pub(in crate::town) fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
-    let (p, q) = (frontage.at(s), frontage.at(s + length_m));
+pub(in crate::town) fn plot_at(
+    frontage: &Frontage,
+    site: &Site,
+    s_m: f64,
+    length_m: f64,
+    depth_m: f64,
+) -> Option<Plot> {
+    let (p, q) = (frontage.at(s_m), frontage.at(s_m + length_m));
     let along = (q - p).normalize_or_zero();
     if along == DVec2::ZERO {
         return None;
     }
     let out = right_of(along);
-    let bulge = frontage.between(s, s + length_m).iter().map(|r| (*r - p).dot(out)).fold(0.0, f64::max);
+    let bulge = frontage.between(s_m, s_m + length_m).iter().map(|r| (*r - p).dot(out)).fold(0.0, f64::max);
     // Where the street bends too much the chord would leave a wedge of nothing.
     if bulge >= 3.5 {
         return None;
@@ -107,8 +60,8 @@ pub(in crate::town) fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_
 /// A house of a kind that could go here: the plot's length and the house on it.
 fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, PlacedHouse) {
     let [variants, ..] = num_variants();
-    let model = house(kind, s.below(variants));
-    let width = model.footprint_size().y;
+    let house = house(kind, s.below(variants));
+    let size_m = house.model.footprint_size();
     let (setback_m, left, mut right, back) = match kind {
         HouseKind::Detached => (style.setback_m + s.range(-0.6, 0.8), s.range(2.5, 4.5), s.range(2.5, 4.0), 11.0),
         HouseKind::Semi => (style.setback_m + s.range(-0.3, 0.3), s.range(2.5, 3.5), s.range(2.5, 3.5), 10.0),
@@ -126,9 +79,8 @@ fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, P
     if garage_bays > 0 {
         right += GARAGE_BAY_M * garage_bays as f64 + 0.3;
     }
-    let depth = setback_m + model.footprint_size().x + back;
-    let house = PlacedHouse { kind, model, along_m: (left - right) / 2.0, setback_m, garage_bays, corner: None };
-    (width + left + right, depth, house)
+    let depth = setback_m + size_m.x + back;
+    (size_m.y + left + right, depth, PlacedHouse { house, along_m: (left - right) / 2.0, setback_m, garage_bays })
 }
 
 /// Lays plots along one frontage and takes their ground.
@@ -155,7 +107,7 @@ pub(in crate::town) fn lay_out(
                 if length_m > left {
                     continue;
                 }
-                let least = house.setback_m + house.model.footprint_size().x + 1.5;
+                let least = house.setback_m + house.size_m().x + 1.5;
                 next = [depth_m, (depth_m + least) / 2.0, least].into_iter().find_map(|depth_m| {
                     let mut plot = plot_at(frontage, site, from, length_m, depth_m)?;
                     if plot.length_m < length_m - MOST_BENT_M {

@@ -19,6 +19,21 @@ pub(in crate::town) struct CityStyle {
     pub tree_every_m: Option<f64>,
 }
 
+/// The trees along a street.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::town) struct StreetTrees {
+    pub every_m: f64,
+    pub variant: usize,
+}
+
+/// The lamps along a street.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::town) struct StreetLamps {
+    pub kind: PoleKind,
+    pub variant: usize,
+    pub every_m: f64,
+}
+
 /// The hyper-parameters of one street: scenes differ from each other more than the houses of one.
 #[derive(Debug, Clone)]
 pub(in crate::town) struct StreetStyle {
@@ -32,10 +47,9 @@ pub(in crate::town) struct StreetStyle {
     pub boundary: Boundary,
     /// Trees a 100 m² of garden.
     pub trees_per_100_m2: f64,
-    /// Spacing of street trees and their variant, if there are any.
-    pub street_trees: Option<(f64, usize)>,
-    /// Lamps: kind, variant, spacing.
-    pub lamp: (PoleKind, usize, f64),
+    /// The trees along it, if there are any.
+    pub street_trees: Option<StreetTrees>,
+    pub lamps: StreetLamps,
     /// The light of its lamps.
     pub street_light: StreetLight,
     /// Share of plots left open: gardens and meadows.
@@ -86,7 +100,7 @@ impl StreetStyle {
             setback_m: s.range(5.0, 8.0),
             boundary,
             trees_per_100_m2: greenery * if is_built { s.range(0.9, 2.2) } else { s.range(2.0, 4.5) },
-            street_trees: has_trees.then(|| (s.range(7.0, 12.0), s.below(trees))),
+            street_trees: has_trees.then(|| StreetTrees { every_m: s.range(7.0, 12.0), variant: s.below(trees) }),
             vacant_share: if is_built { s.range(0.15, 0.4) } else { s.range(0.75, 0.97) },
             ..self
         }
@@ -95,11 +109,13 @@ impl StreetStyle {
     /// Lots in place of houses; what they leave is green.
     fn with_lots(self, usage: LotUse, s: &mut Stream, greenery: f64) -> Self {
         let [_, _, fences, hedges, poles, _] = num_variants();
-        let lamp = match usage {
-            LotUse::Industry => (PoleKind::ArmLamp, s.below(poles), s.range(30.0, 40.0)),
+        let lamps = match usage {
+            LotUse::Industry => {
+                StreetLamps { kind: PoleKind::ArmLamp, variant: s.below(poles), every_m: s.range(30.0, 40.0) }
+            }
             // Of 4 m.
-            LotUse::Campus => (PoleKind::Lamp, 0, s.range(18.0, 26.0)),
-            LotUse::CarPark => self.lamp,
+            LotUse::Campus => StreetLamps { kind: PoleKind::Lamp, variant: 0, every_m: s.range(18.0, 26.0) },
+            LotUse::CarPark => self.lamps,
         };
         let boundary = match s.weighted(&[0.4, 0.3, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
@@ -111,7 +127,7 @@ impl StreetStyle {
             boundary,
             trees_per_100_m2: greenery * s.range(0.6, 1.6),
             street_trees: None,
-            lamp,
+            lamps,
             vacant_share: 1.0,
             bin_share: 0.0,
             lots: Some(usage),
@@ -153,8 +169,10 @@ impl StreetStyle {
             setback_m: s.clipped_normal(4.8, 1.3).clamp(2.2, 8.0),
             boundary: Boundary::draw(s),
             trees_per_100_m2: config.greenery * s.range(0.6, 1.9),
-            street_trees: s.chance((0.6 * config.greenery).min(0.9)).then(|| (s.range(8.0, 13.5), s.below(trees))),
-            lamp: (lamp_kind, s.below(poles), s.range(25.0, 35.0)),
+            street_trees: s
+                .chance((0.6 * config.greenery).min(0.9))
+                .then(|| StreetTrees { every_m: s.range(8.0, 13.5), variant: s.below(trees) }),
+            lamps: StreetLamps { kind: lamp_kind, variant: s.below(poles), every_m: s.range(25.0, 35.0) },
             vacant_share: s.range(0.02, 0.16),
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },
             street_light: StreetLight::draw(&mut key.indexed("street light", u64::from(road))),

@@ -12,7 +12,7 @@ use crate::town::ground::land::fields::Land;
 use crate::town::lots::Lots;
 use crate::town::network::road_network::RightOfWay;
 use crate::town::placement::occupancy::Site;
-use crate::town::placement::placer::{Placer, Standing};
+use crate::town::placement::placer::{Placer, PropFootprint};
 use crate::town::placement::prop_config::PropConfig;
 use crate::town::plots::city_paving::Paving;
 use crate::town::plots::frontage::frontages;
@@ -34,7 +34,7 @@ pub(in crate::town) struct Props {
     pub things: StreetThings,
     /// What stands where.
     #[cfg_attr(not(test), allow(dead_code))]
-    pub standing: Vec<Standing>,
+    pub standing: Vec<PropFootprint>,
 }
 
 /// Places the props of a network.
@@ -56,18 +56,15 @@ pub(in crate::town) fn place_props(
     let mut plots_on_streets = Vec::new();
     for (i, (frontage, style)) in frontages.iter().zip(&styles).enumerate() {
         let plots = plots::lay_out(frontage, style, &site, &mut taken, &mut stream("plots", i));
-        let mut s = stream("gardens", i);
         let mut things = stream("things/lots", i);
-        for plot in &plots {
-            let before = placer.mark();
-            garden::fill(plot, style, &mut s, &mut placer, &mut drives);
+        for plot in plots {
             // What is built on a vacant plot takes the place of its garden.
-            if street_things::is_cleared(plot, config.clutter, &mut things) {
-                placer.clear(before, placer.mark());
-                plots_on_streets.push(PlotOnStreet { plot: plot.clone(), frontage: i, is_cleared: true });
-            } else {
-                plots_on_streets.push(PlotOnStreet { plot: plot.clone(), frontage: i, is_cleared: false });
+            let is_cleared = street_things::is_cleared(&plot, config.clutter, &mut things);
+            if !is_cleared {
+                let mut s = stream("garden", plots_on_streets.len());
+                garden::fill(&plot, style, &mut s, &mut placer, &mut drives);
             }
+            plots_on_streets.push(PlotOnStreet { plot, frontage: i, is_cleared });
         }
         // Roundabouts have signs of their own.
         let lane = frontage.lane.map(|id| network.lane(id)).filter(|lane| !network.ends_at_roundabout(lane));
@@ -131,12 +128,12 @@ mod tests {
     }
 
     /// Things, benches, and rails on sidewalks and in bays have tests of their own.
-    fn is_furniture(standing: &&Standing) -> bool {
+    fn is_furniture(standing: &&PropFootprint) -> bool {
         let kind = standing.name.split('/').next().unwrap();
         ThingKind::ALL.iter().any(|k| k.name() == kind) || ["bench", "guard-rail"].contains(&kind)
     }
 
-    fn is_house(standing: &Standing) -> bool {
+    fn is_house(standing: &PropFootprint) -> bool {
         let kind = standing.name.split('/').next().unwrap();
         kind == "garage" || HouseKind::ALL.iter().any(|k| k.name() == kind)
     }
@@ -245,8 +242,8 @@ mod tests {
             let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
             for lane in lanes.iter().step_by(lanes.len() / 5) {
                 let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
-                let is_near = |s: &&Standing| (s.rect.center - viewer.truncate()).length() < 50.0;
-                let near: Vec<&Standing> = props.standing.iter().filter(is_near).collect();
+                let is_near = |s: &&PropFootprint| (s.rect.center - viewer.truncate()).length() < 50.0;
+                let near: Vec<&PropFootprint> = props.standing.iter().filter(is_near).collect();
                 let houses = near.iter().filter(|s| is_house(s)).count();
                 let scene = PosedScene::new(&props.instances, viewer);
                 found.push([houses, near.len() - houses, scene.num_triangles()]);

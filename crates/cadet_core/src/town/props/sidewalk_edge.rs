@@ -44,12 +44,12 @@ pub(in crate::town) fn furnish(
         placer.put(&model, style.street_light.on_pole(kind, variant, &model.palette), place, facing);
     };
     // Lamps on one side of the street: on the side whose stream says so.
-    let (kind, variant, spacing) = style.lamp;
+    let lamps = style.lamps;
     let lit = s.chance(0.6) && style.city.is_none_or(|city| city.lamp_every_m.is_none());
     let mut at = s.range(4.0, 12.0);
     while lit && at < length - 3.0 {
-        put_pole(placer, kind, variant, at, false);
-        at += spacing * s.range(0.93, 1.07);
+        put_pole(placer, lamps.kind, lamps.variant, at, false);
+        at += lamps.every_m * s.range(0.93, 1.07);
     }
     let repeats_priority = s.chance(PRIORITY_SIGN_SHARE);
     let sign = match right_of_way {
@@ -88,15 +88,15 @@ pub(in crate::town) fn furnish(
             }
         }
     }
-    if let Some((spacing, variant)) = style.street_trees {
+    if let Some(trees) = style.street_trees {
         let mut at = s.range(5.0, 10.0);
         while at < length - 6.0 {
             let place = frontage.at(at) + right_of(frontage.along(at)) * s.range(0.5, 0.9);
-            let model = tree(TreeKind::Street, variant + s.below(2));
+            let model = tree(TreeKind::Street, trees.variant + s.below(2));
             if placer.site.is_clear(place, 0.3) && !placer.is_built(place, 2.2) && !placer.is_bay(place, 0.5) {
                 let _ = placer.plant_model(TreeKind::Street, &model, s, place);
             }
-            at += spacing * s.range(0.85, 1.2);
+            at += trees.every_m * s.range(0.85, 1.2);
         }
     }
 }

@@ -10,8 +10,8 @@ use crate::math::{DVec2, DVec3, atan2};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 use crate::town::placement::placer::Placer;
-use crate::town::signals::{Arm, FORD_M};
-use crate::town::signals::{Head, Signals};
+use crate::town::signals::{ArmId, FORD_M, JunctionArm};
+use crate::town::signals::{SignalHead, Signals};
 
 /// Posts stand so far before the junction, and so far behind the curb; farther where that is still a road.
 const POST_BEFORE_M: f64 = FORD_M.1 - 0.1;
@@ -32,7 +32,8 @@ pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mu
         for (a, arm) in junction.arms.iter().enumerate() {
             let (has_mast, has_board) = (s.chance(MAST_SHARE), s.chance(BOARD_SHARE));
             let has_mast = arm.is_main() && (has_mast || arm.lanes.len() > 1);
-            let mut posts = Posts { placer, heads: &mut heads, obstacles: &mut obstacles, arm: (j, a) };
+            let mut posts =
+                Posts { placer, heads: &mut heads, obstacles: &mut obstacles, arm: ArmId { junction: j, arm: a } };
             posts.beside(arm, has_mast, has_board);
         }
     }
@@ -42,13 +43,13 @@ pub(in crate::town) fn place(signals: &mut Signals, key: &StreamKey, placer: &mu
 
 struct Posts<'a, 'b> {
     placer: &'a mut Placer<'b>,
-    heads: &'a mut Vec<Head>,
+    heads: &'a mut Vec<SignalHead>,
     obstacles: &'a mut Vec<OrientedRect>,
-    arm: (usize, usize),
+    arm: ArmId,
 }
 
 impl Posts<'_, '_> {
-    fn beside(&mut self, arm: &Arm, has_mast: bool, has_board: bool) {
+    fn beside(&mut self, arm: &JunctionArm, has_mast: bool, has_board: bool) {
         let left = arm.along.perp();
         let right_curb = |aside_m: f64| arm.place(POST_BEFORE_M, arm.right_m - BEHIND_CURB_M - aside_m);
         if let Some((at, aside_m)) = self.free(&right_curb) {
@@ -88,6 +89,6 @@ impl Posts<'_, '_> {
     fn head(&mut self, kind: HeadKind, at: DVec2, facing: DVec2, height_m: f64) {
         let foot = self.placer.site.on_ground(at);
         let world_from_head = frames::upright(foot + DVec3::Z * height_m, atan2(facing.y, facing.x));
-        self.heads.push(Head { kind, arm: self.arm, world_from_head });
+        self.heads.push(SignalHead { kind, arm: self.arm, world_from_head });
     }
 }

@@ -53,23 +53,28 @@ const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
 pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) -> Vec<ParkingSpot> {
     let mut spots = Vec::new();
     for lane in &network.lanes {
-        let mut stream = key.indexed("town/parking", lane.id.0 as u64);
-        let pitch = stream.range(PITCH_M.0, PITCH_M.1);
+        let (pitch_m, mut stream) = pitch_and_stream(key, lane);
         match lane.kind {
             LaneKind::Parking if lane.width_m.iter().all(|w| *w < MIN_BAY_M) => {
-                half_bays(lane, network, ground, pitch, &mut spots);
+                half_bays(lane, network, ground, pitch_m, &mut spots);
             }
             LaneKind::Parking if lane.width_m.iter().any(|w| *w >= MIN_DEEP_BAY_M) => {
                 angled_bays(lane, ground, &mut stream, &mut spots);
             }
-            LaneKind::Parking => bays(lane, ground, pitch, &mut spots),
+            LaneKind::Parking => bays(lane, ground, pitch_m, &mut spots),
             LaneKind::Driving if lane.junction.is_none() && !has_cycle_lane(network, lane) => {
-                curbside(lane, ground, pitch, &mut spots)
+                curbside(lane, ground, pitch_m, &mut spots)
             }
             _ => {}
         }
     }
     spots
+}
+
+/// The spacing of parallel places along a lane, and the stream that all else of them is drawn from.
+fn pitch_and_stream(key: &StreamKey, lane: &Lane) -> (f64, Stream) {
+    let mut stream = key.indexed("town/parking", lane.id.0 as u64);
+    (stream.range(PITCH_M.0, PITCH_M.1), stream)
 }
 
 /// Whether a lane for bicycles lies beside a lane.
@@ -83,20 +88,20 @@ fn has_cycle_lane(network: &RoadNetwork, lane: &Lane) -> bool {
 }
 
 /// Where along a lane spots have their middles: as many as find room where it is at least so wide.
-fn row(lane: &Lane, min_width_m: f64, pitch: f64) -> Vec<f64> {
+fn row(lane: &Lane, min_width_m: f64, pitch_m: f64) -> Vec<f64> {
     let wide = |s: &f64| lane.width_at(*s) >= min_width_m;
     let reach: Vec<f64> = lane.s_m.iter().copied().filter(wide).collect();
     let (Some(from), Some(to)) = (reach.first(), reach.last()) else { return Vec::new() };
-    let count = ((to - from) / pitch).floor() as usize;
-    let margin = (to - from - count as f64 * pitch) / 2.0;
-    let middles = (0..count).map(|k| from + margin + (k as f64 + 0.5) * pitch);
-    middles.filter(|s| turn_at(lane, *s, pitch) <= MAX_TURN_IN_BAY_RAD).collect()
+    let count = ((to - from) / pitch_m).floor() as usize;
+    let margin = (to - from - count as f64 * pitch_m) / 2.0;
+    let middles = (0..count).map(|k| from + margin + (k as f64 + 0.5) * pitch_m);
+    middles.filter(|s| turn_at(lane, *s, pitch_m) <= MAX_TURN_IN_BAY_RAD).collect()
 }
 
-fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
+fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>) {
     let side = lane.curb_side();
     let widest = lane.width_m.iter().copied().fold(MIN_HALF_BAY_M, f64::max);
-    for s in row(lane, widest - 0.02, pitch) {
+    for s in row(lane, widest - 0.02, pitch_m) {
         let pose = lane.pose_at(s);
         let beside = network.driving().filter(|l| l.road == lane.road).map(|l| l.project(pose.translation).1);
         let out = HALF_BAY_FLANK_M + HALF_BAY_SPOT_WIDTH_M / 2.0 - beside.fold(f64::INFINITY, f64::min);
@@ -105,25 +110,17 @@ fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, sp
         if out.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Sidewalk) {
             continue;
         }
-        if let Some(world_from_spot) = stand(ground, &pose, side * out, pitch, HALF_BAY_SPOT_WIDTH_M) {
-            spots.push(ParkingSpot {
-                kind: SpotKind::Parallel,
-                world_from_spot,
-                length_m: pitch,
-                width_m: HALF_BAY_SPOT_WIDTH_M,
-            });
-        }
+        let size_m = (pitch_m, HALF_BAY_SPOT_WIDTH_M);
+        spots.extend(spot(ground, SpotKind::Parallel, &pose, side * out, size_m));
     }
 }
 
-fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
-    for s in row(lane, MIN_BAY_M, pitch) {
+fn bays(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>) {
+    for s in row(lane, MIN_BAY_M, pitch_m) {
         let pose = lane.pose_at(s);
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
         let out = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_CURB_M).max(0.0);
-        if let Some(world_from_spot) = stand(ground, &pose, lane.curb_side() * out, pitch, width_m) {
-            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m });
-        }
+        spots.extend(spot(ground, SpotKind::Parallel, &pose, lane.curb_side() * out, (pitch_m, width_m)));
     }
 }
 
@@ -146,9 +143,7 @@ fn angle_and_pitch(lane: &Lane, stream: &mut Stream) -> (f64, f64) {
 pub(in crate::town) fn bay_lines(network: &RoadNetwork, key: &StreamKey) -> Vec<PaintedQuad> {
     let mut lines = Vec::new();
     for lane in network.lanes.iter().filter(|l| is_at_aisle(l)) {
-        let mut stream = key.indexed("town/parking", lane.id.0 as u64);
-        // As for the places themselves, whose first draw this is.
-        let _ = stream.range(PITCH_M.0, PITCH_M.1);
+        let (_, mut stream) = pitch_and_stream(key, lane);
         let (angle_rad, pitch_m) = angle_and_pitch(lane, &mut stream);
         let middles = row(lane, MIN_DEEP_BAY_M, pitch_m);
         let starts = middles.iter().map(|s| s - pitch_m / 2.0);
@@ -186,38 +181,31 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
         let heading = forward * cos + out * sin;
         let place = pose.translation + (out * aside_m).extend(0.0);
         let turned = frames::upright(place, math::atan2(heading.y, heading.x));
-        if let Some(world_from_spot) = stand(ground, &turned, 0.0, length_m, width_m) {
-            spots.push(ParkingSpot { kind, world_from_spot, length_m, width_m });
-        }
+        spots.extend(spot(ground, kind, &turned, 0.0, (length_m, width_m)));
     }
 }
 
-fn curbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
-    let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch / 2.0);
+fn curbside(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>) {
+    let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch_m / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch_m / 2.0);
     while s <= end {
         let pose = lane.pose_at(s);
-        let out = curbside_offset(lane, ground, s, pitch).map(|m| lane.curb_side() * m);
-        if let Some(world_from_spot) = out.and_then(|left_m| stand(ground, &pose, left_m, pitch, SPOT_WIDTH_M)) {
-            spots.push(ParkingSpot {
-                kind: SpotKind::Parallel,
-                world_from_spot,
-                length_m: pitch,
-                width_m: SPOT_WIDTH_M,
-            });
+        if let Some(out_m) = curbside_offset(lane, ground, s, pitch_m) {
+            let size_m = (pitch_m, SPOT_WIDTH_M);
+            spots.extend(spot(ground, SpotKind::Parallel, &pose, lane.curb_side() * out_m, size_m));
         }
-        s += pitch;
+        s += pitch_m;
     }
 }
 
 /// By how much a lane turns over the length of a spot.
-fn turn_at(lane: &Lane, s: f64, pitch: f64) -> f64 {
-    lane.pose_at(s - pitch / 2.0).rotation.angle_between(lane.pose_at(s + pitch / 2.0).rotation)
+fn turn_at(lane: &Lane, s: f64, pitch_m: f64) -> f64 {
+    lane.pose_at(s - pitch_m / 2.0).rotation.angle_between(lane.pose_at(s + pitch_m / 2.0).rotation)
 }
 
 /// How far off the lane's middle toward the curb a car may stand, if it may: the curb must be where half a car fits.
-fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f64> {
-    let (before, after) = (lane.pose_at(s - pitch / 2.0), lane.pose_at(s + pitch / 2.0));
-    if turn_at(lane, s, pitch) > MAX_TURN_RAD {
+fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch_m: f64) -> Option<f64> {
+    let (before, after) = (lane.pose_at(s - pitch_m / 2.0), lane.pose_at(s + pitch_m / 2.0));
+    if turn_at(lane, s, pitch_m) > MAX_TURN_RAD {
         return None;
     }
     let flank = CLEAR_OF_LANE_M + SPOT_WIDTH_M;
@@ -235,13 +223,19 @@ fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f
     Some(CLEAR_OF_LANE_M + SPOT_WIDTH_M / 2.0)
 }
 
-/// The pose of a car that stands `left_m` left of `lane_pose`, its wheels on the ground (half on a curb, if need be).
-fn stand(ground: &Ground, lane_pose: &DPose3, left_m: f64, length: f64, width: f64) -> Option<DPose3> {
+/// A place `left_m` left of `lane_pose`, in which a car has its wheels on the ground (half on a curb, if need be).
+fn spot(
+    ground: &Ground,
+    kind: SpotKind,
+    lane_pose: &DPose3,
+    left_m: f64,
+    (length_m, width_m): (f64, f64),
+) -> Option<ParkingSpot> {
     let forward = (lane_pose.rotation * DVec3::X).truncate().normalize_or_zero();
     let left = forward.perp();
     let middle = lane_pose.translation.truncate() + left * left_m;
     let wheel = |along: f64, across: f64| -> Option<DVec3> {
-        let p: DVec2 = middle + forward * (along * length * 0.25) + left * (across * width * 0.38);
+        let p: DVec2 = middle + forward * (along * length_m * 0.25) + left * (across * width_m * 0.38);
         Some(p.extend(ground.height_at(p.x, p.y)?))
     };
     let (front_left, front_right) = (wheel(1.0, 1.0)?, wheel(1.0, -1.0)?);
@@ -249,5 +243,6 @@ fn stand(ground: &Ground, lane_pose: &DPose3, left_m: f64, length: f64, width: f
     let along = front_left + front_right - rear_left - rear_right;
     let across = front_left + rear_left - front_right - rear_right;
     let z = (front_left.z + front_right.z + rear_left.z + rear_right.z) / 4.0;
-    Some(frames::facing(middle.extend(z), along, along.cross(across)))
+    let world_from_spot = frames::facing(middle.extend(z), along, along.cross(across));
+    Some(ParkingSpot { kind, world_from_spot, length_m, width_m })
 }

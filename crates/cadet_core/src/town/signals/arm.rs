@@ -25,17 +25,26 @@ const ONE_END_M: f64 = 25.0;
 pub enum CrossingRule {
     /// There is no ford near by.
     Anywhere,
-    /// On the ford of an arm: junction and arm.
-    Ford((usize, usize)),
+    /// On the ford of an arm.
+    Ford(ArmId),
     /// On a zebra crossing.
     Zebra,
     /// Not here: there is a ford a few steps away.
     Nowhere,
 }
 
+/// An arm of a junction with lights, by its places in [`Signals::junctions`](super::Signals::junctions).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArmId {
+    /// The junction.
+    pub junction: usize,
+    /// Its arm.
+    pub arm: usize,
+}
+
 /// A street where it meets a junction.
 #[derive(Debug, Clone)]
-pub struct Arm {
+pub struct JunctionArm {
     /// The lanes that lead into the junction, the rightmost first.
     pub lanes: Vec<LaneId>,
     /// The lanes for bicycles beside them.
@@ -57,7 +66,7 @@ pub struct Arm {
     speed_limit_mps: f64,
 }
 
-impl Arm {
+impl JunctionArm {
     /// Whether it is a main road.
     #[must_use]
     pub fn is_main(&self) -> bool {
@@ -112,13 +121,13 @@ impl Arm {
         left_m > self.right_m - SIDEWALK_M && left_m < self.left_m + SIDEWALK_M
     }
 
-    /// How people get over this arm with lights: [`CrossingRule::Ford`] with zeros on its ford.
-    pub(super) fn crossing_rule(&self, from: DVec2, to: DVec2) -> CrossingRule {
+    /// How people get over this arm with lights, which has an id.
+    pub(super) fn crossing_rule(&self, id: ArmId, from: DVec2, to: DVec2) -> CrossingRule {
         let (before_m, left_m) = self.local((from + to) / 2.0);
         if !(-NO_CROSSING_M.1..NO_CROSSING_M.0).contains(&before_m) || !self.is_across(left_m) {
             CrossingRule::Anywhere
         } else if self.has_ford() && self.is_over(from, to) {
-            CrossingRule::Ford((0, 0))
+            CrossingRule::Ford(id)
         } else {
             CrossingRule::Nowhere
         }
@@ -126,13 +135,13 @@ impl Arm {
 }
 
 /// The arms of a junction, by road.
-pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm> {
+pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<JunctionArm> {
     let leads_in =
         |l: &&Lane| l.junction.is_none() && l.successors.iter().any(|n| network.lane(*n).junction == Some(junction));
-    let mut arms: Vec<(u32, Arm)> = Vec::new();
+    let mut arms: Vec<(u32, JunctionArm)> = Vec::new();
     for lane in network.driving().filter(leads_in) {
         let (at, along) = end_of(lane);
-        let is_same = |(road, arm): &&mut (u32, Arm)| {
+        let is_same = |(road, arm): &&mut (u32, JunctionArm)| {
             *road == lane.road && (arm.at - at).length() < ONE_END_M && arm.along.dot(along) > 0.5
         };
         if let Some((_, arm)) = arms.iter_mut().find(is_same) {
@@ -145,7 +154,7 @@ pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm>
             }
             continue;
         }
-        let arm = Arm {
+        let arm = JunctionArm {
             lanes: vec![lane.id],
             cycle_lanes: Vec::new(),
             stage: 0,
@@ -179,7 +188,7 @@ fn end_of(lane: &Lane) -> (DVec2, DVec2) {
 }
 
 /// The carriageway's edges, right and left of an arm's first lane: of all lanes of its road that end or begin there.
-fn extent(network: &RoadNetwork, road: u32, arm: &Arm) -> (f64, f64) {
+fn extent(network: &RoadNetwork, road: u32, arm: &JunctionArm) -> (f64, f64) {
     let is_paved = |l: &&Lane| {
         let is_carriageway = matches!(
             l.kind,

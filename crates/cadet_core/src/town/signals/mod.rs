@@ -1,13 +1,13 @@
 //! Traffic lights and zebra crossings: which lanes they hold, when lights are green, where people cross, and what is seen.
 
 mod arm;
-mod head;
-mod plan;
 pub(in crate::town) mod right_of_way;
+mod signal_head;
+mod signal_plan;
 
-pub use arm::{Arm, CrossingRule, STOP_LINE_M};
-pub use head::Head;
-pub use plan::{Aspect, SignalPlan};
+pub use arm::{ArmId, CrossingRule, JunctionArm, STOP_LINE_M};
+pub use signal_head::SignalHead;
+pub use signal_plan::{Aspect, SignalPlan};
 
 pub(super) use arm::FORD_M;
 
@@ -32,7 +32,7 @@ pub struct SignalledJunction {
     /// Its number in the network.
     pub junction: u32,
     /// The arms whose traffic the lights hold.
-    pub arms: Vec<Arm>,
+    pub arms: Vec<JunctionArm>,
     /// When they are green.
     pub plan: SignalPlan,
 }
@@ -43,11 +43,11 @@ pub struct Signals {
     /// The junctions that have some.
     pub junctions: Vec<SignalledJunction>,
     /// Arms without lights whose ford is a zebra crossing.
-    pub zebras: Vec<Arm>,
+    pub zebras: Vec<JunctionArm>,
     /// The lights themselves.
-    pub heads: Vec<Head>,
-    /// By lane that they hold: junction and arm.
-    by_lane: BTreeMap<LaneId, (usize, usize)>,
+    pub heads: Vec<SignalHead>,
+    /// By the lanes that they hold.
+    by_lane: BTreeMap<LaneId, ArmId>,
 }
 
 impl Signals {
@@ -56,12 +56,10 @@ impl Signals {
         let mut junctions = Vec::new();
         for (junction, lights) in lights_by_junction(network) {
             let mut arms = arms_of(network, junction);
-            let held = |arm: &Arm| lights.iter().any(|(lane, _)| arm.lanes.contains(lane));
-            arms.retain(held);
-            let controllers: Vec<Option<usize>> = arms
-                .iter()
-                .map(|arm| lights.iter().find(|(lane, _)| arm.lanes.contains(lane)).and_then(|light| light.1))
-                .collect();
+            let light_of = |arm: &JunctionArm| lights.iter().find(|light| arm.lanes.contains(&light.lane));
+            arms.retain(|arm| light_of(arm).is_some());
+            let controllers: Vec<Option<usize>> =
+                arms.iter().map(|arm| light_of(arm).and_then(|light| light.controller)).collect();
             let num_stages = assign_stages(&mut arms, &controllers);
             if arms.is_empty() {
                 continue;
@@ -78,11 +76,10 @@ impl Signals {
         let by_lane = junctions
             .iter()
             .enumerate()
-            .flat_map(|(j, junction)| {
-                let arms = junction.arms.iter().enumerate();
-                arms.flat_map(move |(a, arm)| {
-                    let lanes = arm.lanes.iter().chain(&arm.cycle_lanes);
-                    lanes.map(move |lane| (*lane, (j, a)))
+            .flat_map(|(junction, lit)| {
+                lit.arms.iter().enumerate().flat_map(move |(arm, held)| {
+                    let lanes = held.lanes.iter().chain(&held.cycle_lanes);
+                    lanes.map(move |lane| (*lane, ArmId { junction, arm }))
                 })
             })
             .collect();
@@ -96,36 +93,35 @@ impl Signals {
         self.zebras.iter().any(|arm| arm.lanes.contains(&lane) || arm.cycle_lanes.contains(&lane))
     }
 
-    /// The junction and the arm whose lights hold a lane's traffic.
+    /// The arm whose lights hold a lane's traffic.
     #[must_use]
-    pub fn arm_of(&self, lane: LaneId) -> Option<(usize, usize)> {
+    pub fn arm_of(&self, lane: LaneId) -> Option<ArmId> {
         self.by_lane.get(&lane).copied()
     }
 
     /// What the light at the end of a lane shows; `None` where there is none.
     #[must_use]
     pub fn aspect(&self, lane: LaneId, time_s: f64) -> Option<Aspect> {
-        let (junction, arm) = self.arm_of(lane)?;
-        let junction = &self.junctions[junction];
-        Some(junction.plan.aspect(junction.arms[arm].stage, time_s))
+        let id = self.arm_of(lane)?;
+        let junction = &self.junctions[id.junction];
+        Some(junction.plan.aspect(junction.arms[id.arm].stage, time_s))
     }
 
     /// Whether people may start over the ford of an arm.
     #[must_use]
-    pub fn may_walk(&self, (junction, arm): (usize, usize), time_s: f64) -> bool {
-        let junction = &self.junctions[junction];
-        junction.arms[arm].walk_s.is_some_and(|window| junction.plan.is_within(window, time_s))
+    pub fn may_walk(&self, id: ArmId, time_s: f64) -> bool {
+        let junction = &self.junctions[id.junction];
+        junction.arms[id.arm].walk_s.is_some_and(|window| junction.plan.is_within(window, time_s))
     }
 
     /// How people get over a street from one place to another.
     #[must_use]
     pub fn crossing_rule(&self, from: DVec2, to: DVec2) -> CrossingRule {
-        for (j, junction) in self.junctions.iter().enumerate() {
-            for (a, arm) in junction.arms.iter().enumerate() {
-                match arm.crossing_rule(from, to) {
-                    CrossingRule::Anywhere => {}
-                    CrossingRule::Ford(_) => return CrossingRule::Ford((j, a)),
-                    CrossingRule::Nowhere | CrossingRule::Zebra => return CrossingRule::Nowhere,
+        for (junction, lit) in self.junctions.iter().enumerate() {
+            for (arm, crossed) in lit.arms.iter().enumerate() {
+                let rule = crossed.crossing_rule(ArmId { junction, arm }, from, to);
+                if rule != CrossingRule::Anywhere {
+                    return rule;
                 }
             }
         }
@@ -149,7 +145,7 @@ impl Signals {
 }
 
 /// Zebra crossings at some of the arms without lights: of streets with one lane a direction and sidewalks.
-fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey) -> Vec<Arm> {
+fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey) -> Vec<JunctionArm> {
     let has_sidewalk: BTreeSet<u32> =
         network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk).map(|l| l.road).collect();
     let junctions: BTreeSet<u32> = network.driving().filter_map(|l| l.junction).collect();
@@ -168,14 +164,20 @@ fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey
     zebras
 }
 
-/// By junction the lanes that lights hold, and the controller of each.
-fn lights_by_junction(network: &RoadNetwork) -> BTreeMap<u32, Vec<(LaneId, Option<usize>)>> {
-    let mut found: BTreeMap<u32, Vec<(LaneId, Option<usize>)>> = BTreeMap::new();
+/// A lane that a light holds, and the light's controller.
+struct HeldLane {
+    lane: LaneId,
+    controller: Option<usize>,
+}
+
+/// By junction the lanes that lights hold.
+fn lights_by_junction(network: &RoadNetwork) -> BTreeMap<u32, Vec<HeldLane>> {
+    let mut found: BTreeMap<u32, Vec<HeldLane>> = BTreeMap::new();
     for light in &network.lights {
         for lane in &light.lanes {
             let junction = network.lane(*lane).successors.iter().find_map(|next| network.lane(*next).junction);
             if let Some(junction) = junction {
-                found.entry(junction).or_default().push((*lane, light.controller));
+                found.entry(junction).or_default().push(HeldLane { lane: *lane, controller: light.controller });
             }
         }
     }
@@ -184,7 +186,7 @@ fn lights_by_junction(network: &RoadNetwork) -> BTreeMap<u32, Vec<(LaneId, Optio
 
 /// Gives arms that face each other one stage, all others one of their own, and the arms of one controller those of the map
 /// as far as they face each other. Returns the number of stages.
-fn assign_stages(arms: &mut [Arm], controllers: &[Option<usize>]) -> usize {
+fn assign_stages(arms: &mut [JunctionArm], controllers: &[Option<usize>]) -> usize {
     let mut num_stages = 0;
     for i in 0..arms.len() {
         let fits = |j: &usize| {

@@ -185,7 +185,7 @@ fn posts_stand_beside_the_road_near_the_stop_line_and_heads_face_the_traffic() {
         let signals = &town.signals;
         let mut num_posts = 0;
         for head in &signals.heads {
-            let (junction, arm) = head.arm;
+            let ArmId { junction, arm } = head.arm;
             let arm = &signals.junctions[junction].arms[arm];
             let at = head.world_from_head.translation.truncate();
             let facing = (head.world_from_head.rotation * DVec3::X).truncate();
@@ -239,13 +239,14 @@ fn people_cross_on_fords_and_not_beside_them() {
         for (a, arm) in junction.arms.iter().enumerate().filter(|(_, arm)| arm.has_ford()) {
             let way = |before_m: f64| (arm.place(before_m, arm.right_m - 1.0), arm.place(before_m, arm.left_m + 1.0));
             let (from, to) = way(2.5);
-            assert_eq!(signals.crossing_rule(from, to), CrossingRule::Ford((j, a)));
-            assert_eq!(signals.crossing_rule(to, from), CrossingRule::Ford((j, a)));
+            let id = ArmId { junction: j, arm: a };
+            assert_eq!(signals.crossing_rule(from, to), CrossingRule::Ford(id));
+            assert_eq!(signals.crossing_rule(to, from), CrossingRule::Ford(id));
             fords += 1;
             let (from, to) = way(12.0);
             assert_eq!(signals.crossing_rule(from, to), CrossingRule::Nowhere);
             refused += 1;
-            let walking = (0..200).filter(|t| signals.may_walk((j, a), f64::from(*t))).count();
+            let walking = (0..200).filter(|t| signals.may_walk(id, f64::from(*t))).count();
             assert!((4..150).contains(&walking), "{walking} of 200 s");
         }
     }

@@ -72,7 +72,7 @@ pub(super) fn furnish(
 /// A lamp on a wire to the opposite wall, if both walls are there.
 fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64, light: StreetLight) {
     let (edge, out) = (frontage.at(at_m), right_of(frontage.along(at_m)));
-    let is_wall = |p: DVec2| f.placer.standing.iter().any(|s| s.name.starts_with("city-") && s.rect.contains(p, 0.0));
+    let is_wall = |p: DVec2| f.placer.row_walls.iter().any(|wall| wall.contains(p, 0.0));
     let here = edge + out * 0.5;
     if !is_wall(here) {
         return;

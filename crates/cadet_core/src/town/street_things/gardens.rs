@@ -6,7 +6,6 @@ use crate::math::{DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::ParkingSpot;
 use crate::town::plots::plot::Plot;
-use crate::town::plots::street_style::StreetStyle;
 use crate::town::street_things::Furnisher;
 
 /// Share of the gardens that have something in front.
@@ -17,12 +16,12 @@ const CARPORT_SHARE: f64 = 0.12;
 const LEAST_SETBACK_M: f64 = 2.6;
 
 /// Furnishes the garden of a house, or a vacant plot's.
-pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, _style: &StreetStyle, clutter: f64, s: &mut Stream) {
+pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, clutter: f64, s: &mut Stream) {
     let Some(house) = plot.house.as_ref().filter(|h| h.setback_m >= LEAST_SETBACK_M) else { return };
     if !s.chance((FURNISHED_SHARE * clutter).min(0.95)) {
         return;
     }
-    let is_flats = house.kind == HouseKind::Flats;
+    let is_flats = house.house.kind() == Some(HouseKind::Flats);
     let half = plot.length_m / 2.0;
     for _ in 0..1 + s.below(if is_flats { 4 } else { 3 }) {
         let kind = if is_flats {

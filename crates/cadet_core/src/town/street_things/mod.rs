@@ -12,7 +12,7 @@ pub(super) use lots::is_cleared;
 
 use std::sync::Arc;
 
-use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_doors, thing, thing_palette};
+use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, thing, thing_palette};
 use crate::frames;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
@@ -60,9 +60,9 @@ pub(super) struct StreetLayout<'a> {
 
 /// No thing comes nearer to another, to a wall or to a trunk.
 const APART_M: f64 = 0.06;
-/// Between a door and what stands in front of it, and from the door's middle to either side.
+/// Between a door and what stands in front of it, and how wide what stays free there is at least.
 const DOOR_DEPTH_M: f64 = 2.2;
-const DOOR_HALF_M: f64 = 0.85;
+const DOOR_WIDTH_M: f64 = 1.7;
 /// People pass a thing on a sidewalk if so much of its width is left beside it, and if some line that they walk along keeps
 /// so far from everything.
 const LEFT_FOR_WALKERS_M: f64 = 0.95;
@@ -106,7 +106,11 @@ pub(super) fn place(
     let mut ways = Occupancy::default();
     placer.ways.iter().for_each(|way| ways.take(*way));
     for plots_on_streets in streets.plots_on_streets {
-        doors(&plots_on_streets.plot).for_each(|door| ways.take(door));
+        let plot = &plots_on_streets.plot;
+        let Some(house) = &plot.house else { continue };
+        let before_m = (house.setback_m - DOOR_DEPTH_M).max(-1.3);
+        let doors = plot.before_doors(DOOR_WIDTH_M, [before_m, house.setback_m]);
+        doors.into_iter().for_each(|door| ways.take(door));
     }
     let walkway_bounds = walkways.iter().map(bounds_of).collect();
     let out = StreetThings::default();
@@ -117,7 +121,7 @@ pub(super) fn place(
         if plots_on_streets.is_cleared {
             lots::build(&mut furnisher, &plots_on_streets.plot, style, &mut s);
         } else {
-            gardens::furnish(&mut furnisher, &plots_on_streets.plot, style, clutter, &mut s);
+            gardens::furnish(&mut furnisher, &plots_on_streets.plot, clutter, &mut s);
         }
     }
     for spot in drives.iter().filter(|spot| spot.kind == SpotKind::Drive) {
@@ -152,18 +156,6 @@ fn rect_of(spot: &ParkingSpot) -> OrientedRect {
     let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
     let half = DVec2::new(spot.length_m, spot.width_m) / 2.0;
     OrientedRect { center: spot.world_from_spot.translation.truncate(), axis, half }
-}
-
-/// The ground before the doors of a plot's house.
-fn doors(plot: &Plot) -> impl Iterator<Item = OrientedRect> + '_ {
-    plot.house.iter().flat_map(move |house| {
-        let before = (house.setback_m - DOOR_DEPTH_M).max(-1.3);
-        // The house looks toward the street, so its own y axis runs against the plot's.
-        house_doors(&house.model).into_iter().map(move |y| {
-            let a = house.along_m - y;
-            plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [before, house.setback_m])
-        })
-    })
 }
 
 /// The ground that a model covers.

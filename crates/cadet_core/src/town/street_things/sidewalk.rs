@@ -71,7 +71,8 @@ pub(super) fn furnish(
 
 /// Two to four bins before a plot.
 fn bins(f: &mut Furnisher, frontage: &Frontage, plot: &Plot, s: &mut Stream) {
-    let is_flats = plot.house.as_ref().is_some_and(|h| matches!(h.kind, HouseKind::Flats | HouseKind::Block));
+    let is_flats =
+        plot.house.as_ref().is_some_and(|h| matches!(h.house.kind(), None | Some(HouseKind::Flats | HouseKind::Block)));
     let near = frontage.line.points().iter().position(|p| (*p - plot.front).length() < 1.0);
     let Some(middle_m) = near.map(|i| frontage.line.s_m()[i]) else { return };
     let mut at_m = middle_m + s.range(-0.4, 0.4) * plot.length_m;
@@ -146,10 +147,6 @@ fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut St
             f.taken.take(rect);
         }
     };
-    // Lights stand where they rule; these draws are kept so that those after them stay.
-    if s.chance(0.65) {
-        let _ = s.below(6);
-    }
     let is_built = plots.iter().any(|p| p.house.is_some());
     if !is_built && s.chance(0.4) {
         let post = pole(PoleKind::Delineator, s.below(6));

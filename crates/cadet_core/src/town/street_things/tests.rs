@@ -62,7 +62,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
                 }
             }
         }
-        let solid = |s: &&crate::town::placement::placer::Standing| s.rect.half.x > 0.01;
+        let solid = |s: &&crate::town::placement::placer::PropFootprint| s.rect.half.x > 0.01;
         for (i, a) in props.standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
             for (j, b) in props.standing.iter().enumerate().filter(|(_, s)| solid(s)) {
                 let is_far = (a.rect.center - b.rect.center).length() > 16.0;
@@ -112,9 +112,9 @@ fn no_thing_stands_before_a_door() {
             for plot in crate::town::plots::lay_out(frontage, &style, &site, &mut taken, &mut s) {
                 let Some(house) = &plot.house else { continue };
                 let wall = plot.at(house.along_m, house.setback_m);
-                for y in house_doors(&house.model) {
+                for [y0, y1] in house.house.doorways_m() {
                     // A meter before the door; the house looks against the plot's outward way.
-                    let before = wall - plot.along * y - plot.out() * 1.0;
+                    let before = wall - plot.along * ((y0 + y1) / 2.0) - plot.out() * 1.0;
                     let blocked =
                         props.standing.iter().find(|s| kind_of(&s.name).is_some() && s.rect.contains(before, 0.4));
                     assert!(blocked.is_none(), "seed {seed}: {blocked:?} before a door at {before}");

@@ -18,8 +18,7 @@ const FAR_PANE: f32 = 0.075;
 const INSIDE: f32 = 0.32;
 
 /// The palette of a house with the lamps of its shops, which are lit at night if there are any.
-#[must_use]
-pub fn light_shops(palette: Arc<Palette>, lamps: &[Lamp]) -> Arc<Palette> {
+pub(super) fn light_shops(palette: Arc<Palette>, lamps: &[Lamp]) -> Arc<Palette> {
     use super::super::materials::house_slot as slot;
     let Some(at_night) = palette.at_night().filter(|_| !lamps.is_empty()) else { return palette };
     let mut materials = at_night.materials().to_vec();

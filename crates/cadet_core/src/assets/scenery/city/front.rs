@@ -37,9 +37,7 @@ struct Layout {
 
 /// Draws a wall to a street. `is_crossing` marks the narrow one at a corner.
 pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width: f32, index: usize, detail: Detail) {
-    // The same stream for every level of detail: the same windows.
-    let mut s = Stream::from_seed("front", d.seed ^ index as u64);
-    let layout = lay_out(d, width, &mut s);
+    let (layout, mut s) = lay_out(d, width, index);
     let shape = WallShape { width, bottom: -0.3, eaves: d.ground_m, apex: d.ground_m, face: city_slot::BASE };
     wall(b, plane, &shape, &layout.ground, detail);
     let top = d.cornice_m();
@@ -93,7 +91,15 @@ pub(super) fn draw_plain(
     wall(b, plane, &shape, &openings, if detail == Detail::Near { Detail::Mid } else { detail });
 }
 
-fn lay_out(d: &CityDesign, width: f32, s: &mut Stream) -> Layout {
+/// The ways in on the ground floor of a wall to a street, along it.
+pub(super) fn doorways(d: &CityDesign, width: f32, index: usize) -> Vec<[f32; 2]> {
+    lay_out(d, width, index).0.ground.iter().filter_map(Opening::doorway).collect()
+}
+
+/// What the wall has, and the stream that its bay is drawn from: the same for every level of detail.
+fn lay_out(d: &CityDesign, width: f32, index: usize) -> (Layout, Stream) {
+    let mut stream = Stream::from_seed("front", d.seed ^ index as u64);
+    let s = &mut stream;
     let is_narrow = width < 6.0;
     let count = if is_narrow { 1 } else { (width / d.column_m).round().max(2.0) as usize };
     let cell = width / count as f32;
@@ -116,7 +122,7 @@ fn lay_out(d: &CityDesign, width: f32, s: &mut Stream) -> Layout {
             upper.push(Opening { rect: [u - half, u + half, low, high], filling: window(d, s) });
         }
     }
-    Layout { ground, upper, columns, balconies, bay }
+    (Layout { ground, upper, columns, balconies, bay }, stream)
 }
 
 fn window(d: &CityDesign, s: &mut Stream) -> Filling {

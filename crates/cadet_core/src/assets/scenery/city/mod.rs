@@ -10,7 +10,8 @@ mod plan;
 mod shop;
 mod span;
 
-pub use colors::{city_palette, light_shops};
+pub use colors::city_palette;
+use colors::light_shops;
 pub use kind::CityKind;
 pub(super) use lettering::write as write_name;
 pub use paving::{flagstones, tree_pit};
@@ -120,6 +121,13 @@ impl CityDesign {
             CityKind::LastCorner => -1.0,
         };
         Some(CityCorner { side, cut_m: f64::from(self.cut) })
+    }
+
+    /// The ways in at the front: from where to where along y.
+    pub fn doorways(&self) -> Vec<[f32; 2]> {
+        let front = plan::sides(self.kind, self.depth, self.width, self.cut)[0];
+        let along = |[u0, u1]: [f32; 2]| [front.from.y + u0, front.from.y + u1];
+        front::doorways(self, front.width(), 0).into_iter().map(along).collect()
     }
 
     /// Height of a floor: 0 is the ground floor's.

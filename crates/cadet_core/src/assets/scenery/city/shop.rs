@@ -41,12 +41,17 @@ impl Shop {
         }
     }
 
+    /// Where its door is in the hole from `u0` to `u1`.
+    pub fn doorway(&self, [u0, u1]: [f32; 2]) -> [f32; 2] {
+        let door_u = u0 + (u1 - u0 - DOOR_M) * self.door;
+        [door_u, door_u + DOOR_M]
+    }
+
     /// Fills the hole [u0, u1, v0, v1].
     pub fn fill(&self, b: &mut MeshBuilder, plane: &WallPlane, rect: [f32; 4], detail: Detail) {
         let [u0, u1, v0, v1] = rect;
         let s = &mut Stream::from_seed("shop", self.seed);
-        let door_u = u0 + (u1 - u0 - DOOR_M) * self.door;
-        let (door, mut panes) = ([door_u, door_u + DOOR_M], Vec::new());
+        let (door, mut panes) = (self.doorway([u0, u1]), Vec::new());
         for [a, z] in [[u0, door[0]], [door[1], u1]] {
             if z - a > 0.3 {
                 panes.push([a, z]);

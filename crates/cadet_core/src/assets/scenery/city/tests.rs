@@ -2,14 +2,16 @@
 
 use super::super::materials::house_slot;
 use super::super::tests::hits;
-use super::super::{SceneryModel, city_house, house_doors};
+use super::super::{HouseKind, SceneryModel, city_house, house, num_variants};
 use super::*;
 use crate::math::{cosf, sinf};
 
 fn every_house() -> impl Iterator<Item = (CityKind, SceneryModel, Option<CityCorner>)> {
     CityKind::ALL.into_iter().flat_map(|kind| {
         (0..NUM_CITY_HOUSES[kind as usize]).map(move |variant| {
-            let (model, corner) = city_house(kind, variant);
+            let house = city_house(kind, variant);
+            let corner = house.corner();
+            let model = house.model;
             (kind, model, corner)
         })
     })
@@ -108,17 +110,44 @@ fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
 
 #[test]
 fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
-    for (kind, model, _) in every_house() {
-        let doors = house_doors(&model);
+    let rows = CityKind::ALL.into_iter().flat_map(|kind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |v| (kind, v)));
+    for (kind, variant) in rows {
+        let house = city_house(kind, variant);
+        let (model, doorways) = (&house.model, house.doorways_m());
         if kind == CityKind::Row {
-            assert!(!doors.is_empty(), "{}", model.name);
+            assert!(!doorways.is_empty(), "{}", model.name);
         }
         let mesh: &Mesh = &model.shape.levels[0].1;
-        for door in doors {
+        for [y0, y1] in doorways {
+            let door = (y0 + y1) / 2.0;
             // Somebody who walks in at the door meets nothing in front of the wall.
             let front = model.footprint_max.x as f32;
             let first = hits(mesh, Vec3::new(front + 2.0, door as f32, 1.2), -Vec3::X, |_| true)[0].0;
             assert!(first > 1.99, "{}: something {first} m before the door at {door}", model.name);
+        }
+    }
+}
+
+#[test]
+fn doorways_are_where_doors_are_drawn_at_the_front() {
+    let rows = CityKind::ALL.into_iter().flat_map(|k| (0..NUM_CITY_HOUSES[k as usize]).map(move |v| city_house(k, v)));
+    let [variants, ..] = num_variants();
+    let in_gardens = HouseKind::ALL.into_iter().flat_map(|k| (0..variants).map(move |v| house(k, v)));
+    for house in rows.chain(in_gardens) {
+        let (model, doorways) = (&house.model, house.doorways_m());
+        let mesh: &Mesh = &model.shape.levels[0].1;
+        let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
+        let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize].as_dvec3()));
+        let at_front = corners.filter(|p| p.x > model.footprint_max.x - 0.6);
+        // The wall of a cut corner begins beside the front.
+        let is_front = |y: f64| house.corner().is_none_or(|c| y * c.side < model.footprint_max.y - c.cut_m);
+        let drawn: Vec<f64> = at_front.map(|p| p.y).filter(|y| is_front(*y)).collect();
+        let is_in = |y: f64, [y0, y1]: [f64; 2]| (y0 - 1e-4..y1 + 1e-4).contains(&y);
+        for y in &drawn {
+            assert!(doorways.iter().any(|d| is_in(*y, *d)), "{}: a door at {y} out of {doorways:?}", model.name);
+        }
+        for doorway in &doorways {
+            assert!(drawn.iter().any(|y| is_in(*y, *doorway)), "{}: no door in {doorway:?}", model.name);
         }
     }
 }

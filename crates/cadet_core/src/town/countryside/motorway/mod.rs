@@ -1,11 +1,11 @@
 //! Along motorways: barriers on the median and at the edges, delineators, boards, gantries, noise walls, bridges, and what
 //! grows on the slopes.
 
-mod edge;
-mod green;
-mod median;
-mod plan;
-mod posts;
+mod median_barrier;
+mod road_plan;
+mod road_signs;
+mod shoulder_edge;
+mod slope_plants;
 
 use std::sync::Arc;
 
@@ -15,10 +15,10 @@ use crate::math::{self, DVec2, DVec3};
 use crate::plane::OrientedRect;
 use crate::rng::StreamKey;
 use crate::town::RoadNetwork;
-use crate::town::countryside::motorway::plan::RoadPlan;
+use crate::town::countryside::motorway::road_plan::RoadPlan;
 use crate::town::ground::land::fields::Land;
 use crate::town::placement::occupancy::Occupancy;
-use crate::town::placement::placer::{Placer, Standing};
+use crate::town::placement::placer::{Placer, PropFootprint};
 use crate::town::plots::frontage::{Frontage, right_of};
 
 /// An abutment stands so far from the asphalt; plants keep so far from the middle of a bridge.
@@ -26,13 +26,13 @@ const ABUTMENT_OFF_M: f64 = 7.5;
 const CLEAR_OF_BRIDGE_M: f64 = 21.0;
 
 /// One side of a road: its edge, and what the land is beside it.
-struct Side<'a> {
+struct CarriagewaySide<'a> {
     frontage: &'a Frontage,
     land: &'a Land,
     plan: &'a RoadPlan,
 }
 
-impl Side<'_> {
+impl CarriagewaySide<'_> {
     /// The place so far from the asphalt at a distance along the edge.
     fn beside(&self, at_m: f64, off_m: f64) -> DVec2 {
         let f = self.frontage;
@@ -50,20 +50,20 @@ pub(super) fn furnish(
     taken: &mut Occupancy,
     placer: &mut Placer,
 ) {
-    let plans = plan::draw(key, network);
+    let plans = road_plan::draw(key, network);
     for road in &plans {
         if let Some(at_m) = road.bridge_m {
             build_bridge(road, at_m, land, taken, placer);
         }
-        median::furnish(key, road, greenery, placer);
+        median_barrier::furnish(key, road, greenery, placer);
     }
     for (i, frontage) in frontages.iter().enumerate() {
         let Some(plan) = plans.iter().find(|p| p.road == frontage.road) else { continue };
-        let side = Side { frontage, land, plan };
+        let side = CarriagewaySide { frontage, land, plan };
         let s = &mut key.indexed("motorway/side", i as u64);
-        let posts = posts::place(s, &side, placer);
-        edge::furnish(s, &side, &posts, taken, placer);
-        green::grow(&mut key.indexed("motorway/green", i as u64), &side, greenery, taken, placer);
+        let posts = road_signs::place(s, &side, placer);
+        shoulder_edge::furnish(s, &side, &posts, taken, placer);
+        slope_plants::grow(&mut key.indexed("motorway/green", i as u64), &side, greenery, taken, placer);
     }
 }
 
@@ -84,7 +84,7 @@ fn build_bridge(road: &RoadPlan, at_m: f64, land: &Land, taken: &mut Occupancy, 
         taken.take(OrientedRect { center, axis: along, half: DVec2::new(CLEAR_OF_BRIDGE_M, reach_m / 2.0) });
         let center = middle + along.perp() * (side * (half_span_m + 0.7));
         let rect = OrientedRect { center, axis: along, half: DVec2::new(4.6, 0.7) };
-        placer.standing.push(Standing { rect, name: model.name.clone() });
+        placer.standing.push(PropFootprint { rect, name: model.name.clone() });
     }
     debug_assert!(BRIDGE_DECK_M.0 > 4.7 && land.roadside.verge_m < ABUTMENT_OFF_M);
 }

@@ -1,8 +1,9 @@
 //! The ways of bicycles through a junction that a street with cycle lanes leads to: from every arm to every other one.
 
 use crate::math::{PI, wrap_angle};
-use crate::town::plan::junction::turns::{End, STRAIGHT_RAD, StreetArm};
-use crate::town::plan::plan_curve::{PlanCurve, PlanPose};
+use crate::town::plan::junction::street_arm::{StreetArm, StreetEnd};
+use crate::town::plan::junction::turns::STRAIGHT_RAD;
+use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::street_grid::LineStyle;
 
 /// Where a street has no cycle lane, cyclists ride in the middle of a strip of such a width, so far from the right edge of
@@ -14,8 +15,8 @@ const FROM_EDGE_M: f64 = 1.0;
 #[derive(Debug, Clone)]
 pub(in crate::town) struct CycleTurn {
     pub(in crate::town) junction: usize,
-    pub(in crate::town) from: (usize, End),
-    pub(in crate::town) to: (usize, End),
+    pub(in crate::town) from: StreetEnd,
+    pub(in crate::town) to: StreetEnd,
     /// From the left edge of the one lane to the left edge of the other.
     pub(in crate::town) curve: PlanCurve,
     /// At its beginning and its end.
@@ -25,13 +26,8 @@ pub(in crate::town) struct CycleTurn {
     pub(in crate::town) is_red: bool,
 }
 
-/// The ways through one junction; none where no arm has a cycle lane. Arms go round counter-clockwise, `pose` looks out of
-/// the junction from the middle of an arm's end.
-pub(in crate::town) fn cycle_turns(
-    junction: usize,
-    arms: &[StreetArm],
-    pose: &dyn Fn(&StreetArm) -> PlanPose,
-) -> Vec<CycleTurn> {
+/// The ways through one junction, whose arms go round counter-clockwise; none where no arm has a cycle lane.
+pub(in crate::town) fn cycle_turns(junction: usize, arms: &[StreetArm]) -> Vec<CycleTurn> {
     let with_lanes = arms.iter().filter(|a| a.style.cycle_lane.is_some()).count();
     if with_lanes == 0 {
         return Vec::new();
@@ -39,16 +35,19 @@ pub(in crate::town) fn cycle_turns(
     let mut turns = Vec::new();
     for (i, from) in arms.iter().enumerate() {
         for (_, to) in arms.iter().enumerate().filter(|(j, _)| *j != i) {
-            let (a, b) = (strip(&from.style), strip(&to.style));
-            let curve = PlanCurve::between(pose(from).reversed().shifted_right(a.0), pose(to).shifted_right(b.0));
+            let ((from_right_m, from_width_m), (to_right_m, to_width_m)) = (strip(&from.style), strip(&to.style));
+            let curve = PlanCurve::between(
+                from.pose().reversed().shifted_right(from_right_m),
+                to.pose().shifted_right(to_right_m),
+            );
             let is_straight = wrap_angle(to.heading_rad - from.heading_rad - PI).abs() < STRAIGHT_RAD;
             let [leaves, reaches] = [from, to].map(|arm| arm.style.cycle_lane);
             turns.push(CycleTurn {
                 junction,
-                from: (from.street, from.end),
-                to: (to.street, to.end),
+                from: from.from,
+                to: to.from,
                 curve,
-                widths_m: [a.1, b.1],
+                widths_m: [from_width_m, to_width_m],
                 has_lines: is_straight && leaves.is_some() && reaches.is_some(),
                 // Two coats would lie on each other where streets with cycle lanes cross.
                 is_red: is_straight && with_lanes == 2 && leaves.is_some_and(|c| c.is_red) && reaches.is_some(),

@@ -3,8 +3,9 @@
 use crate::math::{self, DVec2, PI, TAU};
 use crate::plane::unit;
 use crate::rng::Stream;
+use crate::town::plan::junction::street_arm::StreetArm;
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose, Segment};
-use crate::town::plan::street_grid::{LineStyle, StreetKind};
+use crate::town::plan::street_grid::StreetKind;
 
 /// Radius of the island and width of the lane about it: 26 to 30 m from side to side, a small roundabout of the German
 /// guideline (FGSV, Merkblatt fuer die Anlage von Kreisverkehren, 2006).
@@ -34,28 +35,24 @@ pub(in crate::town) struct OnRing {
 }
 
 impl Roundabout {
-    /// Draws whether a junction is one: of streets in town with one lane a direction and none for bicycles. The headings and
-    /// styles of its arms go round counter-clockwise.
-    pub(in crate::town) fn draw(
-        center: DVec2,
-        arms: &[(f64, LineStyle)],
-        share: f64,
-        stream: &mut Stream,
-    ) -> Option<Self> {
+    /// Draws whether a junction is one: of streets in town with one lane a direction and none for bicycles. Arms go round
+    /// counter-clockwise.
+    pub(in crate::town) fn draw(arms: &[StreetArm], share: f64, stream: &mut Stream) -> Option<Self> {
         let (is_drawn, island_m, lane_m) =
             (stream.chance(share), stream.range(ISLAND_M.0, ISLAND_M.1), stream.range(LANE_M.0, LANE_M.1));
-        let is_plain = |(_, style): &(f64, LineStyle)| {
+        let is_plain = |arm: &StreetArm| {
+            let style = &arm.style;
             !style.is_main_road()
                 && style.cycle_lane.is_none()
                 && style.country.is_none()
                 && style.kind == StreetKind::Usual
         };
-        let between = |i: usize| {
-            let (next_rad, _) = arms[(i + 1) % arms.len()];
-            (next_rad - arms[i].0).rem_euclid(TAU)
+        let between_rad = |i: usize| {
+            let next_rad = arms[(i + 1) % arms.len()].heading_rad;
+            (next_rad - arms[i].heading_rad).rem_euclid(TAU)
         };
-        let fits = arms.iter().all(is_plain) && (0..arms.len()).all(|i| between(i) > LEAST_BETWEEN_RAD);
-        (is_drawn && fits).then_some(Self { center, island_m, lane_m })
+        let fits = arms.iter().all(is_plain) && (0..arms.len()).all(|i| between_rad(i) > LEAST_BETWEEN_RAD);
+        (is_drawn && fits).then_some(Self { center: arms.first()?.center, island_m, lane_m })
     }
 
     /// How far from the middle the ways leave the streets' middles: the streets end there.
@@ -80,7 +77,7 @@ impl Roundabout {
             let bend = |start: PlanPose| Segment {
                 start,
                 length_m: BEND_M * (PI / 2.0 - beside_rad),
-                curvature: -1.0 / BEND_M,
+                curvature_per_m: -1.0 / BEND_M,
             };
             let at =
                 |place_rad: f64| PlanPose::new(self.center + unit(place_rad) * self.island_m, place_rad + PI / 2.0);
@@ -90,7 +87,7 @@ impl Roundabout {
             curve.segments.push(Segment {
                 start: at(first_rad),
                 length_m: around_rad * self.island_m,
-                curvature: 1.0 / self.island_m,
+                curvature_per_m: 1.0 / self.island_m,
             });
             on_ring = Some(OnRing { from_m, to_m: curve.length_m(), lane_m: self.lane_m });
             curve.segments.push(bend(at(last_rad)));
@@ -102,7 +99,9 @@ impl Roundabout {
     /// The edge of its island, once round, counter-clockwise.
     pub(in crate::town) fn island(&self) -> PlanCurve {
         let start = PlanPose::new(self.center + DVec2::X * self.island_m, PI / 2.0);
-        PlanCurve { segments: vec![Segment { start, length_m: TAU * self.island_m, curvature: 1.0 / self.island_m }] }
+        PlanCurve {
+            segments: vec![Segment { start, length_m: TAU * self.island_m, curvature_per_m: 1.0 / self.island_m }],
+        }
     }
 }
 

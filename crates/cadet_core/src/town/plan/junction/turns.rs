@@ -2,35 +2,18 @@
 
 use crate::math::{PI, wrap_angle};
 use crate::town::plan::junction::roundabout::{OnRing, Roundabout};
+use crate::town::plan::junction::street_arm::{StreetArm, StreetEnd};
 use crate::town::plan::plan_curve::{PlanCurve, PlanPose};
-use crate::town::plan::street_grid::LineStyle;
 
 /// Ways that bend less than this go straight on.
 pub(in crate::town) const STRAIGHT_RAD: f64 = 0.6;
 
-/// Which end of a street.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::town) enum End {
-    Start,
-    Finish,
-}
-
-/// A street's arm at a junction.
-pub(in crate::town) struct StreetArm {
-    pub(in crate::town) street: usize,
-    pub(in crate::town) end: End,
-    pub(in crate::town) heading_rad: f64,
-    pub(in crate::town) style: LineStyle,
-    /// How far from the middle of the junction the street ends.
-    pub(in crate::town) cut_m: f64,
-}
-
 /// A way through a junction: from one lane at a street's end to one at another's.
 #[derive(Debug, Clone)]
-pub(in crate::town) struct Turn {
+pub(in crate::town) struct PlannedTurn {
     pub(in crate::town) junction: usize,
-    pub(in crate::town) from: (usize, End),
-    pub(in crate::town) to: (usize, End),
+    pub(in crate::town) from: StreetEnd,
+    pub(in crate::town) to: StreetEnd,
     /// Which of the lanes of its direction it leaves and reaches, 0 beside the middle of the road.
     pub(in crate::town) lanes: [usize; 2],
     /// From the left edge of the one lane to the left edge of the other.
@@ -46,13 +29,8 @@ pub(in crate::town) struct Turn {
 }
 
 /// The ways from each arm of a junction to each other one, across it or round a roundabout; arms go round
-/// counter-clockwise, `pose` looks out of the junction from the middle of an arm's end.
-pub(in crate::town) fn turns(
-    junction: usize,
-    arms: &[StreetArm],
-    roundabout: Option<&Roundabout>,
-    pose: &dyn Fn(&StreetArm) -> PlanPose,
-) -> Vec<Turn> {
+/// counter-clockwise.
+pub(in crate::town) fn turns(junction: usize, arms: &[StreetArm], roundabout: Option<&Roundabout>) -> Vec<PlannedTurn> {
     let mut turns = Vec::new();
     for (i, from) in arms.iter().enumerate() {
         let bend = |to: &StreetArm| wrap_angle(to.heading_rad - from.heading_rad - PI);
@@ -73,20 +51,21 @@ pub(in crate::town) fn turns(
                 }
             }
         }
+        let turn = |to: &StreetArm, curve: PlanCurve| PlannedTurn {
+            junction,
+            from: from.from,
+            to: to.from,
+            lanes: [0, 0],
+            curve,
+            along_curb: false,
+            is_track: false,
+            on_ring: None,
+            paved_left_m: [0.0; 2],
+        };
         for (_, to) in others() {
             if from.style.tracks.is_some() && to.style.tracks.is_some() && bend(to).abs() < STRAIGHT_RAD {
-                let curve = PlanCurve::between(pose(from).reversed(), pose(to));
-                turns.push(Turn {
-                    junction,
-                    from: (from.street, from.end),
-                    to: (to.street, to.end),
-                    lanes: [0, 0],
-                    curve,
-                    along_curb: false,
-                    is_track: true,
-                    on_ring: None,
-                    paved_left_m: [0.0; 2],
-                });
+                let curve = PlanCurve::between(from.pose().reversed(), to.pose());
+                turns.push(PlannedTurn { is_track: true, ..turn(to, curve) });
             }
         }
         for ((j, to), pairs) in others().zip(&pairs) {
@@ -96,23 +75,19 @@ pub(in crate::town) fn turns(
                     let right_m = arm.style.median_width_m / 2.0 + lane as f64 * arm.style.lane_width_m;
                     pose.shifted_right(right_m)
                 };
-                let ends = (edge(from, pose(from).reversed(), lanes[0]), edge(to, pose(to), lanes[1]));
+                let ends = (edge(from, from.pose().reversed(), lanes[0]), edge(to, to.pose(), lanes[1]));
                 let (curve, on_ring) = match roundabout {
                     Some(ring) => ring.way(ends.0, ends.1),
                     None => (PlanCurve::between(ends.0, ends.1), None),
                 };
                 let is_inner_and_straight = *lanes == [0, 0] && bend(to).abs() < STRAIGHT_RAD;
-                turns.push(Turn {
-                    junction,
-                    from: (from.street, from.end),
-                    to: (to.street, to.end),
+                turns.push(PlannedTurn {
                     lanes: *lanes,
-                    curve,
-                    is_track: false,
                     on_ring,
                     along_curb: j == (i + 1) % arms.len() && *lanes == outermost,
                     paved_left_m: [from, to]
                         .map(|arm| if is_inner_and_straight { arm.style.median_width_m / 2.0 } else { 0.0 }),
+                    ..turn(to, curve)
                 });
             }
         }

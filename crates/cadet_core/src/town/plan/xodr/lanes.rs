@@ -57,9 +57,17 @@ pub(in crate::town) struct LaneRecord {
     pub successor: Option<i32>,
 }
 
+impl LaneRecord {
+    /// A lane of usual asphalt without a line, which leads to no other.
+    pub fn new(id: i32, kind: &'static str, widths: Vec<Cubic>) -> Self {
+        let (surface, outer_line) = (LaneSurface::Usual, OuterLine::None);
+        Self { id, kind, widths, surface, outer_line, predecessor: None, successor: None }
+    }
+}
+
 /// The lanes from a place on, up to the next section.
 pub(in crate::town) struct Section {
-    pub s: f64,
+    pub s_m: f64,
     /// Line, gap, and width of the broken line in the middle, if there is one.
     pub center_line_m: Option<(f64, f64, f64)>,
     pub lanes: Vec<LaneRecord>,
@@ -106,18 +114,23 @@ pub(in crate::town) fn sidewalk_id(style: &LineStyle, sign: i32) -> i32 {
     driving_id(style, sign, style.lanes_per_side + usize::from(style.cycle_lane.is_some()))
 }
 
+/// Whether a section of a street has one before it and one behind it.
+#[derive(Clone, Copy)]
+struct Neighbors {
+    before: bool,
+    after: bool,
+}
+
 /// The lane sections of a street: one, or three where it has bays.
 pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
     let style = &street.style;
-    let side = |sign: i32, bay: Option<f64>, before: bool, after: bool, has_bay: &dyn Fn(bool) -> bool| {
+    let has_bay = |sign: i32| street.bays.stretch_m.is_some() && street.bays.widths_m[usize::from(sign > 0)] > 0.0;
+    let side = |sign: i32, bay: Option<f64>, neighbors: Neighbors| {
+        let Neighbors { before, after } = neighbors;
         let through = |id: i32, kind: &'static str, width_m: f64| LaneRecord {
-            id,
-            kind,
-            widths: vec![Cubic::constant(width_m)],
-            surface: LaneSurface::Usual,
-            outer_line: OuterLine::None,
             predecessor: before.then_some(id),
             successor: after.then_some(id),
+            ..LaneRecord::new(id, kind, vec![Cubic::constant(width_m)])
         };
         let mut lanes = Vec::new();
         if style.median_width_m > 0.0 {
@@ -143,49 +156,38 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
         }
         let bay_id = sidewalk_id(style, sign);
         if let Some(length) = bay {
-            let bay_m = street.bay_widths_m[usize::from(sign > 0)];
-            lanes.push(LaneRecord {
-                id: bay_id,
-                kind: "parking",
-                widths: vec![
-                    Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (bay_m, 0.0)),
-                    Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
-                    Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
-                ],
-                surface: LaneSurface::Usual,
-                outer_line: OuterLine::None,
-                predecessor: None,
-                successor: None,
-            });
+            let bay_m = street.bays.widths_m[usize::from(sign > 0)];
+            let widths = vec![
+                Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (bay_m, 0.0)),
+                Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
+                Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
+            ];
+            lanes.push(LaneRecord::new(bay_id, "parking", widths));
         }
         // Bays take the sidewalk's number in the middle section, which moves the sidewalk out by one.
-        let number = |in_bay_section: bool| bay_id + if in_bay_section && has_bay(sign < 0) { sign } else { 0 };
+        let number = |in_bay_section: bool| bay_id + if in_bay_section && has_bay(sign) { sign } else { 0 };
         let in_bays = bay.is_some() || (before && after);
         let (kind, surface) = outermost_lane(style);
         lanes.push(LaneRecord {
-            id: number(in_bays),
-            kind,
-            widths: vec![Cubic::constant(style.sidewalk_width_m)],
             surface,
-            outer_line: OuterLine::None,
             predecessor: before.then(|| number(!in_bays)),
             successor: after.then(|| number(!in_bays)),
+            ..LaneRecord::new(number(in_bays), kind, vec![Cubic::constant(style.sidewalk_width_m)])
         });
         lanes
     };
-    let has_bay = |right: bool| street.bays.is_some() && street.bay_widths_m[usize::from(!right)] > 0.0;
-    let section = |s: f64, bay: Option<f64>, before: bool, after: bool| {
-        let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
+    let section = |s_m: f64, bay: Option<f64>, neighbors: Neighbors| {
+        let mut lanes = side(1, bay.filter(|_| has_bay(1)), neighbors);
         lanes.reverse();
-        lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
-        Section { s, center_line_m: center_line_m(style), lanes }
+        lanes.extend(side(-1, bay.filter(|_| has_bay(-1)), neighbors));
+        Section { s_m, center_line_m: center_line_m(style), lanes }
     };
-    match street.bays {
-        None => vec![section(0.0, None, false, false)],
+    match street.bays.stretch_m {
+        None => vec![section(0.0, None, Neighbors { before: false, after: false })],
         Some((from, to)) => vec![
-            section(0.0, None, false, true),
-            section(from, Some(to - from), true, true),
-            section(to, None, true, false),
+            section(0.0, None, Neighbors { before: false, after: true }),
+            section(from, Some(to - from), Neighbors { before: true, after: true }),
+            section(to, None, Neighbors { before: true, after: false }),
         ],
     }
 }
@@ -194,23 +196,20 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
 pub(in crate::town) fn write_lanes(out: &mut String, sections: &[Section]) {
     out.push_str("<lanes>\n");
     for section in sections {
-        put(out, format_args!("<laneSection s=\"{:.6}\">\n", section.s));
+        put!(out, "<laneSection s=\"{:.6}\">\n", section.s_m);
         let side = |out: &mut String, name: &str, keep: &dyn Fn(i32) -> bool| {
             if section.lanes.iter().any(|l| keep(l.id)) {
-                put(out, format_args!("<{name}>\n"));
-                section.lanes.iter().filter(|l| keep(l.id)).for_each(|l| write_lane(out, section.s, l));
-                put(out, format_args!("</{name}>\n"));
+                put!(out, "<{name}>\n");
+                section.lanes.iter().filter(|l| keep(l.id)).for_each(|l| write_lane(out, section.s_m, l));
+                put!(out, "</{name}>\n");
             }
         };
         side(out, "left", &|id| id > 0);
         out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
         if let Some((line_m, gap_m, width_m)) = section.center_line_m {
-            write_broken_line(out, section.s, (line_m, gap_m), width_m);
+            write_broken_line(out, section.s_m, (line_m, gap_m), width_m);
         } else {
-            put(
-                out,
-                format_args!("<roadMark sOffset=\"0.0\" type=\"none\" color=\"white\" width=\"{LINE_WIDTH_M}\"/>"),
-            );
+            put!(out, "<roadMark sOffset=\"0.0\" type=\"none\" color=\"white\" width=\"{LINE_WIDTH_M}\"/>");
         }
         out.push_str("</lane></center>\n");
         side(out, "right", &|id| id < 0);
@@ -224,35 +223,32 @@ fn write_broken_line(out: &mut String, s: f64, dash_m: (f64, f64), width_m: f64)
     let period_m = dash_m.0 + dash_m.1;
     let passed = ((s - FIRST_DASH_M) / period_m).ceil().max(0.0);
     let first_m = FIRST_DASH_M + passed * period_m - s;
-    put(
+    put!(
         out,
-        format_args!(
-            "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{width_m}\">\
+        "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{width_m}\">\
              <type name=\"broken\" width=\"{width_m}\"><line length=\"{}\" space=\"{}\" tOffset=\"0.0\" \
              sOffset=\"{first_m:.6}\" rule=\"caution\" width=\"{width_m}\"/></type></roadMark>",
-            dash_m.0, dash_m.1
-        ),
+        dash_m.0,
+        dash_m.1
     );
 }
 
 /// A solid line so far inside of the lane's outer border; `id` is the lane's.
 fn write_solid_line(out: &mut String, id: i32, inset_m: f64, width_m: f64) {
     let inside_m = if id > 0 { -inset_m } else { inset_m };
-    put(
+    put!(
         out,
-        format_args!(
-            "<roadMark sOffset=\"0.0\" type=\"solid\" color=\"white\" width=\"{width_m}\">\
+        "<roadMark sOffset=\"0.0\" type=\"solid\" color=\"white\" width=\"{width_m}\">\
              <type name=\"solid\" width=\"{width_m}\"><line length=\"0.0\" space=\"0.0\" tOffset=\"{inside_m}\" \
              sOffset=\"0.0\" rule=\"no passing\" width=\"{width_m}\"/></type></roadMark>\n"
-        ),
     );
 }
 
 fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
-    put(out, format_args!("<lane id=\"{}\" type=\"{}\" level=\"false\">\n<link>", lane.id, lane.kind));
+    put!(out, "<lane id=\"{}\" type=\"{}\" level=\"false\">\n<link>", lane.id, lane.kind);
     for (element, id) in [("predecessor", lane.predecessor), ("successor", lane.successor)] {
         if let Some(id) = id {
-            put(out, format_args!("<{element} id=\"{id}\"/>"));
+            put!(out, "<{element} id=\"{id}\"/>");
         }
     }
     out.push_str("</link>\n");
@@ -272,10 +268,10 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
         OuterLine::Bays => write_solid_line(out, lane.id, 0.0, LINE_WIDTH_M),
     }
     if let Some(surface) = lane.surface.name() {
-        put(out, format_args!("<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n"));
+        put!(out, "<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n");
     }
     if matches!(lane.kind, "median" | "sidewalk") && lane.surface == LaneSurface::Usual {
-        put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));
+        put!(out, "<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n");
     }
     out.push_str("</lane>\n");
 }

@@ -1,7 +1,5 @@
 //! Pieces of OpenDRIVE text: numbers and cubics.
 
-use std::fmt::Write;
-
 /// A cubic a + b s + c s^2 + d s^3 from `s` on.
 pub(in crate::town) struct Cubic {
     pub s: f64,
@@ -26,14 +24,15 @@ impl Cubic {
 
     pub fn write(&self, out: &mut String, element: &str, s_name: &str) {
         let Self { s, a, b, c, d } = self;
-        put(
-            out,
-            format_args!("<{element} {s_name}=\"{s:.5}\" a=\"{a:.6}\" b=\"{b:.8}\" c=\"{c:.9}\" d=\"{d:.10}\"/>\n"),
-        );
+        put!(out, "<{element} {s_name}=\"{s:.5}\" a=\"{a:.6}\" b=\"{b:.8}\" c=\"{c:.9}\" d=\"{d:.10}\"/>\n");
     }
 }
 
-/// Writing to a `String` can't fail.
-pub(in crate::town) fn put(out: &mut String, text: std::fmt::Arguments<'_>) {
-    let _ = out.write_fmt(text);
+/// Writes formatted text to a `String`, which can't fail.
+macro_rules! put {
+    ($out:expr, $($text:tt)*) => {{
+        let _ = std::fmt::Write::write_fmt(&mut *$out, format_args!($($text)*));
+    }};
 }
+
+pub(in crate::town) use put;

@@ -4,16 +4,18 @@ use crate::math;
 use crate::town::network::road_network::LaneSurface;
 use crate::town::plan::junction::cycle_turns::CycleTurn;
 use crate::town::plan::junction::roundabout::Roundabout;
-use crate::town::plan::junction::turns::{End, Turn};
+use crate::town::plan::junction::street_arm::StreetEnd;
+use crate::town::plan::junction::turns::PlannedTurn;
 use crate::town::plan::plan_curve::PlanCurve;
 use crate::town::plan::relief::Relief;
+use crate::town::plan::street_grid::WhichEnd;
 use crate::town::plan::street_grid::{LineStyle, StreetKind};
 use crate::town::plan::street_plan::{Street, StreetPlan};
 use crate::town::plan::xodr::lanes::{
     CYCLE_FORD_M, LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
     street_sections, write_lanes,
 };
-use crate::town::plan::xodr::signals::{write_controllers, write_junction_controllers, write_signals};
+use crate::town::plan::xodr::signal_records::{write_controllers, write_junction_controllers, write_signals};
 use crate::town::plan::xodr::text::{Cubic, put};
 
 /// How a document begins.
@@ -31,10 +33,7 @@ const CROSSFALL_RAMP_M: f64 = 20.0;
 pub(in crate::town) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &[f64]) -> String {
     let mut out = String::with_capacity(1 << 20);
     out.push_str(HEADER);
-    put(
-        &mut out,
-        format_args!("<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n"),
-    );
+    put!(&mut out, "<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n");
     for (i, (street, fall)) in plan.streets.iter().zip(crossfall).enumerate() {
         write_street(&mut out, (plan, i), street, relief, *fall);
     }
@@ -52,13 +51,11 @@ pub(in crate::town) fn write(name: &str, plan: &StreetPlan, relief: &Relief, cro
         write_junction(&mut out, plan, junction);
     }
     for junction in (0..plan.num_junctions).filter(|j| plan.roundabouts[*j].is_some()) {
-        put(
+        put!(
             &mut out,
-            format_args!(
-                "<junctionGroup name=\"\" id=\"{0}\" type=\"roundabout\"><junctionReference junction=\"{0}\"/>\
+            "<junctionGroup name=\"\" id=\"{0}\" type=\"roundabout\"><junctionReference junction=\"{0}\"/>\
                  </junctionGroup>\n",
-                junction + 1
-            ),
+            junction + 1
         );
     }
     out.push_str("</OpenDRIVE>\n");
@@ -77,18 +74,18 @@ fn cycle_turn_id(plan: &StreetPlan, turn: usize) -> usize {
     turn_id(plan, plan.turns.len() + turn)
 }
 
-/// Signs of the ids of the lanes that traffic arrives on at a street's end, and of those that it leaves on.
-fn signs_at(end: End) -> (i32, i32) {
+/// The sign of the ids of the lanes that traffic arrives on at a street's end; it leaves on those of the other sign.
+fn arriving_sign(end: WhichEnd) -> i32 {
     match end {
-        End::Start => (1, -1),
-        End::Finish => (-1, 1),
+        WhichEnd::Start => 1,
+        WhichEnd::Finish => -1,
     }
 }
 
-fn contact(end: End) -> &'static str {
+fn contact(end: WhichEnd) -> &'static str {
     match end {
-        End::Start => "start",
-        End::Finish => "end",
+        WhichEnd::Start => "start",
+        WhichEnd::Finish => "end",
     }
 }
 
@@ -101,16 +98,14 @@ fn write_street(
 ) {
     let [from, to] = street.junctions;
     let length = street.curve.length_m();
-    put(
+    put!(
         out,
-        format_args!(
-            "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
+        "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
              <predecessor elementType=\"junction\" elementId=\"{}\"/>\
              <successor elementType=\"junction\" elementId=\"{}\"/></link>\n",
-            street_id(index),
-            from + 1,
-            to + 1
-        ),
+        street_id(index),
+        from + 1,
+        to + 1
     );
     write_type(out, &street.style, street.style.speed_kmh);
     write_shape(out, &street.curve, relief, &|s| crossfall * crossfall_share(s, length));
@@ -131,22 +126,18 @@ fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
     } else {
         "lowSpeed"
     };
-    put(out, format_args!("<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n"));
+    put!(out, "<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n");
 }
 
-fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, relief: &Relief) {
-    let (a, b) = (&plan.streets[turn.from.0].style, &plan.streets[turn.to.0].style);
+fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedTurn, relief: &Relief) {
+    let (a, b) = (&plan.streets[turn.from.street].style, &plan.streets[turn.to.street].style);
     let length = turn.curve.length_m();
     write_way(out, plan, (turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
-    let (arrives, leaves) = (signs_at(turn.from.1).0, signs_at(turn.to.1).1);
+    let (arrives, leaves) = (arriving_sign(turn.from.end), -arriving_sign(turn.to.end));
     let lane = |id: i32, kind: &'static str, [at_start_m, at_end_m]: [f64; 2], links: Option<[i32; 2]>| LaneRecord {
-        id,
-        kind,
-        widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
-        surface: LaneSurface::Usual,
-        outer_line: OuterLine::None,
         predecessor: links.map(|[from, _]| from),
         successor: links.map(|[_, to]| to),
+        ..LaneRecord::new(id, kind, vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))])
     };
     let mut lanes = Vec::new();
     if turn.paved_left_m.iter().any(|m| *m > 0.0) {
@@ -178,7 +169,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         }
         lanes.push(LaneRecord { surface, ..lane(turn_walk_id(plan, turn), kind, widths_m, Some(walked)) });
     }
-    write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
+    write_lanes(out, &[Section { s_m: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }
 
@@ -186,46 +177,33 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
 fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief) {
     let curve = ring.island();
     let length = curve.length_m();
-    put(
-        out,
-        format_args!("<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"-1\" rule=\"RHT\">\n<link/>\n"),
-    );
+    put!(out, "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"-1\" rule=\"RHT\">\n<link/>\n");
     write_shape(out, &curve, relief, &|_| 0.0);
-    let lanes = vec![LaneRecord {
-        id: 1,
-        kind: "median",
-        widths: vec![Cubic::constant(ring.island_m - ISLAND_MIDDLE_M)],
-        surface: LaneSurface::Usual,
-        outer_line: OuterLine::None,
-        predecessor: None,
-        successor: None,
-    }];
-    write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
+    let lanes = vec![LaneRecord::new(1, "median", vec![Cubic::constant(ring.island_m - ISLAND_MIDDLE_M)])];
+    write_lanes(out, &[Section { s_m: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }
 
 /// Id of the sidewalk's lane of a turn along a curb: beyond the strip of road that cycle lanes go on as.
-fn turn_walk_id(plan: &StreetPlan, turn: &Turn) -> i32 {
-    let has_cycle_lane = |(street, _): (usize, End)| plan.streets[street].style.cycle_lane.is_some();
+fn turn_walk_id(plan: &StreetPlan, turn: &PlannedTurn) -> i32 {
+    let has_cycle_lane = |at: StreetEnd| plan.streets[at.street].style.cycle_lane.is_some();
     if has_cycle_lane(turn.from) || has_cycle_lane(turn.to) { -3 } else { -2 }
 }
 
 /// A way of bicycles through a junction, a road of its own.
 fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &CycleTurn, relief: &Relief) {
     write_way(out, plan, (cycle_turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
-    let [a, b] = [turn.from, turn.to].map(|(street, _)| &plan.streets[street].style);
+    let [a, b] = [turn.from, turn.to].map(|at| &plan.streets[at.street].style);
     let (length, [at_start_m, at_end_m]) = (turn.curve.length_m(), turn.widths_m);
     let lane = LaneRecord {
-        id: -1,
-        kind: "biking",
-        widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
         surface: if turn.is_red { LaneSurface::Red } else { LaneSurface::Usual },
         outer_line: if turn.has_lines { OuterLine::CycleFord } else { OuterLine::None },
-        predecessor: Some(ridden_id(a, signs_at(turn.from.1).0)),
-        successor: Some(ridden_id(b, signs_at(turn.to.1).1)),
+        predecessor: Some(ridden_id(a, arriving_sign(turn.from.end))),
+        successor: Some(ridden_id(b, -arriving_sign(turn.to.end))),
+        ..LaneRecord::new(-1, "biking", vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))])
     };
     let center_line_m = turn.has_lines.then_some(CYCLE_FORD_M);
-    write_lanes(out, &[Section { s: 0.0, center_line_m, lanes: vec![lane] }]);
+    write_lanes(out, &[Section { s_m: 0.0, center_line_m, lanes: vec![lane] }]);
     out.push_str("</road>\n");
 }
 
@@ -234,23 +212,21 @@ fn write_way(
     out: &mut String,
     plan: &StreetPlan,
     (id, junction): (usize, usize),
-    [(from, from_end), (to, to_end)]: [(usize, End); 2],
+    [from, to]: [StreetEnd; 2],
     (curve, relief): (&PlanCurve, &Relief),
 ) {
-    let (a, b) = (&plan.streets[from].style, &plan.streets[to].style);
+    let (a, b) = (&plan.streets[from.street].style, &plan.streets[to.street].style);
     let length = curve.length_m();
-    put(
+    put!(
         out,
-        format_args!(
-            "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"{}\" rule=\"RHT\">\n<link>\
+        "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"{}\" rule=\"RHT\">\n<link>\
              <predecessor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/>\
              <successor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/></link>\n",
-            junction + 1,
-            street_id(from),
-            contact(from_end),
-            street_id(to),
-            contact(to_end)
-        ),
+        junction + 1,
+        street_id(from.street),
+        contact(from.end),
+        street_id(to.street),
+        contact(to.end)
     );
     write_type(out, a, a.speed_kmh.min(b.speed_kmh));
     // Crossings lie level: a street's crossfall begins and ends with its own piece.
@@ -258,40 +234,36 @@ fn write_way(
 }
 
 fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
-    put(out, format_args!("<junction name=\"\" id=\"{}\">\n", junction + 1));
+    put!(out, "<junction name=\"\" id=\"{}\">\n", junction + 1);
     let here = plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
     for (number, (index, turn)) in here.enumerate() {
-        let style = &plan.streets[turn.from.0].style;
-        let sign = signs_at(turn.from.1).0;
+        let style = &plan.streets[turn.from.street].style;
+        let sign = arriving_sign(turn.from.end);
         let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
-        put(
+        put!(
             out,
-            format_args!(
-                "<connection id=\"{number}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
+            "<connection id=\"{number}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
                  <laneLink from=\"{arrives}\" to=\"-1\"/>",
-                street_id(turn.from.0),
-                turn_id(plan, index)
-            ),
+            street_id(turn.from.street),
+            turn_id(plan, index)
         );
         if turn.along_curb {
             let to = turn_walk_id(plan, turn);
-            put(out, format_args!("<laneLink from=\"{}\" to=\"{to}\"/>", sidewalk_id(style, sign)));
+            put!(out, "<laneLink from=\"{}\" to=\"{to}\"/>", sidewalk_id(style, sign));
         }
         out.push_str("</connection>\n");
     }
     let first = plan.turns.iter().filter(|t| t.junction == junction).count();
     let here = plan.cycle_turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
     for (number, (index, turn)) in here.enumerate() {
-        put(
+        put!(
             out,
-            format_args!(
-                "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
+            "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
                  <laneLink from=\"{}\" to=\"-1\"/></connection>\n",
-                first + number,
-                street_id(turn.from.0),
-                cycle_turn_id(plan, index),
-                ridden_id(&plan.streets[turn.from.0].style, signs_at(turn.from.1).0)
-            ),
+            first + number,
+            street_id(turn.from.street),
+            cycle_turn_id(plan, index),
+            ridden_id(&plan.streets[turn.from.street].style, arriving_sign(turn.from.end))
         );
     }
     write_junction_controllers(out, plan, junction);
@@ -311,14 +283,11 @@ pub(in crate::town) fn write_shape(
     for g in &curve.segments {
         let (x, y, hdg) = (g.start.at.x, g.start.at.y, g.start.heading_rad);
         let length = g.length_m;
-        put(
-            out,
-            format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"),
-        );
-        if g.curvature == 0.0 {
+        put!(out, "<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">");
+        if g.curvature_per_m == 0.0 {
             out.push_str("<line/>");
         } else {
-            put(out, format_args!("<arc curvature=\"{:.12}\"/>", g.curvature));
+            put!(out, "<arc curvature=\"{:.12}\"/>", g.curvature_per_m);
         }
         out.push_str("</geometry>\n");
         s += length;

@@ -1,7 +1,7 @@
 //! The traffic lights of a street plan as OpenDRIVE: signals along the streets, and the controllers of junctions.
 
 use crate::math::{PI, wrap_angle};
-use crate::town::plan::junction::turns::End;
+use crate::town::plan::street_grid::WhichEnd;
 use crate::town::plan::street_plan::{Street, StreetPlan};
 use crate::town::plan::xodr::text::put;
 
@@ -9,21 +9,21 @@ use crate::town::plan::xodr::text::put;
 const BEFORE_END_M: f64 = 4.2;
 /// Arms that lie opposite each other within this have one controller.
 const FACING_RAD: f64 = 0.8;
-const ENDS: [End; 2] = [End::Start, End::Finish];
+const ENDS: [WhichEnd; 2] = [WhichEnd::Start, WhichEnd::Finish];
 
 /// Number of a light: streets have two ends.
-fn signal_id(street: usize, end: End) -> usize {
-    2 * street + usize::from(end == End::Finish) + 1
+fn signal_id(street: usize, end: WhichEnd) -> usize {
+    2 * street + usize::from(end == WhichEnd::Finish) + 1
 }
 
-fn junction_at(street: &Street, end: End) -> usize {
-    street.junctions[usize::from(end == End::Finish)]
+fn junction_at(street: &Street, end: WhichEnd) -> usize {
+    street.junctions[usize::from(end == WhichEnd::Finish)]
 }
 
 /// The lights at the ends of a street.
 pub(in crate::town) fn write_signals(out: &mut String, plan: &StreetPlan, index: usize) {
     let street = &plan.streets[index];
-    let lit: Vec<End> = ENDS.into_iter().filter(|end| plan.has_signals[junction_at(street, *end)]).collect();
+    let lit: Vec<WhichEnd> = ENDS.into_iter().filter(|end| plan.has_signals[junction_at(street, *end)]).collect();
     if lit.is_empty() {
         return;
     }
@@ -33,17 +33,15 @@ pub(in crate::town) fn write_signals(out: &mut String, plan: &StreetPlan, index:
     for end in lit {
         // Traffic arrives at the finish along s, on the right, and at the start against it, on the left.
         let (s, t, orientation) = match end {
-            End::Start => (BEFORE_END_M, half_m, '-'),
-            End::Finish => (length_m - BEFORE_END_M, -half_m, '+'),
+            WhichEnd::Start => (BEFORE_END_M, half_m, '-'),
+            WhichEnd::Finish => (length_m - BEFORE_END_M, -half_m, '+'),
         };
-        put(
+        put!(
             out,
-            format_args!(
-                "<signal s=\"{s:.6}\" t=\"{t:.6}\" id=\"{}\" name=\"\" dynamic=\"yes\" orientation=\"{orientation}\" \
+            "<signal s=\"{s:.6}\" t=\"{t:.6}\" id=\"{}\" name=\"\" dynamic=\"yes\" orientation=\"{orientation}\" \
                  zOffset=\"2.25\" country=\"DE\" type=\"1000001\" subtype=\"-1\" value=\"-1\" height=\"0.9\" \
                  width=\"0.3\"/>\n",
-                signal_id(index, end)
-            ),
+            signal_id(index, end)
         );
     }
     out.push_str("</signals>\n");
@@ -55,8 +53,8 @@ fn arms(plan: &StreetPlan, junction: usize) -> Vec<(usize, f64)> {
     for (index, street) in plan.streets.iter().enumerate() {
         for end in ENDS.into_iter().filter(|end| junction_at(street, *end) == junction) {
             let heading_rad = match end {
-                End::Start => street.curve.pose_at(0.0).heading_rad,
-                End::Finish => street.curve.pose_at(street.curve.length_m()).heading_rad + PI,
+                WhichEnd::Start => street.curve.pose_at(0.0).heading_rad,
+                WhichEnd::Finish => street.curve.pose_at(street.curve.length_m()).heading_rad + PI,
             };
             arms.push((signal_id(index, end), heading_rad));
         }
@@ -89,9 +87,9 @@ pub(in crate::town) fn write_controllers(out: &mut String, plan: &StreetPlan) {
     for junction in (0..plan.num_junctions).filter(|j| plan.has_signals[*j]) {
         let first = first_controller(plan, junction);
         for (k, lights) in groups(plan, junction).iter().enumerate() {
-            put(out, format_args!("<controller id=\"{}\" name=\"\" sequence=\"{k}\">", first + k));
+            put!(out, "<controller id=\"{}\" name=\"\" sequence=\"{k}\">", first + k);
             for light in lights {
-                put(out, format_args!("<control signalId=\"{light}\" type=\"\"/>"));
+                put!(out, "<control signalId=\"{light}\" type=\"\"/>");
             }
             out.push_str("</controller>\n");
         }
@@ -105,7 +103,7 @@ pub(in crate::town) fn write_junction_controllers(out: &mut String, plan: &Stree
     }
     let first = first_controller(plan, junction);
     for k in 0..groups(plan, junction).len() {
-        put(out, format_args!("<controller id=\"{}\" type=\"\" sequence=\"{k}\"/>", first + k));
+        put!(out, "<controller id=\"{}\" type=\"\" sequence=\"{k}\"/>", first + k);
     }
     out.push('\n');
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::assets::scenery::{MotorwayKind, gantry, motorway_thing, speed_sign};
 use crate::math::DVec2;
 use crate::rng::Stream;
-use crate::town::countryside::motorway::plan::GANTRY_SHARE;
-use crate::town::countryside::motorway::{Side, stand};
+use crate::town::countryside::motorway::road_plan::GANTRY_SHARE;
+use crate::town::countryside::motorway::{CarriagewaySide, stand};
 use crate::town::placement::placer::Placer;
 use crate::town::plots::frontage::right_of;
 
@@ -26,7 +26,7 @@ const UNLIMITED_KMH: u32 = 130;
 const KILOMETER_EVERY_M: f64 = 500.0;
 
 /// Places all posts of a side; returns the stretches that want a rail.
-pub(super) fn place(s: &mut Stream, side: &Side, placer: &mut Placer) -> Vec<Range<f64>> {
+pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer) -> Vec<Range<f64>> {
     let (frontage, plan) = (side.frontage, side.plan);
     let length_m = frontage.length_m();
     let mut shields = Vec::new();

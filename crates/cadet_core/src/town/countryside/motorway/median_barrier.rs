@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::assets::scenery::{MOTORWAY_PIECE_M, MotorwayKind, TreeKind, motorway_thing, num_variants, tree};
 use crate::math::DVec2;
 use crate::rng::StreamKey;
-use crate::town::countryside::motorway::plan::RoadPlan;
+use crate::town::countryside::motorway::road_plan::RoadPlan;
 use crate::town::placement::placer::Placer;
 
 /// Two rows of rails stand so far from the middle where shrubs grow between them; else one row of two beams does.

@@ -3,30 +3,30 @@
 use crate::assets::scenery::{HeadKind, signal_head};
 use crate::instance::Instance;
 use crate::math::DPose3;
+use crate::town::signals::arm::ArmId;
 use crate::town::signals::{Aspect, Signals};
 
 /// A light.
 #[derive(Debug, Clone)]
-pub struct Head {
+pub struct SignalHead {
     /// What it is like.
     pub kind: HeadKind,
-    /// Its junction and arm in [`Signals::junctions`].
-    pub arm: (usize, usize),
+    /// The arm that it holds.
+    pub arm: ArmId,
     /// The middle of its back's bottom edge; it faces x.
     pub world_from_head: DPose3,
 }
 
-impl Head {
+impl SignalHead {
     /// Which lenses are lit: red, yellow, green.
     #[must_use]
     pub fn lenses(&self, signals: &Signals, time_s: f64) -> [bool; 3] {
-        let (junction, arm) = self.arm;
         if self.kind == HeadKind::Walk {
             let walks = signals.may_walk(self.arm, time_s);
             return [!walks, false, walks];
         }
-        let junction = &signals.junctions[junction];
-        match junction.plan.aspect(junction.arms[arm].stage, time_s) {
+        let junction = &signals.junctions[self.arm.junction];
+        match junction.plan.aspect(junction.arms[self.arm.arm].stage, time_s) {
             Aspect::Red => [true, false, false],
             Aspect::RedYellow => [true, true, false],
             Aspect::Yellow => [false, true, false],

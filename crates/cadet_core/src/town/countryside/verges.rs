@@ -165,7 +165,7 @@ fn herbs_along(
 
 /// What grows along one stretch.
 #[derive(Clone, Copy)]
-enum Growth {
+enum VergeGrowth {
     Nothing,
     Hedgerow,
     Row,
@@ -180,18 +180,19 @@ fn green(s: &mut Stream, frontage: &Frontage, land: &Land, greenery: f64, taken:
     while from_m < frontage.length_m() - 4.0 {
         let to_m = (from_m + s.range(STRETCH_M.0, STRETCH_M.1)).min(frontage.length_m() - 2.0);
         let shares = [0.45 / greenery.max(0.2), 0.22, 0.15, 0.18];
-        let growth = [Growth::Nothing, Growth::Hedgerow, Growth::Row, Growth::Scattered][s.weighted(&shares)];
+        let growth = [VergeGrowth::Nothing, VergeGrowth::Hedgerow, VergeGrowth::Row, VergeGrowth::Scattered]
+            [s.weighted(&shares)];
         let (row_every_m, row_variant) = (s.range(8.0, 14.0), s.below(variants));
         let mut at_m = from_m;
         while greenery > 0.0 && at_m < to_m {
             let (kind, variant, off_m, step_m) = match growth {
-                Growth::Nothing => break,
-                Growth::Hedgerow => {
+                VergeGrowth::Nothing => break,
+                VergeGrowth::Hedgerow => {
                     let kind = [TreeKind::Shrub, TreeKind::Garden, TreeKind::Wood][s.weighted(&[0.66, 0.24, 0.10])];
                     (kind, s.below(variants), s.range(0.6, 2.6), s.range(1.0, 2.4))
                 }
-                Growth::Row => (TreeKind::Street, row_variant + s.below(2), 1.0, row_every_m * s.range(0.85, 1.2)),
-                Growth::Scattered => {
+                VergeGrowth::Row => (TreeKind::Street, row_variant + s.below(2), 1.0, row_every_m * s.range(0.85, 1.2)),
+                VergeGrowth::Scattered => {
                     let kind = [TreeKind::Shrub, TreeKind::Garden, TreeKind::Street][s.weighted(&[0.45, 0.35, 0.20])];
                     (kind, s.below(variants), s.range(0.8, 7.0), s.range(6.0, 40.0))
                 }

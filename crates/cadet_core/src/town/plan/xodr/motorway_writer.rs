@@ -11,25 +11,20 @@ use crate::town::plan::xodr::writer::{HEADER, write_shape};
 pub(in crate::town) fn write(name: &str, motorway: &Motorway, relief: &Relief) -> String {
     let mut out = String::with_capacity(1 << 20);
     out.push_str(HEADER);
-    put(
-        &mut out,
-        format_args!("<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n"),
-    );
+    put!(&mut out, "<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n");
     let num_roads = motorway.roads.len();
     let mut from_m = 0.0;
     for (i, curve) in motorway.roads.iter().enumerate() {
         let length = curve.length_m();
         let (before, after) = ((i + num_roads - 1) % num_roads + 1, (i + 1) % num_roads + 1);
-        put(
+        put!(
             &mut out,
-            format_args!(
-                "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
+            "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
                  <predecessor elementType=\"road\" elementId=\"{before}\" contactPoint=\"end\"/>\
                  <successor elementType=\"road\" elementId=\"{after}\" contactPoint=\"start\"/></link>\n\
                  <type s=\"0.0\" type=\"motorway\"><speed max=\"{}\" unit=\"km/h\"/></type>\n",
-                i + 1,
-                motorway.section.speed_kmh
-            ),
+            i + 1,
+            motorway.section.speed_kmh
         );
         write_shape(&mut out, curve, relief, &|s| motorway.tilt(from_m + s));
         write_lanes(&mut out, &[across(&motorway.section)]);
@@ -57,17 +52,15 @@ fn across(section: &CrossSection) -> Section {
     let side = |sign: i32| {
         let number = move |k: usize| sign * (k as i32 + 1);
         outwards.iter().enumerate().map(move |(k, (kind, width_m, surface, outer_line))| LaneRecord {
-            id: number(k),
-            kind,
-            widths: vec![Cubic::constant(*width_m)],
             surface: *surface,
             outer_line: *outer_line,
             predecessor: Some(number(k)),
             successor: Some(number(k)),
+            ..LaneRecord::new(number(k), kind, vec![Cubic::constant(*width_m)])
         })
     };
     let mut lanes: Vec<LaneRecord> = side(1).collect();
     lanes.reverse();
     lanes.extend(side(-1));
-    Section { s: 0.0, center_line_m: None, lanes }
+    Section { s_m: 0.0, center_line_m: None, lanes }
 }

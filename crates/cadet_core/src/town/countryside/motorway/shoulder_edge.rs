@@ -7,7 +7,7 @@ use crate::assets::scenery::{MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, 
 use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
-use crate::town::countryside::motorway::Side;
+use crate::town::countryside::motorway::CarriagewaySide;
 use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::Placer;
 
@@ -23,7 +23,13 @@ const WALL_SHARE: f64 = 0.2;
 const WALL_OF_SIDE: (f64, f64) = (0.3, 0.9);
 const WALL_OFF_M: f64 = 3.0;
 
-pub(super) fn furnish(s: &mut Stream, side: &Side, shields: &[Range<f64>], taken: &mut Occupancy, placer: &mut Placer) {
+pub(super) fn furnish(
+    s: &mut Stream,
+    side: &CarriagewaySide,
+    shields: &[Range<f64>],
+    taken: &mut Occupancy,
+    placer: &mut Placer,
+) {
     let length_m = side.frontage.length_m();
     let count = (length_m / MOTORWAY_PIECE_M).round().max(1.0) as usize;
     let step_m = length_m / count as f64;
@@ -70,7 +76,7 @@ fn noise_wall(s: &mut Stream, count: usize) -> Option<(Range<usize>, usize)> {
     is_there.then_some((first..first + pieces, variant))
 }
 
-fn delineators(s: &mut Stream, side: &Side, placer: &mut Placer) {
+fn delineators(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer) {
     let model = pole(PoleKind::Delineator, s.below(6));
     let count = (side.frontage.length_m() / DELINEATOR_EVERY_M).round().max(1.0);
     let step_m = side.frontage.length_m() / count;

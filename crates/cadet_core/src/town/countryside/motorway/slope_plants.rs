@@ -2,7 +2,7 @@
 
 use crate::assets::scenery::{TreeKind, num_variants, tree};
 use crate::rng::Stream;
-use crate::town::countryside::motorway::Side;
+use crate::town::countryside::motorway::CarriagewaySide;
 use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::Placer;
 
@@ -14,20 +14,21 @@ const TREES_FROM_M: f64 = 6.5;
 
 /// What grows along one stretch.
 #[derive(Clone, Copy)]
-enum Growth {
+enum SlopeGrowth {
     Grass,
     Scattered,
     Shrubs,
     Wooded,
 }
 
-pub(super) fn grow(s: &mut Stream, side: &Side, greenery: f64, taken: &Occupancy, placer: &mut Placer) {
+pub(super) fn grow(s: &mut Stream, side: &CarriagewaySide, greenery: f64, taken: &Occupancy, placer: &mut Placer) {
     let length_m = side.frontage.length_m();
     let shares = [0.34 / greenery.max(0.2), 0.2, 0.2, 0.26];
     let mut from_m = 0.0;
     while greenery > 0.0 && from_m < length_m {
         let to_m = (from_m + s.range(STRETCH_M.0, STRETCH_M.1)).min(length_m);
-        let growth = [Growth::Grass, Growth::Scattered, Growth::Shrubs, Growth::Wooded][s.weighted(&shares)];
+        let growth =
+            [SlopeGrowth::Grass, SlopeGrowth::Scattered, SlopeGrowth::Shrubs, SlopeGrowth::Wooded][s.weighted(&shares)];
         stretch(s, side, growth, (from_m, to_m), taken, placer);
         from_m = to_m;
     }
@@ -35,8 +36,8 @@ pub(super) fn grow(s: &mut Stream, side: &Side, greenery: f64, taken: &Occupancy
 
 fn stretch(
     s: &mut Stream,
-    side: &Side,
-    growth: Growth,
+    side: &CarriagewaySide,
+    growth: SlopeGrowth,
     (from_m, to_m): (f64, f64),
     taken: &Occupancy,
     placer: &mut Placer,
@@ -45,20 +46,20 @@ fn stretch(
     let reach_m = side.land.roadside.reach_m();
     // (rows, steps along them)
     let (rows, step_m) = match growth {
-        Growth::Grass => return,
-        Growth::Scattered => (1, (8.0, 34.0)),
-        Growth::Shrubs => (3, (1.6, 3.6)),
-        Growth::Wooded => (3, (2.2, 4.2)),
+        SlopeGrowth::Grass => return,
+        SlopeGrowth::Scattered => (1, (8.0, 34.0)),
+        SlopeGrowth::Shrubs => (3, (1.6, 3.6)),
+        SlopeGrowth::Wooded => (3, (2.2, 4.2)),
     };
     for row in 0..rows {
         let mut at_m = from_m + s.range(0.0, step_m.1);
         while at_m < to_m {
             let share = (f64::from(row) + s.unit()) / f64::from(rows);
             let kind = match growth {
-                Growth::Wooded if row > 0 => {
+                SlopeGrowth::Wooded if row > 0 => {
                     [TreeKind::Wood, TreeKind::Garden, TreeKind::Conifer][s.weighted(&[0.6, 0.3, 0.1])]
                 }
-                Growth::Scattered => {
+                SlopeGrowth::Scattered => {
                     [TreeKind::Shrub, TreeKind::Garden, TreeKind::Street][s.weighted(&[0.6, 0.2, 0.2])]
                 }
                 _ => [TreeKind::Shrub, TreeKind::Garden][s.weighted(&[0.86, 0.14])],
