@@ -1,6 +1,7 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
-use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, StreetLight, num_variants};
+use crate::assets::props::{ARM_LAMP, LAMP, Shipped, WALL, WIRE};
+use crate::assets::scenery::{HouseKind, StreetLight, num_variants};
 use crate::rng::{Stream, StreamKey};
 use crate::town::placement::boundary::Boundary;
 use crate::town::placement::prop_config::PropConfig;
@@ -35,7 +36,7 @@ pub(in crate::town) struct StreetStyle {
     /// Spacing of street trees and their variant, if there are any.
     pub street_trees: Option<(f64, usize)>,
     /// Lamps: kind, variant, spacing.
-    pub lamp: (PoleKind, usize, f64),
+    pub lamp: (Shipped, usize, f64),
     /// The light of its lamps.
     pub street_light: StreetLight,
     /// Share of plots left open: gardens and meadows.
@@ -72,12 +73,12 @@ impl StreetStyle {
 
     /// Flats behind lawns, or no houses at all: woods, hedges, meadows.
     fn beside_main_road(self, s: &mut Stream, greenery: f64) -> Self {
-        let [_, trees, fences, hedges, ..] = num_variants();
+        let [_, trees, hedges] = num_variants();
         let is_built = s.chance(0.5);
         let boundary = match s.weighted(&[0.45, 0.15, 0.1, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
-            1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
-            2 => Boundary::Fence(FenceKind::Wall, s.below(fences)),
+            1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
+            2 => Boundary::Fence(WALL, s.below(WALL.num_variants())),
             _ => Boundary::Open,
         };
         let has_trees = s.chance((0.9 * greenery).min(1.0));
@@ -94,16 +95,16 @@ impl StreetStyle {
 
     /// Lots in place of houses; what they leave is green.
     fn with_lots(self, usage: LotUse, s: &mut Stream, greenery: f64) -> Self {
-        let [_, _, fences, hedges, poles, _] = num_variants();
+        let [.., hedges] = num_variants();
         let lamp = match usage {
-            LotUse::Industry => (PoleKind::ArmLamp, s.below(poles), s.range(30.0, 40.0)),
+            LotUse::Industry => (ARM_LAMP, s.below(ARM_LAMP.num_variants()), s.range(30.0, 40.0)),
             // Of 4 m.
-            LotUse::Campus => (PoleKind::Lamp, 0, s.range(18.0, 26.0)),
+            LotUse::Campus => (LAMP, 0, s.range(18.0, 26.0)),
             LotUse::CarPark => self.lamp,
         };
         let boundary = match s.weighted(&[0.4, 0.3, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
-            1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
+            1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
             _ => Boundary::Open,
         };
         Self {
@@ -121,12 +122,11 @@ impl StreetStyle {
 
     /// Rows without gaps or front gardens.
     fn in_the_city(self, s: &mut Stream, greenery: f64) -> Self {
-        let [_, _, fences, ..] = num_variants();
         let (has_wires, has_trees) = (s.chance(WIRES_SHARE), s.chance((0.5 * greenery).min(1.0)));
         Self {
             houses: [HouseKind::Block; 2],
             setback_m: 0.0,
-            boundary: Boundary::Fence(FenceKind::Wall, s.below(fences)),
+            boundary: Boundary::Fence(WALL, s.below(WALL.num_variants())),
             trees_per_100_m2: 0.6 * self.trees_per_100_m2,
             street_trees: None,
             vacant_share: 0.0,
@@ -145,8 +145,8 @@ impl StreetStyle {
         let kind = |s: &mut Stream| HouseKind::ALL[s.weighted(&config.house_shares)];
         let houses = [kind(s), kind(s)];
         let fast = speed_limit_mps > 10.0;
-        let lamp_kind = if fast { PoleKind::ArmLamp } else { PoleKind::Lamp };
-        let [_, trees, .., poles, _] = num_variants();
+        let lamp_kind = if fast { ARM_LAMP } else { LAMP };
+        let [_, trees, _] = num_variants();
         Self {
             houses,
             main_share: s.range(0.6, 0.95),
@@ -154,7 +154,7 @@ impl StreetStyle {
             boundary: Boundary::draw(s),
             trees_per_100_m2: config.greenery * s.range(0.6, 1.9),
             street_trees: s.chance((0.6 * config.greenery).min(0.9)).then(|| (s.range(8.0, 13.5), s.below(trees))),
-            lamp: (lamp_kind, s.below(poles), s.range(25.0, 35.0)),
+            lamp: (lamp_kind, s.below(lamp_kind.num_variants()), s.range(25.0, 35.0)),
             vacant_share: s.range(0.02, 0.16),
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },
             street_light: StreetLight::draw(&mut key.indexed("street light", u64::from(road))),

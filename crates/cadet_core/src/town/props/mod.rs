@@ -85,7 +85,7 @@ pub(in crate::town) fn place_props(
     let mut posts = signal_heads::place(signals, key, &mut placer);
     let streets =
         street_things::StreetLayout { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
-    let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
+    let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config, &mut placer);
     things.obstacles.append(&mut posts);
     things.obstacles.append(&mut on_lots.obstacles);
     things.seats.append(&mut on_lots.seats);
@@ -111,7 +111,8 @@ pub(in crate::town) fn place_in_country(
 #[allow(clippy::print_stderr)]
 mod tests {
     use super::*;
-    use crate::assets::scenery::{HouseKind, ThingKind};
+    use crate::assets::props::shipped;
+    use crate::assets::scenery::HouseKind;
     use crate::math::DVec3;
     use crate::sense::PosedScene;
     use crate::town::{GroundKind, Lane, SuburbConfig, generate_suburb, parking_spots, walkways};
@@ -130,10 +131,37 @@ mod tests {
         (network, ground, props)
     }
 
+    /// What of the props stands on roads' edges, in gardens, and about them by other rules than those that are tested here.
+    const ELSEWHERE: [&str; 22] = [
+        "wheeled-bin",
+        "distribution-cabinet",
+        "post-box",
+        "gate-post",
+        "planter",
+        "lamp",
+        "arm-lamp",
+        "round-sign",
+        "triangle-sign",
+        "diamond-sign",
+        "zone-sign",
+        "parking-sign",
+        "name-sign",
+        "bollard",
+        "delineator",
+        "roundabout-sign",
+        "arrow-board",
+        "picket",
+        "railing",
+        "wall",
+        "screen",
+        "wire",
+    ];
+
     /// Things, benches, and rails on sidewalks and in bays have tests of their own.
     fn is_furniture(standing: &&Standing) -> bool {
         let kind = standing.name.split('/').next().unwrap();
-        ThingKind::ALL.iter().any(|k| k.name() == kind) || ["bench", "guard-rail"].contains(&kind)
+        let own_tests = |name: &str| !ELSEWHERE.contains(&name);
+        shipped().iter().any(|prop| prop.name() == kind && own_tests(kind))
     }
 
     fn is_house(standing: &Standing) -> bool {
