@@ -238,6 +238,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "object_sink",
         "operating_system",
         "policy",
+        "props",
         "report",
         "rig",
         "road_map",

@@ -1,4 +1,4 @@
-//! What is made once a process, when it is first asked for.
+//! A memo of values that are made once a process, when they are first asked for.
 
 use std::collections::BTreeMap;
 use std::fmt;

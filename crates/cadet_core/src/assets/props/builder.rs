@@ -19,7 +19,7 @@ const MOST_STEPS: usize = 200_000;
 const REACH_M: f64 = 60.0;
 const MOST_SIDES: usize = 96;
 
-/// What is wrong with a part, in words; its line comes later.
+/// A result whose fault is described in words; its line comes later.
 type Outcome<T> = std::result::Result<T, String>;
 
 /// Which of a prop's meshes.

@@ -111,7 +111,7 @@ pub(super) enum Solid {
     },
 }
 
-/// What is written.
+/// The text on a plane.
 #[derive(Debug)]
 pub(super) enum Words {
     /// One of several.
@@ -168,7 +168,7 @@ impl PartsList {
     /// Parses a file; `library` has the materials and colors that all files know.
     ///
     /// # Errors
-    /// What is wrong in which line.
+    /// A fault with its line.
     pub(super) fn parse(text: &str, library: &Library) -> Result<Self> {
         read_file(text, |mut table| Self::read(&mut table, library))
     }
@@ -220,10 +220,7 @@ impl PartsList {
         let surfaces = slots.0[first..].iter().map(surface).collect::<Result<_>>()?;
         table.end()?;
         let levels_m = levels_m.map(|m| m as f32);
-        let list =
-            Self { variants, levels_m, crease_rad, lengths_m, sizes, parts, surfaces, plant, seats, lamps, places };
-        super::names::check(&list)?;
-        Ok(list)
+        Ok(Self { variants, levels_m, crease_rad, lengths_m, sizes, parts, surfaces, plant, seats, lamps, places })
     }
 }
 

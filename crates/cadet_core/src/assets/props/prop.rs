@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::builder::{Choice, mesh, scope_of};
 use super::expression::{Expression, Scope};
+use super::names::check as check_names;
 use super::parts_list::PartsList;
 use super::place::Place;
 use super::reader::{Fault, Result as Read};
@@ -56,7 +57,8 @@ impl Prop {
     /// # Errors
     /// [`Error::File`], naming file, line, and reason.
     pub(super) fn parse(name: &str, file: &str, text: &str, library: &Library) -> Result<Self> {
-        let list = PartsList::parse(text, library).map_err(|fault| in_file(file, fault))?;
+        let list = PartsList::parse(text, library).and_then(|list| check_names(&list).map(|()| list));
+        let list = list.map_err(|fault| in_file(file, fault))?;
         let (name, file, text) = (name.to_owned(), file.to_owned(), text.to_owned());
         Ok(Self { design: Arc::new(Design { name, file, text, list }), models: Memo::new() })
     }

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::expression::Expression;
 use super::parser::{Parser, Point};
 
-/// What is wrong in a line of a file.
+/// A fault in a line of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
     /// From 1.
@@ -187,7 +187,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// So many expressions with commas between.
+    /// Parses so many expressions with commas between.
     pub(super) fn tuple<const N: usize>(&self) -> Result<[Expression; N]> {
         let found = self.parsed(Parser::tuple)?;
         let count = found.len();

@@ -73,7 +73,7 @@ impl Library {
     /// Parses a file with `[colors]` and `[materials]`.
     ///
     /// # Errors
-    /// What is wrong in which line.
+    /// A fault with its line.
     pub(super) fn parse(text: &str) -> Result<Self> {
         read_file(text, |mut table| {
             let mut library = Self::default();

@@ -31,7 +31,7 @@ fn solid_faces<'a>(model: &'a SceneryModel, mesh: &'a Mesh) -> impl Iterator<Ite
     faces.map(|(face, _)| face.map(|i| mesh.vertices[i as usize]))
 }
 
-/// What is no closed solid: cards in place of slats too thin to be seen as solids, and faces of boards.
+/// Returns whether parts are no closed solids: cards in place of slats too thin to be seen as solids, and faces of boards.
 fn has_cards(name: &str) -> bool {
     const CARDS: [&str; 7] = [
         "picket",
