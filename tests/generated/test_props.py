@@ -37,10 +37,11 @@ def test_a_users_prop_stands_in_the_town_and_is_seen(tmp_path: Path) -> None:
     num_pixels, num_returns = np.zeros(2), np.zeros(2)
     for seed in range(4):
         for k, chosen in enumerate((policy, policy.with_props(props))):
-            frame = cadet.Scene(chosen, seed=seed).capture()
+            scene = cadet.Scene.random(seed=seed, policy=chosen)
+            frame, scan = scene.capture(), scene.scan()
             assert frame.semantic is not None
             num_pixels[k] += np.count_nonzero(frame.semantic == cadet.Semantic.TRAFFIC_SIGN)
-            num_returns[k] += np.count_nonzero(frame.points[:, 3] > 0.98)
+            num_returns[k] += np.count_nonzero(scan.points_velo[:, 3] > 0.98)
     assert num_pixels[1] > 2 * num_pixels[0] + 1000, num_pixels
     assert num_returns[1] > num_returns[0] + 200, num_returns
 
@@ -49,11 +50,11 @@ def test_no_props_are_the_same_bytes_as_props_that_stand_nowhere_near(tmp_path: 
     far = PILLAR.replace("every_m = 5", "every_m = 1e5")
     policy = cadet.ResetPolicy.kitti()
     one, other = (
-        cadet.Scene(chosen, seed=3).capture()
+        cadet.Scene.random(seed=3, policy=chosen)
         for chosen in (policy, policy.with_props(cadet.Props.read(folder_of(tmp_path / "own", far))))
     )
-    np.testing.assert_array_equal(one.image, other.image)
-    np.testing.assert_array_equal(one.points, other.points)
+    np.testing.assert_array_equal(one.capture().image, other.capture().image)
+    np.testing.assert_array_equal(one.scan().points_velo, other.scan().points_velo)
 
 
 def test_a_bad_prop_is_one_line_before_anything_is_written(

@@ -136,13 +136,12 @@ def cadet_gen(
         raise CadetError("--address: goes with --engine ray")
     own = None if assets is None else Assets.read(assets, skip_bad=skip_bad_assets)
     own_props = None if props is None else Props.read(props)
+    chosen = _policy(policy, districts, maps, weathers, own, own_props)
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
         policy=_in_time(
-            _with_sensors(
-                _policy(policy, districts, maps, weathers, own, own_props), _rig_for(dataset_format, rig), image_size, lidar
-            ),
+            _with_sensors(chosen, _rig_for(dataset_format, rig), image_size, lidar),
             sequence or EXPORTERS[dataset_format].needs_sequence,
             hz,
             length,
