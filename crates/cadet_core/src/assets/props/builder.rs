@@ -1,9 +1,9 @@
 //! Draws a parts list: one mesh for each variant, length, and level of detail.
 
-use super::expression::{Expression, Scope, index};
-use super::parser::{Loop, Point, Values};
-use super::parts_list::{Part, PartsList, Solid, Words};
-use super::reader::{Definition, Fault, Result, define};
+use super::expression::{Scope, index};
+use super::parser::{Loop, Values};
+use super::parts_list::{Kind, Part, PartsList, Solid};
+use super::reader::{Fault, Result, define};
 use crate::assets::scenery::Detail;
 use crate::assets::scenery::greens::{Cushion, Stems};
 use crate::assets::scenery::leaves::Leaves;
@@ -76,18 +76,27 @@ struct Drawing<'a> {
 }
 
 /// Makes positions of numbers, and refuses those beyond reach.
-fn point(numbers: [f64; 3]) -> Outcome<Vec3> {
-    match numbers.iter().find(|c| c.abs() > REACH_M) {
+fn point([x, y, z, _]: [f64; 4]) -> Outcome<Vec3> {
+    match [x, y, z].into_iter().find(|c| c.abs() > REACH_M) {
         Some(far) => Err(format!("{far} m is farther than {REACH_M} m from the origin")),
-        None => Ok(Vec3::from_array(numbers.map(|c| c as f32))),
+        None => Ok(Vec3::new(x as f32, y as f32, z as f32)),
     }
 }
 
-fn positive(value: f64, what: &str) -> Outcome<f64> {
+/// A length above 0.
+fn size(value: f64) -> Outcome<f32> {
     if value > 0.0 && value <= 2.0 * REACH_M {
-        Ok(value)
+        Ok(value as f32)
     } else {
-        Err(format!("{what} is {value}, expected more than 0 and at most {} m", 2.0 * REACH_M))
+        Err(format!("a size is {value}, expected more than 0 and at most {} m", 2.0 * REACH_M))
+    }
+}
+
+fn count(sides: f64) -> Outcome<usize> {
+    if sides.fract() == 0.0 && sides >= 3.0 && sides <= MOST_SIDES as f64 {
+        Ok(sides as usize)
+    } else {
+        Err(format!("{sides} sides, expected a whole number from 3 to {MOST_SIDES}"))
     }
 }
 
@@ -95,29 +104,6 @@ impl<'a> Drawing<'a> {
     fn step(&mut self) -> Outcome<()> {
         self.num_steps += 1;
         if self.num_steps > MOST_STEPS { Err(format!("more than {MOST_STEPS} points and repetitions")) } else { Ok(()) }
-    }
-
-    fn values<const N: usize>(&mut self, of: &'a [Expression; N]) -> Outcome<[f64; N]> {
-        let mut found = [0.0; N];
-        for (value, expression) in found.iter_mut().zip(of) {
-            *value = expression.value(&mut self.scope)?;
-        }
-        Ok(found)
-    }
-
-    fn sizes<const N: usize>(&mut self, of: &'a [Expression; N]) -> Outcome<[f64; N]> {
-        let found = self.values(of)?;
-        found.iter().try_for_each(|size| positive(*size, "a size").map(|_| ()))?;
-        Ok(found)
-    }
-
-    fn count(&mut self, of: &'a Expression) -> Outcome<usize> {
-        let value = of.value(&mut self.scope)?;
-        if value.fract() == 0.0 && value >= 3.0 && value <= MOST_SIDES as f64 {
-            Ok(value as usize)
-        } else {
-            Err(format!("{value} sides, expected a whole number from 3 to {MOST_SIDES}"))
-        }
     }
 
     /// The values of a loop.
@@ -160,19 +146,20 @@ impl<'a> Drawing<'a> {
         let chosen = part.which.as_ref().map_or(Ok(0.0), |e| e.value(&mut self.scope));
         let chosen = chosen.and_then(|value| index(value, part.slots.len().max(1))).map_err(fault)?;
         let slot = part.slots.get(chosen).copied().unwrap_or_default();
-        let offset = part.at.as_ref().map_or(Ok([0.0; 3]), |at| self.values(at));
-        let offset = offset.and_then(point).map_err(fault)?;
+        let mut offset = [0.0; 4];
+        for (number, expression) in offset.iter_mut().zip(part.at.iter().flatten()) {
+            *number = expression.value(&mut self.scope).map_err(fault)?;
+        }
+        let offset = point(offset).map_err(fault)?;
         let mut linear = Mat3::IDENTITY;
-        for (turn, of_angle) in part.turns.iter().zip([about_x, about_y, about_z]) {
-            if let Some(turn) = turn {
-                linear = of_angle(turn.value(&mut self.scope).map_err(fault)?) * linear;
+        for (angle, axis) in part.turns.iter().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
+            if let Some(angle) = angle {
+                linear = turn(axis, angle.value(&mut self.scope).map_err(fault)?) * linear;
             }
         }
         let mut own = MeshBuilder::new();
-        match &part.solid {
-            Solid::Group(parts) => parts.iter().try_for_each(|inner| self.repeat(inner, &inner.loops, &mut own))?,
-            solid => self.solid(solid, slot, &mut own).map_err(fault)?,
-        }
+        part.solid.parts.iter().try_for_each(|inner| self.repeat(inner, &inner.loops, &mut own))?;
+        self.solid(&part.solid, slot, &mut own).map_err(fault)?;
         let mut placed = MeshBuilder::new();
         placed.append(&own, linear, offset);
         let across = [Vec3::new(-1.0, 1.0, 1.0), Vec3::new(1.0, -1.0, 1.0)];
@@ -189,20 +176,19 @@ impl<'a> Drawing<'a> {
         Ok(())
     }
 
-    /// The points of a list, in the order in which its loops make them.
-    fn points<const N: usize>(&mut self, points: &'a [Point], sizes: &'a [Definition]) -> Outcome<Vec<[f64; N]>> {
+    /// The points of a solid in the order in which their loops make them; coordinates that they lack are 0.
+    fn points(&mut self, solid: &'a Solid) -> Outcome<Vec<[f64; 4]>> {
         let mut found = Vec::new();
-        for point in points {
+        for point in &solid.points {
             let mark = self.scope.mark();
             let each = point.each.as_ref();
-            let values = each.map_or(Ok(vec![0.0]), |each| self.each(each))?;
-            for value in values {
+            for value in each.map_or(Ok(vec![0.0]), |each| self.each(each))? {
                 self.step()?;
                 if let Some(each) = each {
                     self.scope.add(&each.name, value);
                 }
-                define(sizes, &mut self.scope).map_err(|fault| fault.reason)?;
-                let mut numbers = [0.0; N];
+                define(&solid.at_points, &mut self.scope).map_err(|fault| fault.reason)?;
+                let mut numbers = [0.0; 4];
                 for (number, expression) in numbers.iter_mut().zip(&point.coordinates) {
                     *number = expression.value(&mut self.scope)?;
                 }
@@ -213,145 +199,111 @@ impl<'a> Drawing<'a> {
         Ok(found)
     }
 
-    /// As [`points`](Self::points): corners of a face or of an outline, of which there must be three or more.
-    fn corners<const N: usize>(&mut self, of: &'a [Point]) -> Outcome<Vec<[f64; N]>> {
-        let found = self.points(of, &[])?;
+    /// The points of a solid as corners, of which there are three or more.
+    fn corners(&mut self, solid: &'a Solid) -> Outcome<Vec<Vec3>> {
+        let found = self.points(solid)?.into_iter().map(point).collect::<Outcome<Vec<Vec3>>>()?;
         if found.len() < 3 { Err(format!("{} corners, expected 3 or more", found.len())) } else { Ok(found) }
     }
 
     fn solid(&mut self, solid: &'a Solid, slot: u8, b: &mut MeshBuilder) -> Outcome<()> {
-        match solid {
-            Solid::Group(_) => {}
-            Solid::Block(size) => b.block(Vec3::ZERO, point(self.sizes(size)?)?, slot),
-            Solid::Box(sides) => {
-                let [x0, x1, y0, y1, z0, z1] = self.values(sides)?;
-                [x1 - x0, y1 - y0, z1 - z0].into_iter().try_for_each(|size| positive(size, "a size").map(|_| ()))?;
-                b.cuboid(point([x0, y0, z0])?, point([x1, y1, z1])?, slot);
+        let n = solid.numbers.iter().map(|e| e.raw(&mut self.scope)).collect::<Outcome<Vec<f64>>>()?;
+        // Only the power of rings may be infinite, which no size of theirs can be.
+        let is_usable = |number: &f64| number.is_finite() || solid.kind == Kind::Rings && !number.is_nan();
+        if let Some(number) = n.iter().find(|number| !is_usable(number)) {
+            return Err(format!("a value is {number}, which is no finite number"));
+        }
+        match solid.kind {
+            Kind::Group => {}
+            Kind::Block => b.block(Vec3::ZERO, Vec3::new(size(n[0])?, size(n[1])?, size(n[2])?), slot),
+            Kind::Box => {
+                let (min, max) = (point([n[0], n[2], n[4], 0.0])?, point([n[1], n[3], n[5], 0.0])?);
+                (max - min).to_array().into_iter().try_for_each(|side| size(side.into()).map(|_| ()))?;
+                b.cuboid(min, max, slot);
             }
-            Solid::Tube { stations, sides } => {
-                let sides = self.count(sides)?;
-                let stations = self
-                    .points::<4>(stations, &[])?
-                    .into_iter()
-                    .map(|[x, y, z, radius]| Ok((point([x, y, z])?, positive(radius, "a radius")? as f32)));
+            Kind::Tube => {
+                let stations = self.points(solid)?.into_iter().map(|p| Ok((point(p)?, size(p[3])?)));
                 let stations = stations.collect::<Outcome<Vec<_>>>()?;
                 if stations.len() < 2 || stations[0].0 == stations[stations.len() - 1].0 {
                     return Err("a tube leads from one place to another".to_owned());
                 }
-                b.tube(&stations, sides, slot);
+                b.tube(&stations, count(n[0])?, slot);
             }
-            Solid::Prism { axis, outline, span } => {
-                let corners = self.corners::<2>(outline)?;
-                let [from, to] = self.values(span)?;
-                positive(to - from, "the span's length")?;
-                for [p, q] in &corners {
-                    point([*p, *q, 0.0])?;
-                }
-                point([from, to, 0.0])?;
-                let outline: Vec<(f32, f32)> = corners.into_iter().map(|[p, q]| (p as f32, q as f32)).collect();
-                b.prism(*axis, &outline, (from as f32, to as f32), slot);
+            Kind::Prism(axis) => {
+                let outline: Vec<(f32, f32)> = self.corners(solid)?.into_iter().map(|p| (p.x, p.y)).collect();
+                let span = point([n[0], n[1], 0.0, 0.0])?;
+                size(n[1] - n[0])?;
+                b.prism(axis, &outline, (span.x, span.y), slot);
             }
-            Solid::Rings { rings, sides, power, is_hollow } => {
-                let sides = self.count(sides)?;
-                let power = power.raw(&mut self.scope)?;
-                if !(power >= 0.5) {
+            Kind::Rings => {
+                let (sides, power) = (count(n[0])?, n[1]);
+                if power < 0.5 {
                     return Err(format!("power is {power}, expected 0.5 to inf"));
                 }
-                let ring = |[x, y, z]: [f64; 3]| {
-                    let half = [positive(x, "half an extent")? as f32, positive(y, "half an extent")? as f32];
-                    point([0.0, 0.0, z])?;
-                    Ok(level_ring(half, z as f32, sides, power as f32))
-                };
-                let rings = self.points(rings, &[])?.into_iter().map(ring);
-                b.loft(&rings.collect::<Outcome<Vec<_>>>()?, slot, !is_hollow);
+                let ring = |p: [f64; 4]| Ok(level_ring([size(p[0])?, size(p[1])?], point(p)?.z, sides, power as f32));
+                let rings = self.points(solid)?.into_iter().map(ring).collect::<Outcome<Vec<_>>>()?;
+                b.loft(&rings, slot, n[2] == 0.0);
             }
-            Solid::Hoop { radii, around, sides } => {
-                let [radius, half_thickness] = self.sizes(radii)?.map(|size| size as f32);
-                let counts = (self.count(around)?, self.count(sides)?);
-                b.hoop(radius, half_thickness, counts, slot);
-            }
-            Solid::Face(corners) => {
-                let corners = self.corners(corners)?.into_iter().map(point);
-                b.polygon(&corners.collect::<Outcome<Vec<_>>>()?, slot);
-            }
-            Solid::Loft { rings, sizes, points } => {
-                let mut made = Vec::new();
-                self.loft_rings(rings, (sizes, points), &mut made)?;
-                if made.iter().any(|ring: &Vec<Vec3>| ring.len() < 3 || ring.len() != made[0].len()) {
-                    return Err("the rings of a loft have the same number of points, 3 or more".to_owned());
+            Kind::Hoop => b.hoop(size(n[0])?, size(n[1])?, (count(n[2])?, count(n[3])?), slot),
+            Kind::Face => b.polygon(&self.corners(solid)?, slot),
+            Kind::Loft => {
+                let mut rings = Vec::new();
+                self.loft_rings(solid, &solid.along, &mut rings)?;
+                if rings.iter().any(|ring| ring.len() != rings[0].len()) {
+                    return Err("the rings of a loft have the same number of points".to_owned());
                 }
-                b.loft(&made, slot, true);
+                b.loft(&rings, slot, true);
             }
-            Solid::Bush { sizes, power } => {
-                let [half_x, half_y, low, top] = self.values(sizes)?.map(|size| size as f32);
-                let power = power.value(&mut self.scope)?;
-                if !(half_x > 0.1
-                    && half_y > 0.1
-                    && top - low > 0.1
-                    && half_x.max(half_y).max(top) < 6.0
-                    && power >= 1.0)
-                {
+            Kind::Bush => {
+                let [half_x, half_y, low, top] = [0, 1, 2, 3].map(|k| n[k] as f32);
+                let is_usual = half_x.min(half_y).min(top - low) > 0.1 && half_x.max(half_y).max(top) < 6.0;
+                if !is_usual || low.abs() > 6.0 || n[4] < 1.0 {
                     return Err("a bush has half extents and a height of 0.1 to 6 m, and power 1 or more".to_owned());
                 }
-                let bush = Cushion { half: (half_x, half_y), low, top, power: power as f32 };
+                let bush = Cushion { half: (half_x, half_y), low, top, power: n[4] as f32 };
                 bush.grow(&mut self.scope.stream, b, &mut self.leaves, self.detail);
             }
-            Solid::Stems(sizes) => {
-                let [pot_m, foot_m, spread_m, top_m] = self.sizes(sizes)?.map(|size| size as f32);
-                if spread_m < 0.25 || spread_m > 3.0 || top_m < foot_m + 0.5 || top_m > 6.0 {
+            Kind::Stems => {
+                let (pot_m, foot_m, spread_m, top_m) = (size(n[0])?, size(n[1])?, size(n[2])?, size(n[3])?);
+                if !(0.25..3.0).contains(&spread_m) || top_m < foot_m + 0.5 || top_m > 6.0 {
                     return Err("stems spread 0.25 to 3 m and rise by 0.5 m or more, to at most 6 m".to_owned());
                 }
                 let stems = Stems { pot_m, foot_m, spread_m, top_m };
                 stems.grow(&mut self.scope.stream, b, &mut self.leaves, self.detail);
             }
-            Solid::Text { words, height, alignment } => {
-                let height = positive(height.value(&mut self.scope)?, "the letters' height")? as f32;
-                let text = match words {
-                    Words::OneOf(list, choice) => list[index(choice.value(&mut self.scope)?, list.len())?].clone(),
-                    Words::Number(number, decimals) => {
-                        format!("{:.*}", *decimals, number.value(&mut self.scope)?).replace('.', ",")
-                    }
-                };
-                let width = letters::width(&text) * height;
-                let y = -width * [0.0, 0.5, 1.0][*alignment as usize];
-                letters::write(b, &text, Vec3::new(0.0, y, 0.0), height, slot);
+            Kind::Text => text(b, &solid.words[index(n[0], solid.words.len())?], &n[1..], slot)?,
+            Kind::Number => {
+                text(b, &format!("{:.*}", index(n[1], 4)?, n[0]).replace('.', ","), &n[2..], slot)?;
             }
         }
         Ok(())
     }
 
-    fn loft_rings(
-        &mut self,
-        loops: &'a [Loop],
-        (sizes, points): (&'a [Definition], &'a [Point]),
-        made: &mut Vec<Vec<Vec3>>,
-    ) -> Outcome<()> {
+    fn loft_rings(&mut self, solid: &'a Solid, loops: &'a [Loop], rings: &mut Vec<Vec<Vec3>>) -> Outcome<()> {
         let Some((first, rest)) = loops.split_first() else {
-            let ring = self.points(points, sizes)?.into_iter().map(point);
-            made.push(ring.collect::<Outcome<_>>()?);
+            rings.push(self.corners(solid)?);
             return Ok(());
         };
         let mark = self.scope.mark();
         for value in self.each(first)? {
             self.scope.add(&first.name, value);
-            self.loft_rings(rest, (sizes, points), made)?;
+            self.loft_rings(solid, rest, rings)?;
             self.scope.forget(mark);
         }
         Ok(())
     }
 }
 
-fn about_x(angle_rad: f64) -> Mat3 {
-    let (s, c) = (math::sin(angle_rad) as f32, math::cos(angle_rad) as f32);
-    Mat3::from_cols(Vec3::X, Vec3::new(0.0, c, s), Vec3::new(0.0, -s, c))
+/// Writes words of a height that begin at the origin, end there (`align` 1), or anything between.
+fn text(b: &mut MeshBuilder, words: &str, numbers: &[f64], slot: u8) -> Outcome<()> {
+    let (height, align) = (size(numbers[0])?, numbers[1].clamp(0.0, 1.0) as f32);
+    letters::write(b, words, Vec3::Y * (-align * letters::width(words) * height), height, slot);
+    Ok(())
 }
 
-fn about_y(angle_rad: f64) -> Mat3 {
+/// A turn about an axis, counter-clockwise seen against it.
+fn turn(axis: Vec3, angle_rad: f64) -> Mat3 {
     let (s, c) = (math::sin(angle_rad) as f32, math::cos(angle_rad) as f32);
-    Mat3::from_cols(Vec3::new(c, 0.0, -s), Vec3::Y, Vec3::new(s, 0.0, c))
-}
-
-fn about_z(angle_rad: f64) -> Mat3 {
-    let (s, c) = (math::sin(angle_rad) as f32, math::cos(angle_rad) as f32);
-    Mat3::from_cols(Vec3::new(c, s, 0.0), Vec3::new(-s, c, 0.0), Vec3::Z)
+    // Rodrigues' formula for an axis of length 1.
+    let of = |p: Vec3| p * c + axis.cross(p) * s + axis * (axis.dot(p) * (1.0 - c));
+    Mat3::from_cols(of(Vec3::X), of(Vec3::Y), of(Vec3::Z))
 }

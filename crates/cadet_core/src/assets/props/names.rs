@@ -2,7 +2,7 @@
 
 use super::expression::Expression;
 use super::parser::{Loop, Point, Values};
-use super::parts_list::{Part, PartsList, Solid, Words};
+use super::parts_list::{Part, PartsList};
 use super::reader::{Definition, Fault, Result};
 
 /// The names that every expression of a shape knows.
@@ -88,36 +88,11 @@ impl Names {
         self.define(&part.sizes)?;
         let placed = own.chain(part.at.iter().flatten()).chain(part.turns.iter().flatten());
         placed.into_iter().try_for_each(|e| self.known(e, line))?;
-        match &part.solid {
-            Solid::Group(parts) => parts.iter().try_for_each(|part| self.part(part))?,
-            Solid::Face(points) => self.points(points, &[], line)?,
-            Solid::Tube { stations: points, sides } => {
-                self.points(points, &[], line)?;
-                self.known(sides, line)?;
-            }
-            Solid::Prism { outline, span, .. } => {
-                self.points(outline, &[], line)?;
-                span.iter().try_for_each(|e| self.known(e, line))?;
-            }
-            Solid::Rings { rings, sides, power, .. } => {
-                self.points(rings, &[], line)?;
-                [sides, power].into_iter().try_for_each(|e| self.known(e, line))?;
-            }
-            Solid::Loft { rings, sizes, points } => {
-                rings.iter().try_for_each(|each| self.each(each, line))?;
-                self.points(points, sizes, line)?;
-            }
-            Solid::Block(size) => size.iter().try_for_each(|e| self.known(e, line))?,
-            Solid::Box(sides) => sides.iter().try_for_each(|e| self.known(e, line))?,
-            Solid::Hoop { radii, around, sides } => {
-                radii.iter().chain([around, sides]).try_for_each(|e| self.known(e, line))?;
-            }
-            Solid::Bush { sizes, power } => sizes.iter().chain([power]).try_for_each(|e| self.known(e, line))?,
-            Solid::Stems(sizes) => sizes.iter().try_for_each(|e| self.known(e, line))?,
-            Solid::Text { words: Words::OneOf(_, e) | Words::Number(e, _), height, .. } => {
-                [e, height].into_iter().try_for_each(|e| self.known(e, line))?;
-            }
-        }
+        let solid = &part.solid;
+        solid.numbers.iter().try_for_each(|e| self.known(e, line))?;
+        solid.along.iter().try_for_each(|each| self.each(each, line))?;
+        self.points(&solid.points, &solid.at_points, line)?;
+        solid.parts.iter().try_for_each(|part| self.part(part))?;
         self.0.truncate(mark);
         Ok(())
     }

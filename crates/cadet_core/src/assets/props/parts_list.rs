@@ -46,7 +46,7 @@ pub(super) struct Part {
     pub loops: Vec<Loop>,
     pub sizes: Vec<Definition>,
     pub when: Option<Expression>,
-    pub at: Option<[Expression; 3]>,
+    pub at: Option<Vec<Expression>>,
     /// Turns about x, y, z, in this order.
     pub turns: [Option<Expression>; 3],
     /// Whether it is drawn mirrored in x or y too.
@@ -57,82 +57,75 @@ pub(super) struct Part {
     pub solid: Solid,
 }
 
+/// A shape, and what its file says of it, as its kind asks for it.
 #[derive(Debug)]
-pub(super) enum Solid {
-    Group(Vec<Part>),
-    /// Extents about the origin.
-    Block([Expression; 3]),
-    /// x0, x1, y0, y1, z0, z1.
-    Box([Expression; 6]),
-    /// Stations: x, y, z, radius.
-    Tube {
-        stations: Vec<Point>,
-        sides: Expression,
-    },
-    /// An outline in the plane across an axis, and from where to where it is extruded.
-    Prism {
-        axis: usize,
-        outline: Vec<Point>,
-        span: [Expression; 2],
-    },
-    /// Level rings: half extents and z.
-    Rings {
-        rings: Vec<Point>,
-        sides: Expression,
-        power: Expression,
-        is_hollow: bool,
-    },
-    /// A torus in the plane of x and z: radius and half thickness.
-    Hoop {
-        radii: [Expression; 2],
-        around: Expression,
-        sides: Expression,
-    },
-    /// A flat face, seen from where its corners run counter-clockwise.
-    Face(Vec<Point>),
-    /// Rings of points, one for each value of a loop.
-    Loft {
-        rings: Vec<Loop>,
-        sizes: Vec<Definition>,
-        points: Vec<Point>,
-    },
-    /// A cushion of leaves: half extents, foot, and top.
-    Bush {
-        sizes: [Expression; 4],
-        power: Expression,
-    },
-    /// Stems in leaves: radius of the pot, height of their feet, radius and height of the plant.
-    Stems([Expression; 4]),
-    /// Letters on a plane that faces +x, from the left end of their middle line.
-    Text {
-        words: Words,
-        height: Expression,
-        alignment: Alignment,
-    },
+pub(super) struct Solid {
+    pub kind: Kind,
+    /// Its sizes, then those that have keys of their own, in the order of [`Kind::ALL`].
+    pub numbers: Vec<Expression>,
+    pub points: Vec<Point>,
+    /// One ring of points for each value of these, and names that are evaluated at each point.
+    pub along: Vec<Loop>,
+    pub at_points: Vec<Definition>,
+    pub words: Vec<String>,
+    pub parts: Vec<Part>,
 }
 
-/// The text on a plane.
-#[derive(Debug)]
-pub(super) enum Words {
-    /// One of several.
-    OneOf(Vec<String>, Expression),
-    /// A number with so many decimals.
-    Number(Expression, usize),
-}
-
-/// Which point of a text its place is.
+/// What a solid is: `docs/props.md` says what the numbers mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Alignment {
-    Left,
-    Middle,
-    Right,
+pub(super) enum Kind {
+    Group,
+    Block,
+    Box,
+    Tube,
+    /// Along this axis.
+    Prism(usize),
+    Rings,
+    Hoop,
+    Face,
+    Loft,
+    Bush,
+    Stems,
+    Text,
+    Number,
+}
+
+/// What stands at a solid's key: so many numbers, points of so many coordinates, words, or parts.
+enum Form {
+    Numbers(usize),
+    Points(usize),
+    Words,
+    Parts,
+}
+
+type Extra = (&'static str, Option<f64>);
+
+impl Kind {
+    /// Each with its key, what stands there, and other keys with their defaults; those without one must be there.
+    const ALL: [(&str, Self, Form, &[Extra]); 15] = [
+        ("parts", Self::Group, Form::Parts, &[]),
+        ("block", Self::Block, Form::Numbers(3), &[]),
+        ("box", Self::Box, Form::Numbers(6), &[]),
+        ("tube", Self::Tube, Form::Points(4), &[("sides", None)]),
+        ("prism_x", Self::Prism(0), Form::Points(2), &[("from", None), ("to", None)]),
+        ("prism_y", Self::Prism(1), Form::Points(2), &[("from", None), ("to", None)]),
+        ("prism_z", Self::Prism(2), Form::Points(2), &[("from", None), ("to", None)]),
+        ("rings", Self::Rings, Form::Points(3), &[("sides", None), ("power", Some(2.0)), ("hollow", Some(0.0))]),
+        ("hoop", Self::Hoop, Form::Numbers(2), &[("around", None), ("sides", None)]),
+        ("face", Self::Face, Form::Points(3), &[]),
+        ("loft", Self::Loft, Form::Points(3), &[]),
+        ("bush", Self::Bush, Form::Numbers(4), &[("power", Some(2.0))]),
+        ("stems", Self::Stems, Form::Numbers(4), &[]),
+        ("text", Self::Text, Form::Words, &[("choice", Some(0.0)), ("height", None), ("align", Some(0.0))]),
+        ("number", Self::Number, Form::Numbers(1), &[("decimals", Some(0.0)), ("height", None), ("align", Some(0.0))]),
+    ];
 }
 
 /// Where somebody may sit, looking along +x.
 #[derive(Debug)]
 pub(super) struct Seat {
     pub line: usize,
-    pub at: [Expression; 3],
+    pub at: Vec<Expression>,
 }
 
 /// What shines at night.
@@ -140,7 +133,7 @@ pub(super) struct Seat {
 pub(super) struct LampHead {
     pub line: usize,
     pub when: Option<Expression>,
-    pub at: [Expression; 3],
+    pub at: Vec<Expression>,
     /// All but its place.
     pub head: Head,
 }
@@ -243,7 +236,7 @@ impl Part {
         let loops = table.take("for").map_or(Ok(Vec::new()), |v| v.loops())?;
         let sizes = table.take("let").map_or(Ok(Vec::new()), |v| v.definitions())?;
         let when = expression(table.take("when"))?;
-        let at = table.take("at").map(|v| v.tuple()).transpose()?;
+        let at = table.take("at").map(|v| v.tuple(3)).transpose()?;
         let turns = [
             expression(table.take("turn_x_rad"))?,
             expression(table.take("turn_y_rad"))?,
@@ -251,12 +244,9 @@ impl Part {
         ];
         let mirror = [("x", [true, false]), ("y", [false, true]), ("xy", [true, true])];
         let mirrors = table.take("mirror").map_or(Ok([false; 2]), |v| v.one_of(&mirror))?;
-        let solid = match table.take("parts") {
-            Some(value) => Solid::Group(parts(&value, slots, (&slots_here, which.as_ref()), depth + 1)?),
-            None => Solid::read(table)?,
-        };
+        let solid = Solid::read(table, slots, (&slots_here, which.as_ref()), depth)?;
         table.end()?;
-        if slots_here.is_empty() && !matches!(solid, Solid::Group(_) | Solid::Bush { .. } | Solid::Stems(_)) {
+        if slots_here.is_empty() && !matches!(solid.kind, Kind::Group | Kind::Bush | Kind::Stems) {
             return Err(Fault::new(line, "missing key \"of\": what is it made of?"));
         }
         Ok(Self { line, loops, sizes, when, at, turns, mirrors, slots: slots_here, which, solid })
@@ -264,62 +254,49 @@ impl Part {
 }
 
 impl Solid {
-    fn read(table: &mut Table) -> Result<Self> {
-        let number = |table: &mut Table, key, default: f64| {
-            table.take(key).map_or(Ok(Expression::Number(default)), |v| v.expression())
-        };
-        let sides = |table: &mut Table| table.need("sides")?.expression();
-        let found = if let Some(value) = table.take("block") {
-            Self::Block(value.tuple()?)
-        } else if let Some(value) = table.take("box") {
-            Self::Box(value.tuple()?)
-        } else if let Some(value) = table.take("tube") {
-            Self::Tube { stations: value.points(4)?, sides: sides(table)? }
-        } else if let Some((axis, value)) =
-            ["prism_x", "prism_y", "prism_z"].iter().enumerate().find_map(|(k, key)| Some((k, table.take(key)?)))
-        {
-            Self::Prism { axis, outline: value.points(2)?, span: table.need("span")?.tuple()? }
-        } else if let Some(value) = table.take("rings") {
-            let is_hollow = table.take("hollow").map_or(Ok(false), |v| v.boolean())?;
-            let power = number(table, "power", 2.0)?;
-            Self::Rings { rings: value.points(3)?, sides: sides(table)?, power, is_hollow }
-        } else if let Some(value) = table.take("hoop") {
-            Self::Hoop { radii: value.tuple()?, around: table.need("around")?.expression()?, sides: sides(table)? }
-        } else if let Some(value) = table.take("face") {
-            Self::Face(value.points(3)?)
-        } else if let Some(value) = table.take("loft") {
-            let sizes = table.take("loft_let").map_or(Ok(Vec::new()), |v| v.definitions())?;
-            Self::Loft { rings: table.need("along")?.loops()?, sizes, points: value.points(3)? }
-        } else if let Some(value) = table.take("bush") {
-            Self::Bush { sizes: value.tuple()?, power: number(table, "power", 2.0)? }
-        } else if let Some(value) = table.take("stems") {
-            Self::Stems(value.tuple()?)
-        } else if let Some(value) = table.take("text") {
-            let values = if value.is_array() { value.array()? } else { vec![value] };
-            let words = values.iter().map(|v| Ok(v.string()?.to_owned())).collect::<Result<_>>()?;
-            Self::text(Words::OneOf(words, number(table, "choice", 0.0)?), table)?
-        } else if let Some(value) = table.take("number") {
-            let decimals = table.take("decimals").map_or(Ok(0), |v| v.whole(0, 3))?;
-            Self::text(Words::Number(value.expression()?, decimals), table)?
-        } else {
-            let known = "parts, block, box, tube, prism_x, prism_y, prism_z, rings, hoop, face, loft, bush, stems, text, number";
+    fn read(table: &mut Table, slots: &mut Slots, of: (&[u8], Option<&Expression>), depth: usize) -> Result<Self> {
+        let found = Kind::ALL.iter().find_map(|solid| Some((solid, table.take(solid.0)?)));
+        let Some(((_, kind, form, extras), value)) = found else {
+            let known = Kind::ALL.map(|solid| solid.0).join(", ");
             return Err(Fault::new(table.line, format!("expected one of the solids: {known}")));
         };
-        Ok(found)
-    }
-}
-
-impl Solid {
-    fn text(words: Words, table: &mut Table) -> Result<Self> {
-        let alignments = [("left", Alignment::Left), ("middle", Alignment::Middle), ("right", Alignment::Right)];
-        let alignment = table.take("align").map_or(Ok(Alignment::Left), |v| v.one_of(&alignments))?;
-        Ok(Self::Text { words, height: table.need("height")?.expression()?, alignment })
+        let mut solid = Self {
+            kind: *kind,
+            numbers: Vec::new(),
+            points: Vec::new(),
+            along: Vec::new(),
+            at_points: Vec::new(),
+            words: Vec::new(),
+            parts: Vec::new(),
+        };
+        match form {
+            Form::Numbers(count) => solid.numbers = value.tuple(*count)?,
+            Form::Points(coordinates) => solid.points = value.points(*coordinates)?,
+            Form::Words => {
+                let values = if value.is_array() { value.array()? } else { vec![value] };
+                solid.words = values.iter().map(|v| Ok(v.string()?.to_owned())).collect::<Result<_>>()?;
+            }
+            Form::Parts => solid.parts = parts(&value, slots, of, depth + 1)?,
+        }
+        if *kind == Kind::Loft {
+            solid.along = table.need("along")?.loops()?;
+            solid.at_points = table.take("loft_let").map_or(Ok(Vec::new()), |v| v.definitions())?;
+        }
+        for (key, default) in *extras {
+            let number = match (table.take(key), default) {
+                (Some(value), _) => value.expression()?,
+                (None, Some(default)) => Expression::Number(*default),
+                (None, None) => return Err(Fault::new(table.line, format!("missing key {key:?}"))),
+            };
+            solid.numbers.push(number);
+        }
+        Ok(solid)
     }
 }
 
 impl Seat {
     fn read(table: &mut Table) -> Result<Self> {
-        let seat = Self { line: table.line, at: table.need("at")?.tuple()? };
+        let seat = Self { line: table.line, at: table.need("at")?.tuple(3)? };
         table.end()?;
         Ok(seat)
     }
@@ -330,7 +307,7 @@ impl LampHead {
         let lamp = Self {
             line: table.line,
             when: table.take("when").map(|v| v.expression()).transpose()?,
-            at: table.need("at")?.tuple()?,
+            at: table.need("at")?.tuple(3)?,
             head: Head {
                 at: Vec3::ZERO,
                 is_globe: table.need("beam")?.one_of(&[("cut_off", false), ("globe", true)])?,

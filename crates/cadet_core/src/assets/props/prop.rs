@@ -227,9 +227,9 @@ impl Design {
     }
 }
 
-fn place(at: &[Expression; 3], scope: &mut Scope) -> std::result::Result<DVec3, String> {
-    let [x, y, z] = at;
-    Ok(DVec3::new(x.value(scope)?, y.value(scope)?, z.value(scope)?))
+fn place(at: &[Expression], scope: &mut Scope) -> std::result::Result<DVec3, String> {
+    let numbers = at.iter().map(|e| e.value(scope)).collect::<std::result::Result<Vec<f64>, String>>()?;
+    Ok(DVec3::from_slice(&numbers))
 }
 
 fn in_file(file: &str, Fault { line, reason }: Fault) -> Error {

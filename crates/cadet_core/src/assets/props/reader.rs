@@ -188,10 +188,12 @@ impl<'a> Value<'a> {
     }
 
     /// Parses so many expressions with commas between.
-    pub(super) fn tuple<const N: usize>(&self) -> Result<[Expression; N]> {
-        let found = self.parsed(Parser::tuple)?;
-        let count = found.len();
-        found.try_into().map_err(|_| self.fault(format!("expected {N} expressions with commas between, got {count}")))
+    pub(super) fn tuple(&self, count: usize) -> Result<Vec<Expression>> {
+        let found = if self.is_string() { self.parsed(Parser::tuple)? } else { vec![self.expression()?] };
+        if found.len() == count {
+            return Ok(found);
+        }
+        Err(self.fault(format!("expected {count} expressions with commas between, got {}", found.len())))
     }
 
     /// Points of so many coordinates.

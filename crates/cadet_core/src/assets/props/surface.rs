@@ -40,7 +40,7 @@ enum Color {
     Drawn {
         line: usize,
         sizes: Vec<Definition>,
-        rgb: Box<[Expression; 3]>,
+        rgb: Vec<Expression>,
     },
     /// One of them, all equally likely if the material says no more.
     OneOf(Vec<Self>),
@@ -110,7 +110,7 @@ impl Color {
         if !value.is_array() {
             let mut table = value.table()?;
             let sizes = table.take("let").map_or(Ok(Vec::new()), |v| v.definitions())?;
-            let color = Self::Drawn { line: value.line(), sizes, rgb: Box::new(table.need("rgb")?.tuple()?) };
+            let color = Self::Drawn { line: value.line(), sizes, rgb: table.need("rgb")?.tuple(3)? };
             table.end()?;
             return Ok(color);
         }
