@@ -11,9 +11,9 @@ use super::{
     CityCorner, CityKind, Detail, HALL_VARIANTS, HallKind, HouseKind, NUM_CITY_HOUSES, SceneryModel, TreeKind,
     city_palette, garage as garages, hall_palette, hedge as hedges,
 };
-use crate::geometry::{LodSet, Memo, Mesh, MeshBuilder};
-use crate::material::{Material, Palette, Pattern, Semantic};
-use crate::math::{DVec2, Vec3};
+use crate::geometry::{LodSet, Memo, Mesh};
+use crate::material::Palette;
+use crate::math::DVec2;
 use crate::rng::Stream;
 
 /// Lengths that hedges and fences come in, the longest first.
@@ -149,26 +149,4 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
             height_m: f64::from(height),
         }
     })
-}
-
-/// A piece of paving along +x, its middle line y = 0, and its length: for a car's width or for a person's.
-#[must_use]
-pub fn paving(for_cars: bool) -> (SceneryModel, f64) {
-    static MODELS: Models<bool> = Memo::new();
-    let (length_m, width_m) = if for_cars { (2.5, 3.0) } else { (1.5, 1.2) };
-    let model = MODELS.get(for_cars, || {
-        let mut b = MeshBuilder::new();
-        let (length, half) = (length_m as f32, width_m as f32 / 2.0);
-        b.cuboid(Vec3::new(0.0, -half, -0.25), Vec3::new(length, half, 0.015), 0);
-        let blocks = Material::matt(Semantic::Terrain, [0.21, 0.195, 0.18], Pattern::Blocks, 0.28);
-        SceneryModel {
-            name: format!("paving/{length_m}"),
-            shape: Arc::new(LodSet::new((150.0, b.build("paving", 0.7)), [])),
-            palette: Arc::new(Palette::new(vec![blocks])),
-            footprint_min: DVec2::new(0.0, -width_m / 2.0),
-            footprint_max: DVec2::new(length_m, width_m / 2.0),
-            height_m: 0.015,
-        }
-    });
-    (model, length_m)
 }

@@ -28,15 +28,13 @@ mod wall_plane;
 
 use std::sync::Arc;
 
-pub use city::{
-    CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, light_shops, span_lamp, tree_pit,
-};
+pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, light_shops, span_lamp};
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use hall::{HALL_VARIANTS, HallKind, hall_palette};
 pub use hedge::NARROW_HEDGES;
 pub use house::HouseKind;
 pub use library::{
-    OVERHEAD_M, PIECE_LENGTHS_M, city_house, garage, hall, hedge, house, house_doors, num_variants, paving, tree,
+    OVERHEAD_M, PIECE_LENGTHS_M, city_house, garage, hall, hedge, house, house_doors, num_variants, tree,
 };
 pub use motorway::{BRIDGE_DECK_M, MOTORWAY_PIECE_M, RAMP_M, gantry, overpass};
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};

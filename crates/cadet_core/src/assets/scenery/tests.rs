@@ -33,12 +33,11 @@ pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u
 
 fn every_model() -> Vec<SceneryModel> {
     let [houses, trees, hedges] = num_variants();
-    let mut models = vec![garage(1), garage(2), paving(true).0, paving(false).0];
+    let mut models = vec![garage(1), garage(2)];
     models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v))));
     models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
     models.extend(shipped().iter().flat_map(|p| (0..p.num_variants()).map(|v| p.model(v))));
     models.extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).0)));
-    models.push(tree_pit());
     models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
     models.extend((0..hedges).map(|v| hedge(v, 1)));
     models

@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::assets::props::{SCREEN, WALL, WHEELED_BIN};
+use crate::assets::props::{DRIVE_PAVING, PATH_PAVING, SCREEN, WALL, WHEELED_BIN};
 use crate::assets::scenery::materials::house_palette;
-use crate::assets::scenery::{
-    HouseKind, TreeKind, city_palette, garage, house_doors, light_shops, num_variants, paving, tree,
-};
+use crate::assets::scenery::{HouseKind, TreeKind, city_palette, garage, house_doors, light_shops, num_variants, tree};
 use crate::frames;
 use crate::math::DVec3;
 use crate::rng::Stream;
@@ -142,7 +140,8 @@ fn place_garage(
 
 /// Paves a way from the front to `depth` behind it.
 fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
-    let (model, length) = paving(a1 - a0 > 2.0);
+    let model = if a1 - a0 > 2.0 { DRIVE_PAVING } else { PATH_PAVING }.model(0);
+    let length = model.footprint_max.x;
     placer.ways.push(plot.rect([a0, a1], [0.0, depth_m.max(0.1)]));
     let a = (a0 + a1) / 2.0;
     let mut d = -0.05;

@@ -1,7 +1,7 @@
 //! What closed rows have on and over their sidewalks: lamps on wires, trees in pits, rows of bicycles, cafes and shops.
 
-use crate::assets::props::{BICYCLE, CYCLE_HOOP};
-use crate::assets::scenery::{SPAN_LENS_M, StreetLight, TreeKind, num_variants, span_lamp, tree, tree_pit};
+use crate::assets::props::{BICYCLE, CYCLE_HOOP, TREE_PIT};
+use crate::assets::scenery::{SPAN_LENS_M, StreetLight, TreeKind, num_variants, span_lamp, tree};
 use crate::frames;
 use crate::math::{DVec2, atan2};
 use crate::plane::OrientedRect;
@@ -101,7 +101,7 @@ fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &
     if !(f.is_free(&trunk) && f.is_passable(&trunk) && f.parked.is_free(&trunk.grown(0.25))) {
         return;
     }
-    let pit = tree_pit();
+    let pit = TREE_PIT.model(0);
     if f.placer.plant_model(TreeKind::Street, &model, s, at) {
         let pose = frames::upright(f.placer.site.on_ground(at), atan2(out.y, out.x));
         f.placer.instances.push(pit.at(pose));

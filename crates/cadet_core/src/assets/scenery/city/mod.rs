@@ -5,7 +5,6 @@ mod colors;
 mod front;
 mod kind;
 mod lettering;
-mod paving;
 mod plan;
 mod shop;
 mod span;
@@ -13,7 +12,6 @@ mod span;
 pub use colors::{city_palette, light_shops};
 pub use kind::CityKind;
 pub(super) use lettering::write as write_name;
-pub use paving::{flagstones, tree_pit};
 pub(super) use shop::{Shop, gate as fill_gate};
 pub use span::{SPAN_LENS_M, span_lamp};
 
