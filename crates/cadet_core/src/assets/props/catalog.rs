@@ -78,8 +78,9 @@ impl OwnProps {
         &self.0
     }
 
-    /// The crate's props and these, with each rule by which one is placed.
-    pub fn placed(&self) -> impl Iterator<Item = (&Arc<Prop>, &Place)> {
-        SHIPPED.iter().chain(self.0.iter()).flat_map(|prop| prop.places().iter().map(move |place| (prop, place)))
+    /// The crate's props and these, with each of their rules that `choose` takes.
+    pub fn placed<T>(&self, choose: impl Fn(&Place) -> Option<T>) -> Vec<(&Arc<Prop>, T)> {
+        let rules = SHIPPED.iter().chain(self.0.iter()).flat_map(|prop| prop.places().iter().map(move |p| (prop, p)));
+        rules.filter_map(|(prop, place)| Some((prop, choose(place)?))).collect()
     }
 }

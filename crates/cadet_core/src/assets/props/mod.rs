@@ -15,7 +15,7 @@ mod reader;
 mod surface;
 
 pub use catalog::*;
-pub use place::{Facing, Homes, Place, Streets};
+pub use place::{AtSidewalk, Facing, Homes, InBay, InGarden, Place, Streets};
 pub use prop::{Drawn, Prop};
 
 #[cfg(test)]

@@ -189,7 +189,8 @@ fn a_users_file_is_a_prop() {
     assert!((model.height_m - 1.12).abs() < 1e-6, "{}", model.height_m);
     let width_m = model.footprint_size().y;
     assert!((0.4..0.5).contains(&width_m), "{width_m}");
-    assert!(own.placed().any(|(prop, place)| prop.name() == "own-bin" && matches!(place, Place::Sidewalk { .. })));
+    let at_sidewalks = own.placed(|place| if let Place::Sidewalk(rule) = place { Some(*rule) } else { None });
+    assert!(at_sidewalks.iter().any(|(prop, rule)| prop.name() == "own-bin" && rule.every_m == 25.0));
     assert!(own == parsed(BIN).unwrap() && own != parsed(&BIN.replace("0.5,", "0.6,")).unwrap());
 }
 

@@ -111,10 +111,10 @@ pub(in crate::town) fn place_in_country(
 #[allow(clippy::print_stderr)]
 mod tests {
     use super::*;
-    use crate::assets::props::shipped;
     use crate::assets::scenery::HouseKind;
     use crate::math::DVec3;
     use crate::sense::PosedScene;
+    use crate::town::street_things::tests::kind_of;
     use crate::town::{GroundKind, Lane, SuburbConfig, generate_suburb, parking_spots, walkways};
 
     fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
@@ -131,37 +131,10 @@ mod tests {
         (network, ground, props)
     }
 
-    /// What of the props stands on roads' edges, in gardens, and about them by other rules than those that are tested here.
-    const ELSEWHERE: [&str; 22] = [
-        "wheeled-bin",
-        "distribution-cabinet",
-        "post-box",
-        "gate-post",
-        "planter",
-        "lamp",
-        "arm-lamp",
-        "round-sign",
-        "triangle-sign",
-        "diamond-sign",
-        "zone-sign",
-        "parking-sign",
-        "name-sign",
-        "bollard",
-        "delineator",
-        "roundabout-sign",
-        "arrow-board",
-        "picket",
-        "railing",
-        "wall",
-        "screen",
-        "wire",
-    ];
-
     /// Things, benches, and rails on sidewalks and in bays have tests of their own.
     fn is_furniture(standing: &&Standing) -> bool {
-        let kind = standing.name.split('/').next().unwrap();
-        let own_tests = |name: &str| !ELSEWHERE.contains(&name);
-        shipped().iter().any(|prop| prop.name() == kind && own_tests(kind))
+        let is_other = ["bench", "guard-rail"].iter().any(|kind| standing.name.starts_with(kind));
+        is_other || kind_of(&standing.name).is_some()
     }
 
     fn is_house(standing: &Standing) -> bool {

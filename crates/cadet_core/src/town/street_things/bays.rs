@@ -1,7 +1,5 @@
 //! What stands in parking places instead of cars.
 
-use std::sync::Arc;
-
 use crate::assets::props::{BARRIER, BICYCLE, Place, Prop};
 use crate::math::DVec2;
 use crate::rng::Stream;
@@ -20,19 +18,15 @@ pub(super) fn fill(f: &mut Furnisher, spot: &ParkingSpot, clutter: f64, s: &mut 
     if matches!(spot.kind, SpotKind::Drive | SpotKind::Lot | SpotKind::Yard) {
         return;
     }
-    let of_bays = f.own.placed().filter_map(|(prop, place)| match place {
-        Place::Bay { share, is_ahead, has_barriers } => Some((*share, prop, *is_ahead, *has_barriers)),
-        _ => None,
-    });
-    let rules: Vec<(f64, &Arc<Prop>, bool, bool)> = of_bays.collect();
-    let shares: Vec<f64> = rules.iter().map(|rule| rule.0).chain([CYCLES_SHARE]).collect();
+    let rules = f.own.placed(|place| if let Place::Bay(rule) = place { Some(*rule) } else { None });
+    let shares: Vec<f64> = rules.iter().map(|(_, rule)| rule.share).chain([CYCLES_SHARE]).collect();
     if !s.chance((shares.iter().sum::<f64>() * clutter).min(MOST_FILLED_SHARE)) {
         return;
     }
     match rules.get(s.weighted(&shares)) {
-        Some((_, prop, is_ahead, has_barriers)) => {
-            put(f, spot, prop, s, !is_ahead, DVec2::ZERO);
-            if *has_barriers {
+        Some((prop, rule)) => {
+            put(f, spot, prop, s, !rule.is_ahead, DVec2::ZERO);
+            if rule.has_barriers {
                 barriers(f, spot, s);
             }
         }

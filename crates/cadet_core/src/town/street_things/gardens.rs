@@ -1,8 +1,6 @@
 //! What stands in front gardens and drives.
 
-use std::sync::Arc;
-
-use crate::assets::props::{CARPORT, Drawn, Facing, Homes, Place, Prop};
+use crate::assets::props::{CARPORT, Drawn, Facing, Homes, Place};
 use crate::assets::scenery::HouseKind;
 use crate::frames;
 use crate::math::{DVec2, DVec3};
@@ -28,22 +26,20 @@ pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, _style: &StreetStyle, clut
     let is_flats = house.kind == HouseKind::Flats;
     let half = plot.length_m / 2.0;
     let wanted = if is_flats { Homes::Flats } else { Homes::Houses };
-    let of_gardens = f.own.placed().filter_map(|(prop, place)| match place {
-        Place::Garden { weight, homes, count, facing, is_behind } if *homes == wanted => {
-            Some((*weight, Arc::clone(prop), *count, *facing, *is_behind))
-        }
+    let rules = f.own.placed(|place| match place {
+        Place::Garden(rule) if rule.homes == wanted => Some(*rule),
         _ => None,
     });
-    let rules: Vec<(f64, Arc<Prop>, (usize, usize), Facing, bool)> = of_gardens.collect();
-    let weights: Vec<f64> = rules.iter().map(|rule| rule.0).collect();
+    let weights: Vec<f64> = rules.iter().map(|(_, rule)| rule.weight).collect();
     for _ in 0..1 + s.below(if is_flats { 4 } else { 3 }) {
-        let (_, prop, (fewest, most), facing, is_behind) = &rules[s.weighted(&weights)];
+        let (prop, rule) = &rules[s.weighted(&weights)];
+        let (fewest, most) = rule.count;
         let count = fewest + s.below(most - fewest + 1);
         // All but sheds and the like stands in front of the house.
-        let reach = if *is_behind { plot.depth_m - 1.5 } else { house.setback_m - 0.5 };
-        let least = if *is_behind { 0.6 * house.setback_m } else { 0.9 };
+        let reach = if rule.is_behind { plot.depth_m - 1.5 } else { house.setback_m - 0.5 };
+        let least = if rule.is_behind { 0.6 * house.setback_m } else { 0.9 };
         let (mut a, d) = (s.range(-half + 0.8, half - 0.8), s.range(least, reach.max(least + 0.1)));
-        let facing = match facing {
+        let facing = match rule.facing {
             Facing::Either if s.chance(0.6) => plot.out(),
             Facing::Along => plot.along * if s.chance(0.5) { 1.0 } else { -1.0 } + plot.out() * s.range(-0.3, 0.3),
             _ => -plot.out() + plot.along * s.range(-0.06, 0.06),

@@ -1,7 +1,5 @@
 //! What stands on plots without a house: bottle banks, transformers, posters, sites, bus stops, mounds, bicycles.
 
-use std::sync::Arc;
-
 use crate::assets::props::{
     ADVERT_COLUMN, BARRIER, BENCH, BICYCLE, BILLBOARD, BUS_SHELTER, CLIPPED_BUSH, CLOTHES_BANK, CYCLE_HOOP, Drawn,
     GLASS_BANK, HEAP, MOUND, NETWORK_CABINET, PALLETS, Place, Prop, SHRUB_BED, SITE_CONTAINER, SKIP, Shipped,
@@ -175,12 +173,9 @@ fn cycles(f: &mut Furnisher, plot: &Plot, s: &mut Stream) {
 
 /// Where people keep what they use now and then.
 fn yard(f: &mut Furnisher, plot: &Plot, s: &mut Stream) {
-    let of_yards = f.own.placed().filter_map(|(prop, place)| match place {
-        Place::Yard { weight } => Some((*weight, Arc::clone(prop))),
-        _ => None,
-    });
-    let (weights, props): (Vec<f64>, Vec<Arc<Prop>>) = of_yards.unzip();
+    let rules = f.own.placed(|place| if let Place::Yard(weight) = place { Some(*weight) } else { None });
+    let weights: Vec<f64> = rules.iter().map(|(_, weight)| *weight).collect();
     for _ in 0..2 + s.below(2) {
-        scatter(f, plot, &props[s.weighted(&weights)], s, 8.0);
+        scatter(f, plot, rules[s.weighted(&weights)].0, s, 8.0);
     }
 }

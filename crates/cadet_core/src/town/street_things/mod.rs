@@ -264,4 +264,4 @@ impl Furnisher<'_, '_> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::town) mod tests;

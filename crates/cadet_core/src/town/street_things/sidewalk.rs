@@ -63,9 +63,8 @@ pub(super) fn furnish_edge(
     if frontage.length_m() < 3.0 * CORNER_M {
         return;
     }
-    for (prop, place) in f.own.placed() {
-        let Place::Sidewalk { every_m, streets } = place else { continue };
-        let is_here = match streets {
+    for (prop, rule) in f.own.placed(|place| if let Place::Sidewalk(rule) = place { Some(*rule) } else { None }) {
+        let is_here = match rule.streets {
             Streets::All => true,
             Streets::Urban => is_urban(style),
             Streets::Suburban => !is_urban(style),
@@ -73,8 +72,8 @@ pub(super) fn furnish_edge(
         if !is_here {
             continue;
         }
-        let s = &mut stream_of(prop.name());
-        for at_m in places(frontage.length_m(), every_m / clutter, s) {
+        let s = &mut stream_of(&format!("{}/{}", prop.name(), rule.every_m));
+        for at_m in places(frontage.length_m(), rule.every_m / clutter, s) {
             let drawn = prop.draw(s);
             f.put_at_edge(&drawn, &at_edge(frontage, &drawn.model, at_m));
         }

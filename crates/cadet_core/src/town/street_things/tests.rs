@@ -39,7 +39,7 @@ fn placed(seed: u64, clutter: f64) -> Placed {
 }
 
 /// The prop's name, if it is placed by a rule of its file, or among the things that stand together.
-fn kind_of(name: &str) -> Option<&str> {
+pub(in crate::town) fn kind_of(name: &str) -> Option<&str> {
     const TOGETHER: [&str; 14] = [
         "large-container",
         "glass-bank",
