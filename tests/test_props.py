@@ -14,7 +14,10 @@ from gen_process import FAILED, FINE, SIZE, run
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
-BIN = 'levels_m = [20, 40, 90]\nparts = [{ of = "steel", block = "1, 1, 1", at = "0, 0, 0.5" }]\n'
+BIN = """levels_m = [20, 40, 90]
+parts = [{ of = "steel", block = "1, 1, 1", at = "0, 0, 0.5" }]
+place = [{ where = "yard", weight = 1 }]
+"""
 
 
 def props_folder(root: Path, **files: str) -> Path:
