@@ -133,7 +133,7 @@ class VehicleMesh(SimpleNamespace):
 
 
 class Assets:
-    def __init__(self, share: float, vehicles: Sequence[VehicleMesh]) -> None:
+    def __init__(self, share: float, vehicles: Sequence[VehicleMesh], props: Sequence[tuple[str, str]]) -> None:
         self.names = [vehicle.name for vehicle in vehicles]
 
     def assumptions(self) -> list[str]:
@@ -141,6 +141,10 @@ class Assets:
 
     def models(self) -> list[tuple[str, str, list[float]]]:
         return [(name, "Car", [4.0, 1.8, 1.5]) for name in self.names]
+
+
+def check_props(files: Sequence[tuple[str, str]]) -> None:
+    pass
 
 
 class Pose:

@@ -2,7 +2,8 @@
 
 Fenced `python` and `sh` blocks are run, `toml` blocks parsed. A block that a comment `<!-- not run: REASON -->` stands
 right before is left out. Python blocks of a page share their names. The folder holds what the pages speak of: `out` and
-`set` (KITTI folders), `results` for `out`, `DIR` (own vehicles), `run` (a checkpoint) and `mine.toml`.
+`set` (KITTI folders), `results` for `out`, `DIR` (own vehicles), `bins` (own props), `run` (a checkpoint) and
+`mine.toml`.
 """
 
 from __future__ import annotations
@@ -78,6 +79,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (root / "results" / f"{number:06d}.txt").write_text(kitti.text_from_labels(labels))
     assets_folder(root / "DIR", WAGON)
     (root / "mine.toml").write_text(cadet.Lidar.vlp16().to_toml())
+    (root / "bins").mkdir()
+    (bin_file,) = (block.code for block in blocks_of("docs/props.md") if block.code.startswith("# bins/paper-bin.toml"))
+    (root / "bins" / "paper-bin.toml").write_text(bin_file)
     shutil.copytree(ROOT / "python" / "avod" / "checkpoints" / "tiny_car", root / "run")
     _write_commands(root / "bin")
     return root

@@ -37,6 +37,7 @@ from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
 from cadet.policy import ResetPolicy
 from cadet.pose import Pose
+from cadet.props import Props
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.sample import Agent, Sample, Scan
@@ -80,6 +81,7 @@ __all__ = [
     "NonFiniteError",
     "Pose",
     "PropConfig",
+    "Props",
     "RayHits",
     "Report",
     "ResetPolicy",

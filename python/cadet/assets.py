@@ -1,4 +1,4 @@
-"""A user's own vehicle meshes: a folder with OBJ or glTF files and an `assets.toml` that says what they are."""
+"""A user's own vehicle meshes, a folder with OBJ or glTF files and an `assets.toml`, and a user's own props."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from cadet.errors import CadetError
 from cadet.meshes import Beside, MeshTriangles, gltf_from_bytes, obj_from_bytes
 from cadet.notices import notice
 from cadet.plain_text import toml_from_text
+from cadet.props import Props
 from cadet.summary import counts, summary
 from cadet.user_files import read_file, read_settings
 
@@ -126,22 +127,24 @@ class VehicleMesh:
 
 @dataclass(frozen=True)
 class Assets:
-    """A user's vehicles. `Assets.read` reads them from a folder.
+    """A user's vehicles and props. `Assets.read` reads vehicles from a folder, `Props.read` props.
 
     Args:
-        vehicles: at least one, no name twice.
+        vehicles: no name twice; at least one if there are no props.
         share: the fraction of driven and parked vehicles that are drawn from them.
+        props: what stands about beside the package's own props.
 
     Raises:
         CadetError: a mesh that can't be a vehicle, or a share outside 0 to 1.
     """
 
-    vehicles: tuple[VehicleMesh, ...]
+    vehicles: tuple[VehicleMesh, ...] = ()
     share: float = 0.5
+    props: Props | None = None
 
     def __repr__(self) -> str:
         types = counts(vehicle.type for vehicle in self.vehicles)
-        return summary(self, vehicles=types, share=self.share)
+        return summary(self, vehicles=types, share=self.share, props=self.props)
 
     def __post_init__(self) -> None:
         check_number("assets", "share", self.share, 0, 1)
@@ -149,7 +152,9 @@ class Assets:
         object.__setattr__(self, "vehicles", as_tuple("assets", "vehicles", self.vehicles, "VehicleMesh"))
         for vehicle in self.vehicles:
             check_kind("assets", "vehicles", vehicle, VehicleMesh)
-        if not self.vehicles:
+        if self.props is not None:
+            check_kind("assets", "props", self.props, Props)
+        elif not self.vehicles:
             raise CadetError("assets: expected at least one vehicle, got none")
         names = [vehicle.name for vehicle in self.vehicles]
         for name in names:
@@ -197,10 +202,9 @@ class Assets:
 
     def to_dict(self) -> dict[str, Any]:
         """Return what a manifest says of them: names and hashes, no paths."""
-        return {
-            "share": float(self.share),
-            "vehicles": [{"name": vehicle.name, "sha256": vehicle.sha256} for vehicle in self.vehicles],
-        }
+        vehicles = [{"name": vehicle.name, "sha256": vehicle.sha256} for vehicle in self.vehicles]
+        values: dict[str, Any] = {"share": float(self.share), "vehicles": vehicles} if vehicles else {}
+        return values if self.props is None else {**values, "props": self.props.to_list()}
 
     def to_native(self) -> _cadet.Assets:
         """Return the core's own; the meshes are built once a process."""
@@ -209,7 +213,8 @@ class Assets:
 
 @lru_cache(maxsize=4)
 def _native(assets: Assets) -> _cadet.Assets:
-    return _cadet.Assets(float(assets.share), [vehicle.to_native() for vehicle in assets.vehicles])
+    files = () if assets.props is None else assets.props.files
+    return _cadet.Assets(float(assets.share), [vehicle.to_native() for vehicle in assets.vehicles], files)
 
 
 def as_assets(assets: Assets | str | Path | None) -> Assets | None:

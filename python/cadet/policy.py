@@ -24,6 +24,7 @@ from cadet.config import VEHICLE_CLASSES, LabelConfig, PropConfig, SceneConfig, 
 from cadet.districts import KITTI_DISTRICTS, District
 from cadet.draws import Draws
 from cadet.errors import CadetError
+from cadet.props import Props
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.summary import summary
@@ -58,7 +59,7 @@ class EpisodeSpec:
     car_pitch_deg: float = 0.0
     """How much deeper the ego stands in front than behind, by its load."""
     assets: Assets | None = None
-    """The user's own vehicles."""
+    """The user's own vehicles and props."""
     given: frozenset[str] = frozenset()
     """The fields of `config` that were given, not drawn: what of them can't be met is said."""
 
@@ -108,7 +109,7 @@ class ResetPolicy:
     label: LabelConfig = LabelConfig()
     """What gets a label."""
     assets: Assets | None = None
-    """The user's own vehicles, to be mixed into the traffic."""
+    """The user's own vehicles, to be mixed into the traffic, and props, placed among the others."""
 
     def __repr__(self) -> str:
         return summary(
@@ -307,6 +308,10 @@ class ResetPolicy:
             car_pitch_deg=round(self.car_pitch_sd_deg * load.bell(), 6),
             assets=self.assets,
         )
+
+    def with_props(self, props: Props) -> ResetPolicy:
+        """Return the policy with a user's own props beside its vehicles."""
+        return replace(self, assets=replace(self.assets or Assets(props=props), props=props))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the policy in plain values, maps and assets by name and hash, for a manifest."""

@@ -14,6 +14,7 @@ from cadet.errors import CadetError, FileFormatError
 from cadet.lidar import Lidar
 from cadet.plain_text import toml_from_text
 from cadet.policy import ResetPolicy
+from cadet.props import Props
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.streaming import FrameStream, stream
@@ -38,7 +39,7 @@ class Simulation:
 
         Its keys, none of which it must have: `seed`; `policy` and `rig`, names of presets; `districts`, names of some;
         `lidar`, a preset or a file; `image_size`, width and height in pixels; `weathers`, names of presets; `maps`,
-        OpenDRIVE files; `assets`, a folder; `samples_per_episode`. Files are relative to this one's folder.
+        OpenDRIVE files; `assets` and `props`, folders; `samples_per_episode`. Files are relative to this one's folder.
 
         Raises:
             MissingFileError: no such file.
@@ -120,6 +121,11 @@ def _with_assets(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     return replace(policy, assets=Assets.read(folder / value))
 
 
+def _with_props(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
+    check_text("", "value", value)
+    return policy.with_props(Props.read(folder / value))
+
+
 def _with_samples(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     return replace(policy, samples_per_episode=value)
 
@@ -134,6 +140,7 @@ _CHANGES: Final[dict[str, Callable[[ResetPolicy, Any, Path], ResetPolicy]]] = {
     "weathers": _with_weathers,
     "maps": _with_maps,
     "assets": _with_assets,
+    "props": _with_props,
     "samples_per_episode": _with_samples,
 }
 _KEYS: Final = ("seed", *_CHANGES)

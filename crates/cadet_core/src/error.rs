@@ -87,6 +87,16 @@ pub enum Error {
         /// Problem with the file, and what helps.
         reason: String,
     },
+    /// A line of a user's file that can't be used.
+    #[error("{file}:{line}: {reason}")]
+    File {
+        /// The file's name.
+        file: String,
+        /// The line, from 1.
+        line: usize,
+        /// Problem with the line.
+        reason: String,
+    },
     /// A line of a KITTI file that breaks its format.
     #[error("{file}:{line}: column {column}: {reason}")]
     Format {

@@ -1,6 +1,7 @@
-//! A user's own vehicles: `cadet.Assets.to_native()`.
+//! A user's own vehicles and props: `cadet.Assets.to_native()`.
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::props::OwnProps;
 use cadet_core::assets::source_mesh::{MAX_MATERIALS, MAX_TRIANGLES, SourceMaterial, SourceMesh, SourceTriangle};
 use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset};
 use cadet_core::math::{DVec3, Vec3};
@@ -72,19 +73,27 @@ impl VehicleMesh {
     }
 }
 
-/// Vehicles built from a user's meshes, shared by all scenes that have them.
+/// Vehicles built from a user's meshes, and a user's props, shared by all scenes that have them.
 #[pyclass(module = "cadet._cadet", frozen)]
 pub(crate) struct Assets {
     pub(crate) vehicles: UserVehicles,
+    pub(crate) props: OwnProps,
 }
 
 #[pymethods]
 impl Assets {
     #[new]
-    fn new(py: Python<'_>, share: f64, vehicles: Vec<VehicleMesh>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        share: f64,
+        vehicles: Vec<VehicleMesh>,
+        props: Vec<(String, String)>,
+    ) -> Result<Self, BorderError> {
         let assets: Vec<VehicleAsset> = vehicles.into_iter().map(|vehicle| vehicle.asset).collect();
-        let vehicles = guard::detached(py, || UserVehicles::new(share, &assets))?;
-        Ok(Self { vehicles })
+        guard::detached(py, || {
+            let vehicles = if assets.is_empty() { UserVehicles::default() } else { UserVehicles::new(share, &assets)? };
+            Ok::<_, BorderError>(Self { vehicles, props: OwnProps::parse(&props)? })
+        })
     }
 
     /// Name, class and size of each model.
@@ -97,4 +106,10 @@ impl Assets {
     fn assumptions(&self) -> Vec<String> {
         self.vehicles.assumptions().to_vec()
     }
+}
+
+/// Refuses a user's files of props that can't be used.
+#[pyfunction]
+pub(crate) fn check_props(py: Python<'_>, files: Vec<(String, String)>) -> Result<(), BorderError> {
+    guard::detached(py, || OwnProps::parse(&files).map(|_| ()))
 }

@@ -51,6 +51,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<settings::PropConfig>()?;
     module.add_class::<settings::SceneConfig>()?;
     module.add_class::<settings::SuburbConfig>()?;
+    module.add_function(wrap_pyfunction!(assets::check_props, module)?)?;
     module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_draws, module)?)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::props::OwnProps;
 use cadet_core::assets::vehicle::UserVehicles;
 use cadet_core::camera::{MAX_ROLLING_SHUTTER_S, SIDES_PX};
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
@@ -185,6 +186,7 @@ impl PropConfig {
         campus_share: f64,
     ) -> Result<Self, BorderError> {
         let config = CorePropConfig {
+            own: OwnProps::default(),
             house_shares,
             greenery,
             belt_m,
@@ -208,7 +210,7 @@ impl PropConfig {
 /// How full a scene is, what stands in it, where its sun is, and what gets a label.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct SceneConfig {
-    /// All but the user's vehicles.
+    /// All but the user's vehicles and props.
     config: CoreSceneConfig,
 }
 
@@ -280,9 +282,13 @@ impl SceneConfig {
 }
 
 impl SceneConfig {
-    /// The core's, with the user's vehicles.
+    /// The core's, with the user's vehicles and props.
     pub(crate) fn with(&self, assets: Option<&Assets>) -> CoreSceneConfig {
-        let user_vehicles = assets.map_or_else(UserVehicles::default, |a| a.vehicles.clone());
-        CoreSceneConfig { user_vehicles, ..self.config.clone() }
+        let mut config = self.config.clone();
+        if let Some(assets) = assets {
+            config.user_vehicles = assets.vehicles.clone();
+            config.props.own = assets.props.clone();
+        }
+        config
     }
 }

@@ -24,6 +24,7 @@ from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, Worker
 from cadet.lidar import LIDAR_PRESETS, Lidar
 from cadet.notices import notice
 from cadet.policy import POLICIES, ResetPolicy
+from cadet.props import Props
 from cadet.rig import RIG_PRESETS, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import weather_names
@@ -49,6 +50,12 @@ _LEAST_FRACTION = 1e-6
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).",
+)
+@click.option(
+    "--props",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Own props: a folder with a TOML file for each (docs/props.md).",
 )
 @click.option("--skip-bad-assets", is_flag=True, help="Leave out vehicles whose meshes are missing or broken.")
 @click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
@@ -93,6 +100,7 @@ def cadet_gen(
     maps: tuple[str, ...],
     weathers: tuple[str, ...],
     assets: Path | None,
+    props: Path | None,
     skip_bad_assets: bool,
     dataset_format: str,
     shard_size: int | None,
@@ -127,13 +135,13 @@ def cadet_gen(
     if address is not None and engine != "ray":
         raise CadetError("--address: goes with --engine ray")
     own = None if assets is None else Assets.read(assets, skip_bad=skip_bad_assets)
+    own_props = None if props is None else Props.read(props)
+    chosen = _policy(policy, districts, maps, weathers, own, own_props)
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
         policy=_in_time(
-            _with_sensors(
-                _policy(policy, districts, maps, weathers, own), _rig_for(dataset_format, rig), image_size, lidar
-            ),
+            _with_sensors(chosen, _rig_for(dataset_format, rig), image_size, lidar),
             sequence or EXPORTERS[dataset_format].needs_sequence,
             hz,
             length,
@@ -196,7 +204,12 @@ def _period(option: str, fraction: float) -> int:
 
 
 def _policy(
-    name: str, districts: tuple[str, ...], maps: tuple[str, ...], weathers: tuple[str, ...], assets: Assets | None
+    name: str,
+    districts: tuple[str, ...],
+    maps: tuple[str, ...],
+    weathers: tuple[str, ...],
+    assets: Assets | None,
+    props: Props | None,
 ) -> ResetPolicy:
     policy = ResetPolicy.named(name)
     if districts:
@@ -209,7 +222,7 @@ def _policy(
         policy = policy.with_weathers(*weathers)
     if assets is not None:
         policy = replace(policy, assets=assets)
-    return policy
+    return policy if props is None else policy.with_props(props)
 
 
 def _check_drivable(road_map: RoadMap) -> None:

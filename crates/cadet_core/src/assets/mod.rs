@@ -5,6 +5,7 @@ pub mod annotation;
 pub(crate) mod belongings;
 pub mod cyclist;
 pub mod person;
+pub mod props;
 pub mod scenery;
 pub mod source_mesh;
 pub mod vehicle;

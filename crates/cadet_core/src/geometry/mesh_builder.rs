@@ -94,11 +94,13 @@ impl MeshBuilder {
         }
     }
 
-    /// Appends another mesh in the making, moved by a linear map and an offset.
+    /// Appends another mesh in the making, moved by a linear map, which may mirror it, and an offset.
     pub fn append(&mut self, other: &Self, linear: Mat3, offset: Vec3) {
         let base = self.positions.len() as u32;
         self.positions.extend(other.positions.iter().map(|p| linear * *p + offset));
-        self.faces.extend(other.faces.iter().map(|f| f.map(|i| i + base)));
+        let is_mirrored = linear.determinant() < 0.0;
+        let turned = |[a, b, c]: [u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
+        self.faces.extend(other.faces.iter().map(|f| turned(f.map(|i| i + base))));
         self.slots.extend(&other.slots);
     }
 

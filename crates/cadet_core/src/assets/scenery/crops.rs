@@ -1,12 +1,12 @@
 //! What grows beside country roads: tall grass and herbs of the verges, rows of maize.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::draw::{direction, range};
 use super::leaves::Leaves;
 use super::materials::{herbs_palette, maize_palette, plant_slot as slot};
 use super::{Detail, Mesh, SceneryModel};
-use crate::geometry::MeshBuilder;
+use crate::geometry::{Memo, MeshBuilder};
 use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
 
@@ -24,34 +24,28 @@ const BLADES_WIDTH_M: f32 = 10.0;
 const MAIZE_DENSE_M: f32 = 1.55;
 const MAIZE_TOP_M: (f32, f32) = (2.1, 2.65);
 
-type Cell = OnceLock<SceneryModel>;
-
 /// A patch of tall grass and herbs along +x, y = 0 its middle.
 #[must_use]
 pub fn herbs(variant: usize) -> SceneryModel {
-    static CELLS: [Cell; CROP_VARIANTS] = [const { Cell::new() }; CROP_VARIANTS];
+    static MODELS: Memo<usize, SceneryModel> = Memo::new();
     let variant = variant % CROP_VARIANTS;
-    CELLS[variant]
-        .get_or_init(|| {
-            let palette = herbs_palette(&mut Stream::from_seed("herbs", variant as u64));
-            let shape = Detail::levels([12.0, 28.0, 75.0], move |d| herbs_mesh(variant, d));
-            strip(format!("herbs/{variant}"), shape, palette, HERBS_M, HERB_HEIGHTS_M[variant].into())
-        })
-        .clone()
+    MODELS.get(variant, || {
+        let palette = herbs_palette(&mut Stream::from_seed("herbs", variant as u64));
+        let shape = Detail::levels([12.0, 28.0, 75.0], move |d| herbs_mesh(variant, d));
+        strip(format!("herbs/{variant}"), shape, palette, HERBS_M, HERB_HEIGHTS_M[variant].into())
+    })
 }
 
 /// A piece of a row of maize along +x, y = 0 its middle.
 #[must_use]
 pub fn maize(variant: usize) -> SceneryModel {
-    static CELLS: [Cell; CROP_VARIANTS] = [const { Cell::new() }; CROP_VARIANTS];
+    static MODELS: Memo<usize, SceneryModel> = Memo::new();
     let variant = variant % CROP_VARIANTS;
-    CELLS[variant]
-        .get_or_init(|| {
-            let palette = maize_palette(&mut Stream::from_seed("maize", variant as u64));
-            let shape = Detail::levels([18.0, 40.0, 180.0], move |d| maize_mesh(variant, d));
-            strip(format!("maize/{variant}"), shape, palette, MAIZE_M, MAIZE_TOP_M.1.into())
-        })
-        .clone()
+    MODELS.get(variant, || {
+        let palette = maize_palette(&mut Stream::from_seed("maize", variant as u64));
+        let shape = Detail::levels([18.0, 40.0, 180.0], move |d| maize_mesh(variant, d));
+        strip(format!("maize/{variant}"), shape, palette, MAIZE_M, MAIZE_TOP_M.1.into())
+    })
 }
 
 fn strip(

@@ -1,6 +1,6 @@
 //! Houses of a South German suburb, from the terrace to the block of flats.
 
-use super::draw::{CREASE_RAD, block, range, tube};
+use super::draw::{CREASE_RAD, range};
 use super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::materials::house_slot as slot;
 use super::roof::{Pitched, flat};
@@ -318,10 +318,10 @@ impl HouseDesign {
             let at = if self.gable_to_street { Vec3::new(along, -across, 0.0) } else { Vec3::new(across, along, 0.0) };
             let (low, high) = (roof.ridge() - 1.2, roof.ridge() + 0.75);
             let middle = at + Vec3::Z * (low + high) / 2.0;
-            block(b, middle, Vec3::new(0.5, 0.62, high - low), slot::CHIMNEY);
+            b.block(middle, Vec3::new(0.5, 0.62, high - low), slot::CHIMNEY);
             if detail != Detail::Far {
-                block(b, at + Vec3::Z * (high + 0.04), Vec3::new(0.6, 0.72, 0.08), slot::STONE);
-                tube(b, (at + Vec3::Z * high, 0.1), (at + Vec3::Z * (high + 0.3), 0.1), 6, slot::METAL);
+                b.block(at + Vec3::Z * (high + 0.04), Vec3::new(0.6, 0.72, 0.08), slot::STONE);
+                b.tube(&[(at + Vec3::Z * high, 0.1), (at + Vec3::Z * (high + 0.3), 0.1)], 6, slot::METAL);
             }
         }
         for k in 0..self.num_dormers {
@@ -366,7 +366,7 @@ impl HouseDesign {
             [(x, y), (x, -y), (-x, y), (-x, -y)]
         };
         for (px, py) in corners {
-            tube(b, (Vec3::new(px, py, -0.3), 0.05), (Vec3::new(px, py, top), 0.05), 5, slot::METAL);
+            b.tube(&[(Vec3::new(px, py, -0.3), 0.05), (Vec3::new(px, py, top), 0.05)], 5, slot::METAL);
         }
     }
 }

@@ -16,7 +16,7 @@ const MIDDLING: f32 = 0.5;
 
 /// A mesh of wood and leaf cards in the making.
 #[derive(Debug, Default)]
-pub(super) struct Leaves {
+pub(in crate::assets) struct Leaves {
     vertices: Vec<Vec3>,
     normals: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
@@ -24,6 +24,11 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
     /// Adds a card: a flat kite about `middle`, its area about `size`^2, that faces `facing`; its shading normal is bent to
     /// `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {

@@ -1,5 +1,8 @@
 //! Letters of five rows, for shops and boards.
 
+use crate::geometry::MeshBuilder;
+use crate::math::Vec3;
+
 /// Rows of a letter, a digit, a space, or a comma from the top, the leftmost of three to five columns in the highest used bit.
 pub(super) fn rows(letter: char) -> ([u8; 5], usize) {
     match letter {
@@ -48,6 +51,30 @@ pub(super) fn strokes(row: u8, columns: usize) -> impl Iterator<Item = [usize; 2
         at = (from..=columns).find(|k| !is_set(*k)).unwrap_or(columns);
         Some([from, at])
     })
+}
+
+/// Width of a word over its height.
+pub(in crate::assets) fn width(word: &str) -> f32 {
+    let columns: usize = word.chars().map(|c| rows(c).1 + 1).sum();
+    columns.saturating_sub(1) as f32 * 0.17
+}
+
+/// Writes a word on a plane that faces +x: from `at` to the right as who looks at it sees it, `at` half way up.
+pub(in crate::assets) fn write(b: &mut MeshBuilder, word: &str, at: Vec3, height: f32, slot: u8) {
+    let (dy, dz) = (0.17 * height, height / 5.0);
+    let mut left = at.y;
+    for letter in word.chars() {
+        let (rows, columns) = rows(letter);
+        for (row, bits) in rows.into_iter().enumerate() {
+            let top = at.z + height / 2.0 - dz * row as f32;
+            for [from, to] in strokes(bits, columns) {
+                let (from, to) = (left + dy * from as f32, left + dy * to as f32);
+                let corner = |y: f32, z: f32| Vec3::new(at.x, y, z);
+                b.quad(corner(from, top - dz), corner(to, top - dz), corner(to, top), corner(from, top), slot);
+            }
+        }
+        left += dy * (columns + 1) as f32;
+    }
 }
 
 #[cfg(test)]

@@ -53,16 +53,6 @@ pub mod plant_slot {
     pub const BARK: u8 = 3;
 }
 
-/// Slots of a fence's palette.
-pub mod fence_slot {
-    /// Pickets, bars, boards, wires.
-    pub const BODY: u8 = 0;
-    /// Posts and rails.
-    pub const POST: u8 = 1;
-    /// Masonry below or instead of them.
-    pub const MASONRY: u8 = 2;
-}
-
 /// Slots of street furniture: poles, signs, bins.
 pub mod furniture_slot {
     /// Main body: pole, bin, cabinet.
@@ -81,7 +71,8 @@ pub mod furniture_slot {
     pub const BACK: u8 = 6;
 }
 
-pub(super) fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
+/// Scales a color by up to `value` around 1, and each of its three parts by up to `hue`.
+pub(in crate::assets) fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
     let v = stream.range(1.0 - value, 1.0 + value) as f32;
     rgb.map(|c| (c * v * stream.range(1.0 - hue, 1.0 + hue) as f32).clamp(0.004, 0.92))
 }
@@ -96,7 +87,7 @@ const DOUBLE_GLAZING: (f32, f32) = (0.14, 0.078);
 /// Share of a net curtain's color that is left behind a pane, and the reflectance that the LIDAR sees of it there.
 const BEHIND_PANE: (f32, f32) = (0.4, 0.28);
 
-pub(super) fn pane() -> Material {
+fn pane() -> Material {
     Material {
         albedo: [0.03, 0.035, 0.035],
         roughness: 0.03,
@@ -218,49 +209,6 @@ pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
         leaf(base.map(|c| c * 0.42), reflectance - 0.05),
         Material::matt(Semantic::Vegetation, bark, Pattern::Wood, 0.30),
     ]))
-}
-
-/// The colors of a fence: paint or bare wood, and the masonry below it.
-#[must_use]
-pub fn fence_palette(stream: &mut Stream, metal: bool) -> Arc<Palette> {
-    let body = if metal {
-        match stream.below(3) {
-            0 => [0.045, 0.07, 0.05],
-            1 => [0.05, 0.05, 0.055],
-            _ => [0.30, 0.31, 0.32],
-        }
-    } else {
-        match stream.weighted(&[0.5, 0.3, 0.2]) {
-            0 => [0.17, 0.105, 0.065],
-            1 => [0.24, 0.21, 0.18],
-            _ => [0.62, 0.61, 0.58],
-        }
-    };
-    let body = jitter(stream, body, 0.2, 0.06);
-    let masonry = match stream.weighted(&[0.45, 0.3, 0.25]) {
-        0 => [0.34, 0.33, 0.30],
-        1 => [0.52, 0.49, 0.43],
-        _ => [0.30, 0.17, 0.13],
-    };
-    let masonry = jitter(stream, masonry, 0.15, 0.04);
-    let (pattern, reflectance) = if metal { (Pattern::Plain, 0.25) } else { (Pattern::Wood, 0.48) };
-    let wall = if stream.chance(0.5) { Pattern::Render } else { Pattern::Blocks };
-    Arc::new(Palette::new(vec![
-        Material::matt(Semantic::Fence, body, pattern, reflectance),
-        Material::matt(Semantic::Fence, body.map(|c| c * 0.85), pattern, reflectance),
-        Material::matt(Semantic::Fence, masonry, wall, 0.38),
-    ]))
-}
-
-/// Galvanized steel.
-#[must_use]
-pub fn guard_rail_palette(stream: &mut Stream) -> Arc<Palette> {
-    let steel = jitter(stream, [0.34, 0.35, 0.36], 0.2, 0.03);
-    let mut sheet = Material::matt(Semantic::Fence, steel, Pattern::Plain, 0.4);
-    sheet.roughness = 0.5;
-    sheet.specular = 0.3;
-    let post = Material::matt(Semantic::Fence, steel.map(|c| c * 0.8), Pattern::Plain, 0.35);
-    Arc::new(Palette::new(vec![sheet, post, post]))
 }
 
 /// Tall grass and herbs: from green to dry.

@@ -1,4 +1,4 @@
-//! Houses, plants, fences and street furniture: shared prototypes, each a pure function of its kind and variant.
+//! Houses, plants, lights, and bridges: shared prototypes, each a pure function of its kind and variant.
 //!
 //! Every model stands upright in its own frame: z up, z = 0 at the ground, x toward whoever looks at it (the street
 //! for houses, the driver for signs), or along the piece for fences and hedges. Foundations and trunks go on below
@@ -9,23 +9,19 @@ mod city;
 mod crops;
 mod draw;
 mod facade;
-mod fence;
-mod furniture;
 mod garage;
+pub(super) mod greens;
 mod hall;
 mod hedge;
 mod house;
-mod leaves;
-mod letters;
+pub(super) mod leaves;
+pub(super) mod letters;
 mod library;
-mod lot_furniture;
 pub mod materials;
 mod motorway;
 mod overhead;
-mod pole;
 mod roof;
 mod street_light;
-mod things;
 mod traffic_light;
 mod tree;
 mod tree_levels;
@@ -34,26 +30,15 @@ mod wall_plane;
 use std::sync::Arc;
 
 pub use building::House;
-pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, span_lamp, tree_pit};
+pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, span_lamp};
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
-pub use fence::FenceKind;
-pub use furniture::FurnitureKind;
 pub use hall::{HALL_VARIANTS, HallKind, hall_palette};
 pub use hedge::NARROW_HEDGES;
 pub use house::HouseKind;
-pub use library::{
-    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, lot_furniture, num_variants,
-    paving, pole, thing, tree,
-};
-pub use lot_furniture::{LotFurniture, lot_furniture_palette};
-pub use motorway::{
-    BRIDGE_DECK_M, MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, RAMP_M, gantry, motorway_thing, overpass,
-    speed_sign,
-};
+pub use library::{OVERHEAD_M, PIECE_LENGTHS_M, city_house, garage, hall, hedge, house, num_variants, tree};
+pub use motorway::{BRIDGE_DECK_M, MOTORWAY_PIECE_M, RAMP_M, gantry, overpass};
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
-pub use pole::PoleKind;
-pub use street_light::StreetLight;
-pub use things::{BENCH_SEAT_M, CHAIR_SEAT_M, SHELTER_SEAT_M, THING_VARIANTS, ThingKind, thing_palette};
+pub use street_light::{Head, StreetLight};
 pub use traffic_light::{
     HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_head, signal_post,
 };
@@ -104,7 +89,7 @@ impl SceneryModel {
 
 /// How much a prototype shows: one mesh is made for each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Detail {
+pub(super) enum Detail {
     Near,
     Mid,
     Far,
@@ -113,7 +98,10 @@ enum Detail {
 impl Detail {
     /// Levels of detail that change at the given distances from the ego, the coarser ones made when they are needed;
     /// beyond the last one nothing is seen.
-    fn levels([near, mid, far]: [f32; 3], mesh: impl Fn(Self) -> Mesh + Send + Sync + 'static) -> Arc<LodSet> {
+    pub(super) fn levels(
+        [near, mid, far]: [f32; 3],
+        mesh: impl Fn(Self) -> Mesh + Send + Sync + 'static,
+    ) -> Arc<LodSet> {
         let mesh = Arc::new(mesh);
         let finest = (near, mesh(Self::Near));
         let coarser = [(mid, Self::Mid), (far, Self::Far)].map(|(limit, detail)| {
@@ -124,7 +112,7 @@ impl Detail {
     }
 
     /// The value for this level.
-    fn pick<T>(self, near: T, mid: T, far: T) -> T {
+    pub(super) fn pick<T>(self, near: T, mid: T, far: T) -> T {
         match self {
             Self::Near => near,
             Self::Mid => mid,

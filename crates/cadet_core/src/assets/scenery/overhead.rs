@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::draw::{CREASE_RAD, block, path_tube, tube};
+use super::draw::{CREASE_RAD, v};
 use super::materials::furniture_palette;
 use super::materials::furniture_slot as slot;
 use super::{Detail, SceneryModel};
@@ -24,10 +24,6 @@ const GROWTH: [f32; 3] = [1.0, 2.2, 4.5];
 /// The carrying wire over the contact wire: how high at its ends, and in the middle between two masts.
 const CARRIED_M: (f32, f32) = (0.9, 0.35);
 
-fn v(x: f32, y: f32, z: f32) -> Vec3 {
-    Vec3::new(x, y, z)
-}
-
 /// A mast beside tracks or between them; its arms reach `arm_m` to both sides along x, or there are none.
 #[must_use]
 pub fn tram_mast(variant: usize, arm_m: f64) -> SceneryModel {
@@ -40,24 +36,18 @@ pub fn tram_mast(variant: usize, arm_m: f64) -> SceneryModel {
         let mut b = MeshBuilder::new();
         let top = 8.4;
         let sides = detail.pick(12, 8, 5);
-        tube(&mut b, (v(0.0, 0.0, -0.5), 0.145), (v(0.0, 0.0, top), 0.095), sides, slot::BODY);
+        b.tube(&[(v(0.0, 0.0, -0.5), 0.145), (v(0.0, 0.0, top), 0.095)], sides, slot::BODY);
         if detail == Detail::Near {
-            block(&mut b, v(0.0, 0.0, 0.02), v(0.42, 0.42, 0.06), slot::BACK);
+            b.block(v(0.0, 0.0, 0.02), v(0.42, 0.42, 0.06), slot::BACK);
         }
         let thin = detail.pick(0.022, 0.026, 0.035);
         let sides: &[f32] = if arm_m > 0.0 { &[-1.0, 1.0] } else { &[] };
         for side in sides {
             let reach = side * (arm_m + 0.25);
             // A tube out over the track with a stay above it, an insulator at the mast, and the arm that holds the wire.
-            path_tube(&mut b, &[(v(0.0, 0.0, 6.55), thin), (v(reach, 0.0, 6.6), thin)], 5, slot::BODY);
-            path_tube(
-                &mut b,
-                &[(v(0.0, 0.0, 7.7), 0.5 * thin), (v(reach * 0.92, 0.0, 6.63), 0.5 * thin)],
-                4,
-                slot::BODY,
-            );
-            path_tube(
-                &mut b,
+            b.tube(&[(v(0.0, 0.0, 6.55), thin), (v(reach, 0.0, 6.6), thin)], 5, slot::BODY);
+            b.tube(&[(v(0.0, 0.0, 7.7), 0.5 * thin), (v(reach * 0.92, 0.0, 6.63), 0.5 * thin)], 4, slot::BODY);
+            b.tube(
                 &[
                     (v(side * 0.25, 0.0, 6.1), 0.8 * thin),
                     (v(side * arm_m, 0.0, WIRE_HEIGHT_M as f32 + 0.02), 0.5 * thin),
@@ -66,7 +56,7 @@ pub fn tram_mast(variant: usize, arm_m: f64) -> SceneryModel {
                 slot::BODY,
             );
             if detail != Detail::Far {
-                tube(&mut b, (v(side * 0.14, 0.0, 6.555), 0.05), (v(side * 0.42, 0.0, 6.56), 0.05), 6, slot::ACCENT);
+                b.tube(&[(v(side * 0.14, 0.0, 6.555), 0.05), (v(side * 0.42, 0.0, 6.56), 0.05)], 6, slot::ACCENT);
             }
         }
         b.build("tram-mast", CREASE_RAD)
@@ -90,11 +80,11 @@ pub fn contact_wire(points: &[DVec3], palette: Arc<Palette>) -> Instance {
         .collect();
     wire(origin, palette, move |b, grown| {
         let run = |points: &[Vec3], radius: f32| points.iter().map(|p| (*p, radius)).collect::<Vec<_>>();
-        path_tube(b, &run(&local, CONTACT_M * grown), 4, slot::DARK);
-        path_tube(b, &run(&carried, CARRYING_M * grown), 4, slot::DARK);
+        b.tube(&run(&local, CONTACT_M * grown), 4, slot::DARK);
+        b.tube(&run(&carried, CARRYING_M * grown), 4, slot::DARK);
         if grown < 3.0 {
             for (low, high) in local.iter().zip(&carried).skip(1).step_by(2) {
-                path_tube(b, &[(*low, 0.004), (*high, 0.004)], 3, slot::DARK);
+                b.tube(&[(*low, 0.004), (*high, 0.004)], 3, slot::DARK);
             }
         }
     })
@@ -108,10 +98,10 @@ pub fn span_wire(from: DVec3, to: DVec3, sag_m: f64, palette: Arc<Palette>) -> I
         (0..=8).map(|k| k as f32 / 8.0).map(|t| across * t - Vec3::Z * (4.0 * sag_m as f32 * t * (1.0 - t))).collect();
     wire(from, palette, move |b, grown| {
         let run: Vec<(Vec3, f32)> = points.iter().map(|p| (*p, CARRYING_M * grown)).collect();
-        path_tube(b, &run, 4, slot::DARK);
+        b.tube(&run, 4, slot::DARK);
         for k in [1, 7] {
             let (a, e) = (points[k] - across * 0.008, points[k] + across * 0.008);
-            tube(b, (a, 0.035), (e, 0.035), 5, slot::ACCENT);
+            b.tube(&[(a, 0.035), (e, 0.035)], 5, slot::ACCENT);
         }
     })
 }

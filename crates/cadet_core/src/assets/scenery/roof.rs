@@ -1,7 +1,7 @@
 //! Roofs: gables and hips in courses of tiles, and flat roofs with a parapet.
 
 use super::Detail;
-use super::draw::{path_tube, tube};
+
 use super::materials::house_slot as slot;
 use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
@@ -69,12 +69,12 @@ impl Pitched {
         let top = self.top_at(0.0) + 0.02;
         if ridge_y > 0.0 {
             let end = |y: f32| (Vec3::new(0.0, y, top), 0.11);
-            tube(b, end(-ridge_y), end(ridge_y), 6, slot::ROOF);
+            b.tube(&[end(-ridge_y), end(ridge_y)], 6, slot::ROOF);
         }
         let gutter_z = self.top_at(reach_x) - 0.12;
         let (gx, gy) = (reach_x + 0.05, if self.hipped { reach_y + 0.05 } else { reach_y });
         let run = |b: &mut MeshBuilder, p: Vec3, q: Vec3| {
-            path_tube(b, &[(p, 0.065), (q, 0.065)], detail.pick(6, 4, 4), slot::METAL)
+            b.tube(&[(p, 0.065), (q, 0.065)], detail.pick(6, 4, 4), slot::METAL)
         };
         for s in [-1.0, 1.0] {
             run(b, Vec3::new(s * gx, -gy, gutter_z), Vec3::new(s * gx, gy, gutter_z));

@@ -1,8 +1,9 @@
 //! Properties of the prototypes, checked with plain ray casts.
 
-use super::materials::{fence_slot, house_slot, plant_slot};
+use super::materials::{house_slot, plant_slot};
 use super::tree::TreeDesign;
 use super::*;
+use crate::assets::props::*;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
@@ -31,18 +32,15 @@ pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u
 }
 
 fn every_model() -> Vec<SceneryModel> {
-    let [houses, trees, fences, hedges, poles, bins] = num_variants();
-    let mut models = vec![garage(1), garage(2), paving(true).0, paving(false).0];
+    let [houses, trees, hedges] = num_variants();
+    let mut models = vec![garage(1), garage(2)];
     models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v).model)));
     models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
-    models.extend(FenceKind::ALL.iter().flat_map(|k| (0..fences).map(|v| fence(*k, v, 1))));
+    models.extend(shipped().iter().flat_map(|p| (0..p.num_variants()).map(|v| p.model(v))));
     models
         .extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)));
-    models.push(tree_pit());
     models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
     models.extend((0..hedges).map(|v| hedge(v, 1)));
-    models.extend(PoleKind::ALL.iter().flat_map(|k| (0..poles).map(|v| pole(*k, v))));
-    models.extend(FurnitureKind::ALL.iter().flat_map(|k| (0..bins).map(|v| furniture(*k, v))));
     models
 }
 
@@ -69,9 +67,9 @@ fn every_mesh_is_sound_and_stands_in_the_ground() {
             assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
             let tallest = f64::from(mesh.bounds.max.z);
             assert!(tallest <= model.height_m + 1.2 && tallest >= model.height_m * 0.7, "{name}: {tallest}");
-            // Bins stand on their wheels, all else is set into the ground.
-            let lowest = if name.contains("-bin") { 0.09 } else { -0.05 };
-            assert!(mesh.bounds.min.z < lowest, "{name} floats");
+            // Props may stand on wheels, all else is set into the ground.
+            let is_prop = shipped().iter().any(|prop| name.starts_with(prop.name()));
+            assert!(mesh.bounds.min.z < if is_prop { 0.09 } else { -0.05 }, "{name} floats");
             let out = model.footprint_max.max(-model.footprint_min).as_vec2().max_element() + 2.6;
             assert!(mesh.bounds.max.truncate().max_element() < out, "{name}: sticks out");
         }
@@ -213,10 +211,10 @@ fn every_part_of_a_crown_has_its_leaves_at_every_level() {
 
 #[test]
 fn picket_fences_have_gaps_at_every_level() {
-    let model = fence(FenceKind::Picket, 1, 1);
+    let model = PICKET.piece(1, 1);
     for (_, mesh) in &model.shape.levels {
         let seen = (0..960).map(|i| Vec3::new(0.0025 + 0.005 * i as f32, -2.0, 0.6));
-        let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |s| s == fence_slot::BODY).is_empty()).count();
+        let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |_| true).is_empty()).count();
         assert!((0.25..0.5).contains(&(open as f64 / 960.0)), "{open} of 960");
     }
 }
@@ -224,7 +222,7 @@ fn picket_fences_have_gaps_at_every_level() {
 #[test]
 fn wire_fences_stop_few_beams() {
     for variant in 0..2 {
-        let model = fence(FenceKind::Wire, variant, 1);
+        let model = WIRE.piece(variant, 1);
         for (_, mesh) in &model.shape.levels {
             let seen = (0..960).map(|i| Vec3::new(0.0025 + 0.005 * i as f32, -2.0, 0.001 * i as f32));
             let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |_| true).is_empty()).count();
@@ -235,7 +233,7 @@ fn wire_fences_stop_few_beams() {
 
 #[test]
 fn signs_are_retro_reflective_and_face_the_driver() {
-    let model = pole(PoleKind::ZoneSign, 0);
+    let model = ZONE_SIGN.model(0);
     let mesh: &Mesh = &model.shape.levels[0].1;
     let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
     assert!(model.palette.materials()[usize::from(first.1)].lidar.retro);
@@ -245,10 +243,9 @@ fn signs_are_retro_reflective_and_face_the_driver() {
 
 #[test]
 fn backs_of_signs_are_gray_metal() {
-    let signs =
-        [PoleKind::RoundSign, PoleKind::TriangleSign, PoleKind::DiamondSign, PoleKind::ZoneSign, PoleKind::ParkingSign];
+    let signs = [ROUND_SIGN, TRIANGLE_SIGN, DIAMOND_SIGN, ZONE_SIGN, PARKING_SIGN];
     for (kind, variant) in signs.into_iter().flat_map(|kind| (0..3).map(move |variant| (kind, variant))) {
-        let sign = pole(kind, variant);
+        let sign = kind.model(variant);
         for (_, mesh) in &sign.shape.levels {
             // From behind, beside the post.
             let met = hits(mesh, Vec3::new(-5.0, 0.12, 2.42), Vec3::X, |_| true);

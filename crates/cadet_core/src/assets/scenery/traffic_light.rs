@@ -1,10 +1,10 @@
 //! Traffic lights in parts: what stands, and the heads whose lenses are lit or not.
 
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock};
 
-use super::draw::{CREASE_RAD, block, disc, path_tube, tube};
+use super::draw::{CREASE_RAD, v};
 use super::{Detail, SceneryModel};
-use crate::geometry::{LodSet, Mesh, MeshBuilder};
+use crate::geometry::{LodSet, Memo, Mesh, MeshBuilder};
 use crate::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, PI, Vec3, cosf, sinf};
@@ -63,10 +63,6 @@ const DARK: [[f32; 3]; 3] = [[0.10, 0.012, 0.010], [0.12, 0.06, 0.010], [0.008, 
 const LENS_CD: f32 = 200.0;
 const REACH_M: f32 = 45.0;
 
-fn v(x: f32, y: f32, z: f32) -> Vec3 {
-    Vec3::new(x, y, z)
-}
-
 /// The posts' paint, galvanized steel.
 fn post_palette() -> Arc<Palette> {
     static PALETTE: LazyLock<Arc<Palette>> = LazyLock::new(|| {
@@ -81,22 +77,20 @@ fn post_palette() -> Arc<Palette> {
 /// A post or a mast.
 #[must_use]
 pub fn signal_post(kind: SignalPost) -> SceneryModel {
-    static CELLS: [OnceLock<SceneryModel>; MAST_ARMS_M.len() + 1] = [const { OnceLock::new() }; MAST_ARMS_M.len() + 1];
+    static MODELS: Memo<usize, SceneryModel> = Memo::new();
     let kind = match kind {
         SignalPost::Mast(arm) => SignalPost::Mast(arm.min(MAST_ARMS_M.len() - 1)),
         SignalPost::Post => kind,
     };
-    let cell = if let SignalPost::Mast(arm) = kind { arm + 1 } else { 0 };
-    CELLS[cell]
-        .get_or_init(|| {
-            let shape = Detail::levels(LIMITS_M, move |d| post_mesh(kind, d));
-            let height_m = f64::from(shape.bounds.max.z);
-            let half = DVec2::splat(0.12);
-            let name = format!("signal-post/{cell}");
-            let palette = post_palette();
-            SceneryModel { name, shape, palette, footprint_min: -half, footprint_max: half, height_m }
-        })
-        .clone()
+    let number = if let SignalPost::Mast(arm) = kind { arm + 1 } else { 0 };
+    MODELS.get(number, || {
+        let shape = Detail::levels(LIMITS_M, move |d| post_mesh(kind, d));
+        let height_m = f64::from(shape.bounds.max.z);
+        let half = DVec2::splat(0.12);
+        let name = format!("signal-post/{number}");
+        let palette = post_palette();
+        SceneryModel { name, shape, palette, footprint_min: -half, footprint_max: half, height_m }
+    })
 }
 
 fn post_mesh(kind: SignalPost, detail: Detail) -> Mesh {
@@ -105,23 +99,23 @@ fn post_mesh(kind: SignalPost, detail: Detail) -> Mesh {
     let least = detail.pick(0.0, 0.0, 0.05_f32);
     match kind {
         SignalPost::Post => {
-            tube(&mut b, (v(0.0, 0.0, -0.4), 0.065_f32.max(least)), (v(0.0, 0.0, 3.35), 0.06_f32.max(least)), sides, 0);
+            b.tube(&[(v(0.0, 0.0, -0.4), 0.065_f32.max(least)), (v(0.0, 0.0, 3.35), 0.06_f32.max(least))], sides, 0);
         }
         SignalPost::Mast(arm) => {
             let reach = MAST_ARMS_M[arm] as f32;
             let stations = [(-0.4, 0.14), (1.1, 0.135), (1.15, 0.11), (5.3, 0.085)].map(|(z, r)| (v(0.0, 0.0, z), r));
-            path_tube(&mut b, &stations, sides, 0);
+            b.tube(&stations, sides, 0);
             // The arm leaves the mast in a bend and rises a little.
             let along: Vec<(Vec3, f32)> = (0..=detail.pick(8, 4, 2))
                 .map(|k| k as f32 / detail.pick(8, 4, 2) as f32)
                 .map(|t| (v(0.0, -reach * t, 5.25 + 0.55 * (1.0 - (1.0 - t) * (1.0 - t))), 0.075 - 0.035 * t))
                 .collect();
-            path_tube(&mut b, &along, sides, 0);
+            b.tube(&along, sides, 0);
         }
     }
     if detail != Detail::Far {
         // The button for people.
-        block(&mut b, v(0.0, 0.09, 1.05), v(0.09, 0.06, 0.16), 1);
+        b.block(v(0.0, 0.09, 1.05), v(0.09, 0.06, 0.16), 1);
     }
     b.build("signal-post", CREASE_RAD)
 }
@@ -129,12 +123,10 @@ fn post_mesh(kind: SignalPost, detail: Detail) -> Mesh {
 /// Which of its lenses are lit: red, yellow, green; red and green for people.
 #[must_use]
 pub fn signal_head(kind: HeadKind, lit: [bool; 3]) -> (Arc<LodSet>, Arc<Palette>) {
-    static SHAPES: [OnceLock<Arc<LodSet>>; 3] = [const { OnceLock::new() }; 3];
-    static PALETTES: [OnceLock<Arc<Palette>>; 8] = [const { OnceLock::new() }; 8];
-    let shape = SHAPES[kind as usize].get_or_init(|| Detail::levels(LIMITS_M, move |d| head_mesh(kind, d)));
-    let number = lit.iter().enumerate().map(|(i, lit)| usize::from(*lit) << i).sum::<usize>();
-    let palette = PALETTES[number].get_or_init(|| Arc::new(head_palette(lit)));
-    (Arc::clone(shape), Arc::clone(palette))
+    static SHAPES: Memo<HeadKind, Arc<LodSet>> = Memo::new();
+    static PALETTES: Memo<[bool; 3], Arc<Palette>> = Memo::new();
+    let shape = SHAPES.get(kind, || Detail::levels(LIMITS_M, move |d| head_mesh(kind, d)));
+    (shape, PALETTES.get(lit, || Arc::new(head_palette(lit))))
 }
 
 fn head_palette(lit: [bool; 3]) -> Palette {
@@ -178,8 +170,8 @@ fn head_mesh(kind: HeadKind, detail: Detail) -> Mesh {
     let chambers = if kind == HeadKind::Walk { 2 } else { 3 };
     let height = CHAMBER * chambers as f32;
     if kind == HeadKind::Backed {
-        block(&mut b, v(0.035, 0.0, height / 2.0), v(0.012, 0.62, height + 0.34), slot::RIM);
-        block(&mut b, v(0.043, 0.0, height / 2.0), v(0.012, 0.54, height + 0.26), slot::BOARD);
+        b.block(v(0.035, 0.0, height / 2.0), v(0.012, 0.62, height + 0.34), slot::RIM);
+        b.block(v(0.043, 0.0, height / 2.0), v(0.012, 0.54, height + 0.26), slot::BOARD);
     }
     for k in 0..chambers {
         let z = CHAMBER * (k as f32 + 0.5);
@@ -191,12 +183,12 @@ fn head_mesh(kind: HeadKind, detail: Detail) -> Mesh {
         } else {
             slot::LENS + 1
         };
-        block(&mut b, v(FRONT / 2.0, 0.0, z), v(FRONT, 0.29, CHAMBER - 0.012), slot::HOUSING);
+        b.block(v(FRONT / 2.0, 0.0, z), v(FRONT, 0.29, CHAMBER - 0.012), slot::HOUSING);
         if kind == HeadKind::Walk {
-            disc(&mut b, v(FRONT + 0.004, 0.0, z), LENS_RADIUS, detail.pick(20, 12, 8), 0.0, slot::MASK);
+            b.disc(v(FRONT + 0.004, 0.0, z), LENS_RADIUS, detail.pick(20, 12, 8), 0.0, slot::MASK);
             figure(&mut b, z, k == 0, lens, detail);
         } else {
-            disc(&mut b, v(FRONT + 0.006, 0.0, z), LENS_RADIUS, detail.pick(20, 12, 8), 0.0, lens);
+            b.disc(v(FRONT + 0.006, 0.0, z), LENS_RADIUS, detail.pick(20, 12, 8), 0.0, lens);
         }
         if detail != Detail::Far {
             visor(&mut b, z, detail.pick(10, 5, 3));
@@ -229,7 +221,7 @@ fn visor(b: &mut MeshBuilder, z: f32, steps: usize) {
 /// Somebody who stands, or walks, of the color of a lens.
 fn figure(b: &mut MeshBuilder, z: f32, walks: bool, lens: u8, detail: Detail) {
     let x = FRONT + 0.010;
-    disc(b, v(x, 0.0, z + 0.066), 0.021, detail.pick(10, 8, 5), 0.0, lens);
+    b.disc(v(x, 0.0, z + 0.066), 0.021, detail.pick(10, 8, 5), 0.0, lens);
     let mut bar = |from: (f32, f32), to: (f32, f32), half: f32| {
         let (a, d) = (v(x, from.0, z + from.1), v(x, to.0, z + to.1));
         let aside = Vec3::X.cross(d - a).normalize_or_zero() * half;

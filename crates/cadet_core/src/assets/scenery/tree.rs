@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Mesh;
-use super::draw::{direction, path_tube, range, tube};
+use super::draw::{direction, range};
 use super::leaves::Leaves;
 use super::materials::plant_slot as slot;
 use super::tree_levels::{self, Level};
@@ -213,7 +213,7 @@ impl TreeDesign {
         let fork = self.crown_base + (self.height - self.crown_base) * 0.35;
         if self.kind == TreeKind::Shrub {
             let top = Vec3::Z * self.height * 0.6;
-            tube(wood, (Vec3::Z * -0.2, 0.03), (top, 0.015), 3, slot::BARK);
+            wood.tube(&[(Vec3::Z * -0.2, 0.03), (top, 0.015)], 3, slot::BARK);
         } else {
             let lean = direction(s) * self.height * 0.02;
             let bend = |z: f32| Vec3::new(lean.x, lean.y, 0.0) * (z / self.height) + Vec3::Z * z;
@@ -221,14 +221,14 @@ impl TreeDesign {
             let stations =
                 [(bend(-0.4), r * 1.35), (bend(0.25), r * 1.08), (bend(fork * 0.6), r * 0.85), (bend(fork), r * 0.6)];
             if level.is_bent {
-                path_tube(wood, &stations, sides, slot::BARK);
+                wood.tube(&stations, sides, slot::BARK);
             } else {
-                path_tube(wood, &[stations[0], stations[3]], sides, slot::BARK);
+                wood.tube(&[stations[0], stations[3]], sides, slot::BARK);
             }
             for blob in self.blobs.iter().take(level.limbs) {
                 let start = bend(fork * range(s, 0.72, 0.98));
                 let knee = start.lerp(blob.center, 0.5) + Vec3::Z * 0.25;
-                path_tube(wood, &[(start, r * 0.45), (knee, r * 0.3), (blob.center, r * 0.1)], 5, slot::BARK);
+                wood.tube(&[(start, r * 0.45), (knee, r * 0.3), (blob.center, r * 0.1)], 5, slot::BARK);
             }
         }
         let (size, count) = self.cards(level);
@@ -271,7 +271,7 @@ impl TreeDesign {
 
     fn conifer(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, level: &Level) {
         let foot = (Vec3::new(0.0, 0.0, -0.4), self.trunk_radius * 1.2);
-        tube(wood, foot, (Vec3::Z * self.height * 0.95, 0.02), level.sides, slot::BARK);
+        wood.tube(&[foot, (Vec3::Z * self.height * 0.95, 0.02)], level.sides, slot::BARK);
         let span = self.height - self.crown_base;
         let (size, count) = self.cards(level);
         let layers = (span / 0.55).ceil();

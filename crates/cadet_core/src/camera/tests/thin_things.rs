@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::assets::scenery::{FenceKind, PoleKind, SceneryModel, fence, pole};
+use crate::assets::props::{ARM_LAMP, LAMP, NAME_SIGN, PICKET, RAILING, ROUND_SIGN, WIRE};
+use crate::assets::scenery::SceneryModel;
 use crate::camera::{View, visibility_pass};
 use crate::frames::upright;
 use crate::geometry::LodSet;
@@ -91,12 +92,12 @@ fn assert_close(model: &SceneryModel, distance_m: f64, excess: f64, error: f64) 
 fn fences_show_as_much_at_every_level_and_do_not_break_into_dashes() {
     for (kind, above_m, at_m) in [
         // Above its plinth.
-        (FenceKind::Railing, 0.6, [20.0, 32.0, 55.0, 80.0, 120.0].as_slice()),
-        (FenceKind::Wire, 0.0, &[7.0, 14.0, 20.0, 30.0, 45.0, 60.0]),
-        (FenceKind::Picket, 0.0, &[20.0, 40.0, 80.0, 120.0]),
+        (RAILING, 0.6, [20.0, 32.0, 55.0, 80.0, 120.0].as_slice()),
+        (WIRE, 0.0, &[7.0, 14.0, 20.0, 30.0, 45.0, 60.0]),
+        (PICKET, 0.0, &[20.0, 40.0, 80.0, 120.0]),
     ] {
         for (variant, distance_m) in (0..2).flat_map(|v| at_m.iter().map(move |d| (v, *d))) {
-            let model = fence(kind, variant, 0);
+            let model = kind.piece(variant, 0);
             let (excess, error) = errors(&model, distance_m, std::f64::consts::FRAC_PI_2, Part::Above(above_m));
             assert_close(&model, distance_m, excess, error);
         }
@@ -105,9 +106,9 @@ fn fences_show_as_much_at_every_level_and_do_not_break_into_dashes() {
 
 #[test]
 fn posts_show_as_much_at_every_level_and_do_not_break_into_dashes() {
-    for kind in [PoleKind::Lamp, PoleKind::ArmLamp, PoleKind::RoundSign, PoleKind::NameSign] {
+    for kind in [LAMP, ARM_LAMP, ROUND_SIGN, NAME_SIGN] {
         for distance_m in [20.0, 40.0, 62.0, 80.0, 100.0] {
-            let model = pole(kind, 0);
+            let model = kind.model(0);
             let (excess, error) = errors(&model, distance_m, std::f64::consts::PI, Part::All);
             assert_close(&model, distance_m, excess, error);
         }

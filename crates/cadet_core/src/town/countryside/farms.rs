@@ -1,7 +1,8 @@
 //! Lone houses and farms beside country roads: a house with its garden, a barn, a drive.
 
+use crate::assets::props::DRIVE_PAVING;
 use crate::assets::scenery::materials::barn_palette;
-use crate::assets::scenery::{HouseKind, house, num_variants, paving};
+use crate::assets::scenery::{HouseKind, house, num_variants};
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
@@ -98,7 +99,8 @@ fn propose(s: &mut Stream, frontage: &Frontage, land: &Land, from_m: f64, is_ham
 
 /// Paves the way from the carriageway to the plot's drive.
 fn culvert(plot: &Plot, land: &Land, taken: &mut Occupancy, placer: &mut Placer) {
-    let (model, piece_m) = paving(true);
+    let model = DRIVE_PAVING.model(0);
+    let piece_m = model.footprint_max.x;
     let a = plot.length_m / 2.0 - 1.8;
     let reach_m = land.roadside.reach_m() + BEHIND_M + 2.0;
     taken.take(plot.rect([a - 1.7, a + 1.7], [-reach_m, 0.0]));

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::assets::props::WIRE;
 use crate::assets::scenery::materials::maize_palette;
-use crate::assets::scenery::{CROP_VARIANTS, FenceKind, MAIZE_M, TreeKind, maize as maize_row, num_variants, tree};
+use crate::assets::scenery::{CROP_VARIANTS, MAIZE_M, TreeKind, maize as maize_row, num_variants, tree};
 use crate::math::DVec2;
 use crate::plane::bounds;
 use crate::rng::{Stream, StreamKey};
@@ -211,7 +212,7 @@ fn meadow(
 
 /// Wire on posts round a pasture.
 fn fence(s: &mut Stream, field: &FieldArea, streets: &StreetPoints, taken: &Occupancy, placer: &mut Placer) {
-    let boundary = Boundary::Fence(FenceKind::Wire, s.below(2));
+    let boundary = Boundary::Fence(WIRE, s.below(WIRE.num_variants()));
     let palette = boundary_palette(boundary, s);
     for ring in field.rings {
         let points = with_steps(ring, FENCE_PIECE_M);

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::assets::scenery::materials::{guard_rail_palette, herbs_palette};
-use crate::assets::scenery::{CROP_VARIANTS, FenceKind, HERBS_M, PoleKind, TreeKind, herbs, num_variants, pole, tree};
+use crate::assets::props::{DELINEATOR, DIAMOND_SIGN, GUARD_RAIL, ROUND_SIGN, Shipped, TRIANGLE_SIGN};
+use crate::assets::scenery::materials::herbs_palette;
+use crate::assets::scenery::{CROP_VARIANTS, HERBS_M, TreeKind, herbs, num_variants, tree};
 use crate::math::{DVec2, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 use crate::town::RoadNetwork;
@@ -49,7 +50,7 @@ pub(super) fn furnish(
     let mut road = key.indexed("country/road", u64::from(frontage.road));
     let (has_delineators, has_rails) = (road.chance(DELINEATOR_SHARE), road.chance(RAIL_SHARE));
     if has_delineators {
-        delineators(s, frontage, taken, placer);
+        delineators(frontage, taken, placer);
     }
     if has_rails {
         rails(s, frontage, taken, placer);
@@ -65,8 +66,8 @@ fn beside(frontage: &Frontage, at_m: f64, off_m: f64) -> DVec2 {
 }
 
 /// Puts delineators at the same distances from both ends, so that those of both sides face each other.
-fn delineators(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Placer) {
-    let model = pole(PoleKind::Delineator, s.below(6));
+fn delineators(frontage: &Frontage, taken: &Occupancy, placer: &mut Placer) {
+    let model = DELINEATOR.model(0);
     let room_m = frontage.length_m() - 2.0 * CLEAR_OF_JUNCTION_M;
     let count = (room_m / DELINEATOR_EVERY_M).floor();
     if count < 1.0 {
@@ -84,7 +85,7 @@ fn delineators(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &
 
 /// Outside of bends.
 fn rails(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Placer) {
-    let palette = guard_rail_palette(s);
+    let palette = GUARD_RAIL.palette(0, s);
     let heading = |m: f64| {
         let along = frontage.along(m.clamp(0.0, frontage.length_m()));
         crate::math::atan2(along.y, along.x)
@@ -106,7 +107,7 @@ fn rails(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Pl
                 let [from, to] = [at(piece), at(piece + 1)].map(|m| beside(frontage, m, RAIL_OFF_M));
                 if placer.site.is_clear(from, 0.6) && placer.site.is_clear(to, 0.6) {
                     // The sheet is to the right of its run: toward the road.
-                    placer.run(Boundary::Fence(FenceKind::GuardRail, 0), &palette, to, from);
+                    placer.run(Boundary::Fence(GUARD_RAIL, 0), &palette, to, from);
                 }
             }
         }
@@ -116,22 +117,22 @@ fn rails(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Pl
 
 fn signs(s: &mut Stream, frontage: &Frontage, right_of_way: Option<RightOfWay>, placer: &mut Placer) {
     let length_m = frontage.length_m();
-    let mut put = |kind: PoleKind, variant: usize, at_m: f64| {
+    let mut put = |kind: Shipped, variant: usize, at_m: f64| {
         let place = beside(frontage, at_m, SIGN_OFF_M);
         if placer.site.is_clear(place, 0.8) {
-            let model = pole(kind, variant);
+            let model = kind.model(variant);
             placer.put(&model, Arc::clone(&model.palette), place, -frontage.along(at_m));
         }
     };
     let (after, between) = (s.chance(0.5), s.chance(0.2));
     let (variant, at_m) = (s.below(3), s.range(0.3, 0.7) * length_m);
     if right_of_way == Some(RightOfWay::Yield) {
-        put(PoleKind::TriangleSign, variant, length_m - 3.0);
+        put(TRIANGLE_SIGN, variant, length_m - 3.0);
     } else if right_of_way == Some(RightOfWay::Priority) && after && length_m > 60.0 {
-        put(PoleKind::DiamondSign, variant, 20.0);
+        put(DIAMOND_SIGN, variant, 20.0);
     }
     if between && length_m > 100.0 {
-        put(PoleKind::RoundSign, 1 + 2 * variant, at_m);
+        put(ROUND_SIGN, 1 + 2 * variant, at_m);
     }
 }
 

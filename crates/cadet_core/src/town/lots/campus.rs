@@ -1,11 +1,12 @@
 //! Institutes: set back behind lawns with large trees, a paved way to the door, racks of bicycles, benches.
 
-use crate::assets::scenery::{BENCH_SEAT_M, FurnitureKind, HallKind, NARROW_HEDGES, ThingKind, TreeKind, furniture};
+use crate::assets::props::{BENCH, BICYCLE, CYCLE_HOOP, TUB};
+use crate::assets::scenery::{HallKind, NARROW_HEDGES, TreeKind};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::ground::land::yards::YardSurface;
 use crate::town::lots::BEFORE_M;
-use crate::town::lots::layout::{LotItem, LotLayout, fitting};
+use crate::town::lots::layout::{LotLayout, fitting};
 use crate::town::placement::boundary::Boundary;
 
 /// Width of the way to a door.
@@ -65,11 +66,11 @@ fn racks(lot: &mut LotLayout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut Stre
         lot.paved.push((YardSurface::Pavers, [from - 0.3, from + length_m + 0.3, -BEFORE_M, 2.9]));
         for k in 0..count {
             let a = from + 0.8 * (k as f64 + 0.5);
-            lot.thing(ThingKind::CycleHoop, DVec2::new(a, 1.7), DVec2::X, s);
+            lot.prop(CYCLE_HOOP, DVec2::new(a, 1.7), DVec2::X, s);
             if s.chance(fullness) {
                 let facing = if s.chance(0.8) { DVec2::Y } else { -DVec2::Y };
                 let at = DVec2::new(a + 0.36, 1.7 + s.range(-0.12, 0.12));
-                lot.thing(ThingKind::Bicycle, at, facing + DVec2::X * s.range(-0.06, 0.06), s);
+                lot.prop(BICYCLE, at, facing + DVec2::X * s.range(-0.06, 0.06), s);
             }
         }
     }
@@ -81,12 +82,9 @@ fn benches(lot: &mut LotLayout, half: f64, taken: &mut Vec<[f64; 2]>, s: &mut St
         if !take(taken, [a - 1.3, a + 1.3]) {
             continue;
         }
-        let model = furniture(FurnitureKind::Bench, s.below(3));
-        let palette = std::sync::Arc::clone(&model.palette);
-        let at = DVec2::new(a, 0.9);
-        lot.items.push(LotItem { model, palette, at, facing: -DVec2::Y, seat_m: Some(BENCH_SEAT_M) });
+        lot.prop(BENCH, DVec2::new(a, 0.9), -DVec2::Y, s);
         if s.chance(0.4) {
-            lot.thing(ThingKind::Tub, DVec2::new(a + 2.2, 0.9), -DVec2::Y, s);
+            lot.prop(TUB, DVec2::new(a + 2.2, 0.9), -DVec2::Y, s);
         }
     }
 }

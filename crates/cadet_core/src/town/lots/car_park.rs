@@ -1,6 +1,7 @@
 //! Car parks: rows of bays along aisles, islands with trees, hedges about them, and a market behind some.
 
-use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, TreeKind, num_variants};
+use crate::assets::props::{ISLAND, PYLON, TALL_LAMP, TROLLEY_SHELTER, WALL, WIRE};
+use crate::assets::scenery::{HallKind, NARROW_HEDGES, TreeKind};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::SpotKind;
@@ -81,7 +82,7 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, is_aisle: bool, s: &mut Strea
         let free_m = (length_m - 1.0 - market.footprint_size().y) / 2.0;
         let at_m = s.range(-free_m, free_m);
         lot.building(kind, market, at_m, depth_m - behind_m + BEFORE_MARKET_M, s);
-        lot.furniture(LotFurniture::Pylon, DVec2::new(entries[0][0] - 0.2, 1.0), DVec2::X, s);
+        lot.prop(PYLON, DVec2::new(entries[0][0] - 0.2, 1.0), DVec2::X, s);
     }
     let surface = if s.chance(0.8) { YardSurface::Asphalt } else { YardSurface::Pavers };
     let (p0, p1) = (a0 - 0.2, a1 + 0.2);
@@ -138,17 +139,17 @@ fn row(lot: &mut LotLayout, axes: Axes, [u0, u1]: [f64; 2], (w, side): (f64, f64
             let (at, length_m, width_m) = (at - heading * 0.1, BAY_M.0 + 0.15, SPOT_WIDTH_M);
             lot.bays.push(Bay { at, heading, length_m, width_m, kind: SpotKind::Lot });
         } else if is_island {
-            lot.furniture(LotFurniture::Island, at, heading, s);
+            lot.prop(ISLAND, at, heading, s);
             let (has_tree, has_lamp) = (s.chance(0.75), s.chance(0.4));
             if has_tree {
                 lot.trees.push((TreeKind::Street, at + heading * 0.6));
             }
             if has_lamp {
                 let ahead = if has_tree { heading * -1.7 } else { DVec2::ZERO };
-                lot.furniture(LotFurniture::TallLamp, at + ahead, heading, s);
+                lot.prop(TALL_LAMP, at + ahead, heading, s);
             }
         } else {
-            lot.furniture(LotFurniture::TrolleyShelter, at, -heading, s);
+            lot.prop(TROLLEY_SHELTER, at, -heading, s);
         }
     }
 }
@@ -165,11 +166,10 @@ fn edges(
     (is_aisle, entries): (bool, &[[f64; 2]]),
     s: &mut Stream,
 ) {
-    let [_, _, fences, ..] = num_variants();
     let mut border = || match s.weighted(&[0.6, 0.15, 0.1, 0.15]) {
         0 => Boundary::Hedge(s.below(NARROW_HEDGES)),
-        1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
-        2 => Boundary::Fence(FenceKind::Wall, s.below(fences)),
+        1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
+        2 => Boundary::Fence(WALL, s.below(WALL.num_variants())),
         _ => Boundary::Open,
     };
     let (beside, along) = (border(), border());

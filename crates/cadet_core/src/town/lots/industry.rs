@@ -1,6 +1,9 @@
 //! Works and offices: a hall with a forecourt, a yard beside it, lawns with young trees, and fences with gates.
 
-use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, ThingKind, TreeKind, num_variants};
+use crate::assets::props::{
+    BILLBOARD, CRATES, PALLETS, PROFILES, PYLON, SHIPPING_CONTAINER, SITE_CONTAINER, SKIP, WIRE,
+};
+use crate::assets::scenery::{HallKind, NARROW_HEDGES, TreeKind};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::SpotKind;
@@ -49,8 +52,7 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> LotLayout 
     lot.paved.push((YardSurface::Asphalt, [gate, gate + GATE_M, -BEFORE_M, lawn_m + 1.0]));
     goods(&mut lot, yard, (front, depth_m), is_left, s);
     lawn(&mut lot, half, lawn_m, [gate, gate + GATE_M], s);
-    let [_, _, fences, ..] = num_variants();
-    let wire = Boundary::Fence(FenceKind::Wire, s.below(fences));
+    let wire = Boundary::Fence(WIRE, s.below(WIRE.num_variants()));
     let around = if s.chance(0.75) { wire } else { Boundary::Hedge(s.below(NARROW_HEDGES)) };
     for a in [-half + 0.35, half - 0.35] {
         lot.borders.push((around, DVec2::new(a, lawn_m + 0.2), DVec2::new(a, depth_m - 0.3)));
@@ -119,21 +121,21 @@ fn goods(lot: &mut LotLayout, [a0, a1]: [f64; 2], (front, depth_m): (f64, f64), 
             2 => {
                 let rows = 1 + s.below(2);
                 for k in 0..rows {
-                    lot.furniture(LotFurniture::Container, at(1.4 + 2.6 * k as f64, 3.2), DVec2::Y, s);
+                    lot.prop(SHIPPING_CONTAINER, at(1.4 + 2.6 * k as f64, 3.2), DVec2::Y, s);
                 }
                 d += 7.0;
             }
             3 => {
-                lot.furniture(LotFurniture::Crates, at(1.2, 2.2), inward, s);
+                lot.prop(CRATES, at(1.2, 2.2), inward, s);
                 d += 4.8;
             }
             4 => {
-                lot.furniture(LotFurniture::Profiles, at(1.1, 3.0), inward, s);
+                lot.prop(PROFILES, at(1.1, 3.0), inward, s);
                 d += 6.6;
             }
             _ => {
-                let kind = [ThingKind::Skip, ThingKind::SiteContainer, ThingKind::Pallets][s.below(3)];
-                lot.thing(kind, at(1.7, 3.2), inward, s);
+                let kind = [SKIP, SITE_CONTAINER, PALLETS][s.below(3)];
+                lot.prop(kind, at(1.7, 3.2), inward, s);
                 d += 7.0;
             }
         }
@@ -160,8 +162,8 @@ fn lawn(lot: &mut LotLayout, half: f64, lawn_m: f64, gate: [f64; 2], s: &mut Str
     }
     let beside = if gate[0] > 0.0 { gate[0] - 2.5 } else { gate[1] + 2.5 };
     if s.chance(0.5) {
-        lot.furniture(LotFurniture::Pylon, DVec2::new(beside, 1.3), DVec2::X, s);
+        lot.prop(PYLON, DVec2::new(beside, 1.3), DVec2::X, s);
     } else if s.chance(0.5) {
-        lot.thing(ThingKind::Billboard, DVec2::new(beside, 1.2), -DVec2::Y + DVec2::X * s.range(-0.4, 0.4), s);
+        lot.prop(BILLBOARD, DVec2::new(beside, 1.2), -DVec2::Y + DVec2::X * s.range(-0.4, 0.4), s);
     }
 }

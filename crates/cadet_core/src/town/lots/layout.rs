@@ -1,12 +1,7 @@
 //! What a lot is laid out with, in its own plane: x along its front from the middle, y behind it.
 
-use std::sync::Arc;
-
-use crate::assets::scenery::{
-    HALL_VARIANTS, HallKind, LotFurniture, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, hall, hall_palette,
-    lot_furniture, lot_furniture_palette, thing, thing_palette,
-};
-use crate::material::Palette;
+use crate::assets::props::{Drawn, Shipped};
+use crate::assets::scenery::{HALL_VARIANTS, HallKind, SceneryModel, TreeKind, hall, hall_palette};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::SpotKind;
@@ -27,13 +22,10 @@ pub(in super::super) struct Bay {
 /// Something that stands.
 #[derive(Debug, Clone)]
 pub(in super::super) struct LotItem {
-    pub model: SceneryModel,
-    pub palette: Arc<Palette>,
+    pub drawn: Drawn,
     /// Of the model's origin.
     pub at: DVec2,
     pub facing: DVec2,
-    /// How high somebody sits on it, beside its middle.
-    pub seat_m: Option<f64>,
 }
 
 /// All of a lot.
@@ -51,20 +43,15 @@ pub(in super::super) struct LotLayout {
 }
 
 impl LotLayout {
-    pub fn furniture(&mut self, kind: LotFurniture, at: DVec2, facing: DVec2, s: &mut Stream) {
-        let palette = lot_furniture_palette(kind, s);
-        self.items.push(LotItem { model: lot_furniture(kind), palette, at, facing, seat_m: None });
-    }
-
-    pub fn thing(&mut self, kind: ThingKind, at: DVec2, facing: DVec2, s: &mut Stream) {
-        let (model, palette) = (thing(kind, s.below(THING_VARIANTS)), thing_palette(kind, s));
-        self.items.push(LotItem { model, palette, at, facing, seat_m: None });
+    pub fn prop(&mut self, prop: Shipped, at: DVec2, facing: DVec2, s: &mut Stream) {
+        self.items.push(LotItem { drawn: prop.draw(s), at, facing });
     }
 
     /// A building whose front lies `front_m` behind the lot's and looks at the street.
     pub fn building(&mut self, kind: HallKind, model: SceneryModel, at_m: f64, front_m: f64, s: &mut Stream) {
         let at = DVec2::new(at_m, front_m + model.footprint_max.x);
-        self.items.push(LotItem { model, palette: hall_palette(kind, s), at, facing: -DVec2::Y, seat_m: None });
+        let drawn = Drawn { model, palette: hall_palette(kind, s), seats: Vec::new() };
+        self.items.push(LotItem { drawn, at, facing: -DVec2::Y });
     }
 
     /// Trees in a line, none nearer to its ends than a meter and a half.

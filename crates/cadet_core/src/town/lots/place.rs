@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use crate::assets::scenery::{TreeKind, num_variants, tree};
-use crate::frames;
-use crate::math::{DVec2, DVec3};
+use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::{Stream, StreamKey};
-use crate::town::lots::layout::LotItem;
 use crate::town::lots::{Lot, Lots};
 use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::{Placer, boundary_palette};
@@ -15,8 +13,6 @@ use crate::town::street_things::{Seat, StreetThings};
 
 /// Trunks keep so far from bays and from what stands.
 const TRUNK_APART_M: f64 = 0.35;
-/// Places of the people on a bench, beside its middle.
-const ASIDE_M: [f64; 2] = [-0.45, 0.4];
 
 impl Lots {
     /// Puts buildings, furniture, borders, and plants; returns seats, and what people keep off.
@@ -42,12 +38,12 @@ impl Lot {
         for item in &self.layout.items {
             let (at, facing) = (self.at(item.at), self.direction(item.facing));
             let axis = facing.normalize_or(DVec2::X);
-            let middle = (item.model.footprint_min + item.model.footprint_max) / 2.0;
+            let middle = (item.drawn.model.footprint_min + item.drawn.model.footprint_max) / 2.0;
             let center = at + axis * middle.x + axis.perp() * middle.y;
-            let rect = OrientedRect { center, axis, half: item.model.footprint_size() / 2.0 };
+            let rect = OrientedRect { center, axis, half: item.drawn.model.footprint_size() / 2.0 };
             let is_on_street = rect.samples(0.5).any(|p| placer.site.is_street(p));
             // Trees and lamps stand on islands.
-            let is_low = item.model.height_m < 0.2;
+            let is_low = item.drawn.model.height_m < 0.2;
             if is_on_street || !taken.is_free(&rect) {
                 continue;
             }
@@ -55,11 +51,11 @@ impl Lot {
                 taken.take(rect);
                 things.obstacles.push(rect);
             }
-            placer.put(&item.model, Arc::clone(&item.palette), at, facing);
+            placer.put(&item.drawn.model, Arc::clone(&item.drawn.palette), at, facing);
             if is_low {
                 placer.standing.pop();
             }
-            self.seats(item, placer, things);
+            things.seats.extend(Seat::of_last(&item.drawn, placer));
         }
         for (boundary, from, to) in &self.layout.borders {
             let palette = boundary_palette(*boundary, s);
@@ -81,15 +77,6 @@ impl Lot {
             if taken.is_free_at(at, reach_m) && placer.site.is_clear(at, reach_m) {
                 let _ = placer.plant_model(*kind, &model, s, at);
             }
-        }
-    }
-
-    fn seats(&self, item: &LotItem, placer: &Placer, things: &mut StreetThings) {
-        let (Some(height_m), Some(last)) = (item.seat_m, placer.instances.last()) else { return };
-        for aside_m in ASIDE_M {
-            let place = last.world_from_local.transform_point(DVec3::new(0.0, aside_m, 0.0));
-            let world_from_seat = frames::upright(place, frames::yaw_of(&last.world_from_local));
-            things.seats.push(Seat { world_from_seat, height_m });
         }
     }
 }

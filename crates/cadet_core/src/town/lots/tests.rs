@@ -78,7 +78,8 @@ fn buildings_and_furniture_keep_apart_and_off_streets() {
     for (seed, place) in (0..10).flat_map(|seed| [(seed, 0), (seed, 1), (seed, 2)]) {
         let Built { ground, lots, props, .. } = built(seed, place);
         assert!(lots.lots.len() > 3, "{place}, seed {seed}: {} lots", lots.lots.len());
-        let names: Vec<&str> = lots.lots.iter().flat_map(|l| &l.layout.items).map(|i| i.model.name.as_str()).collect();
+        let names: Vec<&str> =
+            lots.lots.iter().flat_map(|l| &l.layout.items).map(|i| i.drawn.model.name.as_str()).collect();
         let of_lots: Vec<_> = props.standing.iter().filter(|s| names.contains(&s.name.as_str())).collect();
         let is_hall = |name: &str| ["market", "works", "office", "institute"].iter().any(|k| name.starts_with(k));
         assert!(of_lots.iter().any(|s| is_hall(&s.name)), "{place}, seed {seed}: no building");

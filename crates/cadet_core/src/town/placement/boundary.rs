@@ -1,6 +1,7 @@
 //! What stands between a garden and the sidewalk.
 
-use crate::assets::scenery::{FenceKind, num_variants};
+use crate::assets::props::{PICKET, RAILING, SCREEN, Shipped, WALL, WIRE};
+use crate::assets::scenery::num_variants;
 use crate::rng::Stream;
 
 /// What stands between a garden and the sidewalk.
@@ -9,7 +10,7 @@ pub(in crate::town) enum Boundary {
     /// A hedge of a variant.
     Hedge(usize),
     /// A fence or wall of a variant.
-    Fence(FenceKind, usize),
+    Fence(Shipped, usize),
     /// Nothing.
     Open,
 }
@@ -17,15 +18,15 @@ pub(in crate::town) enum Boundary {
 impl Boundary {
     /// By the shares of a South German suburb; `low` ones do not hide the garden.
     pub fn draw(stream: &mut Stream) -> Self {
-        let [_, _, fences, hedges, ..] = num_variants();
-        let variant = stream.below(fences);
+        let [.., hedges] = num_variants();
+        let variant = stream.below(PICKET.num_variants());
         match stream.weighted(&[0.35, 0.12, 0.18, 0.15, 0.05, 0.05, 0.10]) {
             0 => Self::Hedge(stream.below(hedges)),
-            1 => Self::Fence(FenceKind::Picket, variant),
-            2 => Self::Fence(FenceKind::Railing, variant),
-            3 => Self::Fence(FenceKind::Wall, variant),
-            4 => Self::Fence(FenceKind::Screen, variant),
-            5 => Self::Fence(FenceKind::Wire, variant),
+            1 => Self::Fence(PICKET, variant),
+            2 => Self::Fence(RAILING, variant),
+            3 => Self::Fence(WALL, variant),
+            4 => Self::Fence(SCREEN, variant),
+            5 => Self::Fence(WIRE, variant),
             _ => Self::Open,
         }
     }

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::assets::scenery::materials::{fence_palette, plant_palette};
-use crate::assets::scenery::{FenceKind, PIECE_LENGTHS_M, SceneryModel, TreeKind, fence, hedge, num_variants, tree};
+use crate::assets::props::WALL;
+use crate::assets::scenery::materials::plant_palette;
+use crate::assets::scenery::{PIECE_LENGTHS_M, SceneryModel, TreeKind, hedge, num_variants, tree};
 use crate::frames;
 use crate::instance::Instance;
 use crate::material::Palette;
@@ -136,7 +137,7 @@ impl<'a> Placer<'a> {
             let start = if left < step { (length - step).max(0.0) } else { done };
             let model = match boundary {
                 Boundary::Hedge(variant) => hedge(variant, piece),
-                Boundary::Fence(kind, variant) => fence(kind, variant, piece),
+                Boundary::Fence(kind, variant) => kind.piece(variant, piece),
                 Boundary::Open => return,
             };
             let (a, b) =
@@ -155,8 +156,8 @@ impl<'a> Placer<'a> {
 pub(in crate::town) fn boundary_palette(boundary: Boundary, s: &mut Stream) -> Arc<Palette> {
     match boundary {
         Boundary::Hedge(variant) => plant_palette(s, variant % 2 == 0),
-        Boundary::Fence(kind, _) => fence_palette(s, kind.is_metal()),
-        Boundary::Open => fence_palette(s, FenceKind::Wall.is_metal()),
+        Boundary::Fence(kind, variant) => kind.palette(variant, s),
+        Boundary::Open => WALL.palette(0, s),
     }
 }
 

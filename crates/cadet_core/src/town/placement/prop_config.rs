@@ -1,12 +1,16 @@
 //! Settings of what is placed along the streets of a town.
 
+use crate::assets::props::OwnProps;
 use crate::error::{Error, Result};
 use crate::settings::settings;
 
 settings! {
     /// Houses, gardens, and trees along the streets of a town.
     PropConfig;
-    others {}
+    others {
+        /// A user's own props, placed as the crate's are.
+        own: OwnProps = OwnProps::default();
+    }
     numbers {
         /// Weights of the house kinds, in the order of [`crate::assets::scenery::HouseKind::ALL`]; not all 0.
         house_shares: [f64; 6] = [0.35, 0.15, 0.15, 0.15, 0.08, 0.12], 0 to 1e6;

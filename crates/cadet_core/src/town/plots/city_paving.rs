@@ -1,6 +1,6 @@
 //! Paves what is left between the sidewalks and closed rows: before cut corners, and where streets meet at an angle.
 
-use crate::assets::scenery::flagstones;
+use crate::assets::props::FLAGSTONES;
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
@@ -41,7 +41,8 @@ impl Paving {
 
     /// Paves at both ends of a frontage.
     pub fn pave(&mut self, frontage: &Frontage, placer: &mut Placer) {
-        let (stone, side_m) = flagstones();
+        let stone = FLAGSTONES.model(0);
+        let side_m = stone.footprint_size().x;
         let length_m = frontage.length_m();
         for (end, way) in [(0.0, -1.0), (length_m, 1.0)] {
             let ahead = frontage.along(end) * way;

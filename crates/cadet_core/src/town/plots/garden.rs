@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::assets::props::{DRIVE_PAVING, PATH_PAVING, SCREEN, WALL, WHEELED_BIN};
 use crate::assets::scenery::materials::house_palette;
-use crate::assets::scenery::{
-    FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, num_variants, paving, tree,
-};
+use crate::assets::scenery::{HouseKind, TreeKind, garage, num_variants, tree};
 use crate::frames;
 use crate::math::DVec3;
 use crate::rng::Stream;
@@ -79,8 +78,7 @@ pub(in crate::town) fn fill(
         let a = ways.first().map_or(0.0, |w| w[0]) - 0.9;
         let d = if fronted { boundary_depth_m(boundary) + 0.6 } else { behind + 0.5 };
         for k in 0..1 + s.below(3) {
-            let kind = if s.chance(0.6) { FurnitureKind::SmallBin } else { FurnitureKind::LargeBin };
-            let model = furniture(kind, s.below(3));
+            let model = WHEELED_BIN.model(s.below(WHEELED_BIN.num_variants()));
             let at = a - 0.68 * k as f64;
             if at > -half + 1.2 {
                 placer.put(&model, Arc::clone(&model.palette), plot.at(at, d), -plot.out());
@@ -136,7 +134,8 @@ fn place_garage(
 
 /// Paves a way from the front to `depth` behind it.
 fn pave(plot: &Plot, [a0, a1]: GardenWay, depth_m: f64, placer: &mut Placer) {
-    let (model, length) = paving(a1 - a0 > 2.0);
+    let model = if a1 - a0 > 2.0 { DRIVE_PAVING } else { PATH_PAVING }.model(0);
+    let length = model.footprint_max.x;
     placer.ways.push(plot.rect([a0, a1], [0.0, depth_m.max(0.1)]));
     let a = (a0 + a1) / 2.0;
     let mut d = -0.05;
@@ -152,7 +151,7 @@ fn pave(plot: &Plot, [a0, a1]: GardenWay, depth_m: f64, placer: &mut Placer) {
 fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[GardenWay], s: &mut Stream, placer: &mut Placer) {
     let (half, width) = (plot.length_m / 2.0, house.size_m().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);
-    let boundary = Boundary::Fence(if s.chance(0.6) { FenceKind::Wall } else { FenceKind::Screen }, s.below(2));
+    let boundary = Boundary::Fence(if s.chance(0.6) { WALL } else { SCREEN }, s.below(2));
     let palette = boundary_palette(boundary, s);
     let end = ways.first().map_or(half, |w| w[0]);
     for (from, to) in [(-half, left), (right, end)] {

@@ -1,6 +1,7 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
-use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, StreetLight, num_variants};
+use crate::assets::props::{ARM_LAMP, LAMP, Shipped, WALL, WIRE};
+use crate::assets::scenery::{HouseKind, StreetLight, num_variants};
 use crate::rng::{Stream, StreamKey};
 use crate::town::placement::boundary::Boundary;
 use crate::town::placement::prop_config::PropConfig;
@@ -29,7 +30,7 @@ pub(in crate::town) struct StreetTrees {
 /// The lamps along a street.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::town) struct StreetLamps {
-    pub kind: PoleKind,
+    pub kind: Shipped,
     pub variant: usize,
     pub every_m: f64,
 }
@@ -86,12 +87,12 @@ impl StreetStyle {
 
     /// Flats behind lawns, or no houses at all: woods, hedges, meadows.
     fn beside_main_road(self, s: &mut Stream, greenery: f64) -> Self {
-        let [_, trees, fences, hedges, ..] = num_variants();
+        let [_, trees, hedges] = num_variants();
         let is_built = s.chance(0.5);
         let boundary = match s.weighted(&[0.45, 0.15, 0.1, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
-            1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
-            2 => Boundary::Fence(FenceKind::Wall, s.below(fences)),
+            1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
+            2 => Boundary::Fence(WALL, s.below(WALL.num_variants())),
             _ => Boundary::Open,
         };
         let has_trees = s.chance((0.9 * greenery).min(1.0));
@@ -108,18 +109,18 @@ impl StreetStyle {
 
     /// Lots in place of houses; what they leave is green.
     fn with_lots(self, usage: LotUse, s: &mut Stream, greenery: f64) -> Self {
-        let [_, _, fences, hedges, poles, _] = num_variants();
+        let [.., hedges] = num_variants();
         let lamps = match usage {
             LotUse::Industry => {
-                StreetLamps { kind: PoleKind::ArmLamp, variant: s.below(poles), every_m: s.range(30.0, 40.0) }
+                StreetLamps { kind: ARM_LAMP, variant: s.below(ARM_LAMP.num_variants()), every_m: s.range(30.0, 40.0) }
             }
             // Of 4 m.
-            LotUse::Campus => StreetLamps { kind: PoleKind::Lamp, variant: 0, every_m: s.range(18.0, 26.0) },
+            LotUse::Campus => StreetLamps { kind: LAMP, variant: 0, every_m: s.range(18.0, 26.0) },
             LotUse::CarPark => self.lamps,
         };
         let boundary = match s.weighted(&[0.4, 0.3, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
-            1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
+            1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
             _ => Boundary::Open,
         };
         Self {
@@ -137,12 +138,11 @@ impl StreetStyle {
 
     /// Rows without gaps or front gardens.
     fn in_the_city(self, s: &mut Stream, greenery: f64) -> Self {
-        let [_, _, fences, ..] = num_variants();
         let (has_wires, has_trees) = (s.chance(WIRES_SHARE), s.chance((0.5 * greenery).min(1.0)));
         Self {
             houses: [HouseKind::Block; 2],
             setback_m: 0.0,
-            boundary: Boundary::Fence(FenceKind::Wall, s.below(fences)),
+            boundary: Boundary::Fence(WALL, s.below(WALL.num_variants())),
             trees_per_100_m2: 0.6 * self.trees_per_100_m2,
             street_trees: None,
             vacant_share: 0.0,
@@ -161,8 +161,8 @@ impl StreetStyle {
         let kind = |s: &mut Stream| HouseKind::ALL[s.weighted(&config.house_shares)];
         let houses = [kind(s), kind(s)];
         let fast = speed_limit_mps > 10.0;
-        let lamp_kind = if fast { PoleKind::ArmLamp } else { PoleKind::Lamp };
-        let [_, trees, .., poles, _] = num_variants();
+        let lamp_kind = if fast { ARM_LAMP } else { LAMP };
+        let [_, trees, _] = num_variants();
         Self {
             houses,
             main_share: s.range(0.6, 0.95),
@@ -172,7 +172,11 @@ impl StreetStyle {
             street_trees: s
                 .chance((0.6 * config.greenery).min(0.9))
                 .then(|| StreetTrees { every_m: s.range(8.0, 13.5), variant: s.below(trees) }),
-            lamps: StreetLamps { kind: lamp_kind, variant: s.below(poles), every_m: s.range(25.0, 35.0) },
+            lamps: StreetLamps {
+                kind: lamp_kind,
+                variant: s.below(lamp_kind.num_variants()),
+                every_m: s.range(25.0, 35.0),
+            },
             vacant_share: s.range(0.02, 0.16),
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },
             street_light: StreetLight::draw(&mut key.indexed("street light", u64::from(road))),

@@ -1,6 +1,7 @@
 //! What stands on the green between the two directions of a main road: trees, hedges, lamps, or nothing.
 
-use crate::assets::scenery::{PoleKind, StreetLight, TreeKind, num_variants, pole, tree};
+use crate::assets::props::ARM_LAMP;
+use crate::assets::scenery::{StreetLight, TreeKind, num_variants, tree};
 use crate::math::{DVec2, DVec3};
 use crate::rng::StreamKey;
 use crate::town::network::road_network::{Lane, LaneKind, RoadNetwork};
@@ -30,7 +31,7 @@ pub(in crate::town) fn furnish(key: &StreamKey, network: &RoadNetwork, greenery:
 /// `lane` is the half of the median on one side of the road's middle, or all of it where there is no `other`.
 fn furnish_one(key: &StreamKey, lane: &Lane, other: Option<&Lane>, greenery: f64, placer: &mut Placer) {
     let s = &mut key.indexed("median", u64::from(lane.road));
-    let [_, tree_variants, _, hedges, poles, _] = num_variants();
+    let [_, tree_variants, hedges] = num_variants();
     let width_m = lane.width_at(lane.length_m() / 2.0) + other.map_or(0.0, |o| o.width_at(o.length_m() / 2.0));
     let middle = |at_m: f64| -> (DVec2, DVec2) {
         let pose = lane.pose_at(at_m);
@@ -63,12 +64,12 @@ fn furnish_one(key: &StreamKey, lane: &Lane, other: Option<&Lane>, greenery: f64
         }
     }
     if wants_lamps && !wants_trees {
-        let variant = s.below(poles);
+        let variant = s.below(ARM_LAMP.num_variants());
         let mut at_m = CLEAR_OF_ENDS_M + s.range(0.0, 12.0);
         while at_m < end_m {
-            let (model, (at, along)) = (pole(PoleKind::ArmLamp, variant), middle(at_m));
+            let (model, (at, along)) = (ARM_LAMP.model(variant), middle(at_m));
             let facing = along.perp() * if s.chance(0.5) { 1.0 } else { -1.0 };
-            placer.put(&model, StreetLight::Neutral.on_pole(PoleKind::ArmLamp, variant, &model.palette), at, facing);
+            placer.put(&model, ARM_LAMP.lit(StreetLight::Neutral, variant, &model.palette), at, facing);
             at_m += s.range(28.0, 38.0);
         }
     }

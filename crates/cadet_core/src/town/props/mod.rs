@@ -82,7 +82,7 @@ pub(in crate::town) fn place_props(
     let mut posts = signal_heads::place(signals, key, &mut placer);
     let streets =
         street_things::StreetLayout { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
-    let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
+    let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config, &mut placer);
     things.obstacles.append(&mut posts);
     things.obstacles.append(&mut on_lots.obstacles);
     things.seats.append(&mut on_lots.seats);
@@ -108,9 +108,10 @@ pub(in crate::town) fn place_in_country(
 #[allow(clippy::print_stderr)]
 mod tests {
     use super::*;
-    use crate::assets::scenery::{HouseKind, ThingKind};
+    use crate::assets::scenery::HouseKind;
     use crate::math::DVec3;
     use crate::sense::PosedScene;
+    use crate::town::street_things::tests::kind_of;
     use crate::town::{GroundKind, Lane, SuburbConfig, generate_suburb, parking_spots, walkways};
 
     fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
@@ -129,8 +130,8 @@ mod tests {
 
     /// Things, benches, and rails on sidewalks and in bays have tests of their own.
     fn is_furniture(standing: &&PropFootprint) -> bool {
-        let kind = standing.name.split('/').next().unwrap();
-        ThingKind::ALL.iter().any(|k| k.name() == kind) || ["bench", "guard-rail"].contains(&kind)
+        let is_other = ["bench", "guard-rail"].iter().any(|kind| standing.name.starts_with(kind));
+        is_other || kind_of(&standing.name).is_some()
     }
 
     fn is_house(standing: &PropFootprint) -> bool {

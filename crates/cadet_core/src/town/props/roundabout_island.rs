@@ -1,7 +1,8 @@
 //! What stands on the islands of roundabouts and before them: a lawn with trees or shrubs, boards that point to the
 //! right, and the signs of those who give way.
 
-use crate::assets::scenery::{PoleKind, TreeKind, pole};
+use crate::assets::props::{ARROW_BOARD, ROUNDABOUT_SIGN, Shipped};
+use crate::assets::scenery::TreeKind;
 use crate::math::{DVec2, DVec3, TAU};
 use crate::plane::unit;
 use crate::rng::{Stream, StreamKey};
@@ -79,13 +80,13 @@ fn announce(lane: &Lane, islands: &[Island], placer: &mut Placer) {
     let pose = lane.pose_at(length_m - SIGN_BEFORE_M);
     let (at, along) = (pose.translation.truncate(), (pose.rotation * DVec3::X).truncate().normalize_or(DVec2::X));
     let sign = at - along.perp() * (lane.width_at(length_m) / 2.0 + SIGN_BESIDE_M);
-    let mut put = |kind: PoleKind, place: DVec2| {
-        let model = pole(kind, lane.id.0);
+    let mut put = |kind: Shipped, place: DVec2| {
+        let model = kind.model(0);
         placer.put(&model, model.palette.clone(), place, -along);
     };
-    put(PoleKind::RoundaboutSign, sign);
+    put(ROUNDABOUT_SIGN, sign);
     let distance = |i: &&Island| (i.center - at).length();
     if let Some(island) = islands.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) {
-        put(PoleKind::ArrowBoard, island.center - along * (island.radius_m - BOARD_INSET_M));
+        put(ARROW_BOARD, island.center - along * (island.radius_m - BOARD_INSET_M));
     }
 }

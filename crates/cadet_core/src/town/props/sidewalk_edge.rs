@@ -2,7 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole, tree};
+use crate::assets::props::{
+    BOLLARD, DIAMOND_SIGN, DISTRIBUTION_CABINET, NAME_SIGN, PARKING_SIGN, POST_BOX, ROUND_SIGN, Shipped, TRIANGLE_SIGN,
+    ZONE_SIGN,
+};
+use crate::assets::scenery::{TreeKind, tree};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::network::road_network::RightOfWay;
@@ -30,7 +34,7 @@ pub(in crate::town) fn furnish(
     placer: &mut Placer,
 ) {
     let length = frontage.length_m();
-    let put_pole = |placer: &mut Placer, kind: PoleKind, variant: usize, at_s: f64, against_traffic: bool| {
+    let put_pole = |placer: &mut Placer, kind: Shipped, variant: usize, at_s: f64, against_traffic: bool| {
         let (along, at) = (frontage.along(at_s), frontage.at(at_s));
         let place = at - right_of(along) * POLE_INSET_M;
         // On a narrow or missing sidewalk the pole goes behind its edge.
@@ -39,9 +43,9 @@ pub(in crate::town) fn furnish(
         if placer.site.is_road(place) || is_before_door(placer, style, place, 0.3) {
             return;
         }
-        let model = pole(kind, variant);
+        let model = kind.model(variant);
         let facing = if against_traffic { -along } else { -right_of(along) };
-        placer.put(&model, style.street_light.on_pole(kind, variant, &model.palette), place, facing);
+        placer.put(&model, kind.lit(style.street_light, variant, &model.palette), place, facing);
     };
     // Lamps on one side of the street: on the side whose stream says so.
     let lamps = style.lamps;
@@ -53,8 +57,8 @@ pub(in crate::town) fn furnish(
     }
     let repeats_priority = s.chance(PRIORITY_SIGN_SHARE);
     let sign = match right_of_way {
-        Some(RightOfWay::Yield) => Some(PoleKind::TriangleSign),
-        Some(RightOfWay::Priority) if repeats_priority => Some(PoleKind::DiamondSign),
+        Some(RightOfWay::Yield) => Some(TRIANGLE_SIGN),
+        Some(RightOfWay::Priority) if repeats_priority => Some(DIAMOND_SIGN),
         _ => None,
     };
     if let Some(sign) = sign {
@@ -64,22 +68,22 @@ pub(in crate::town) fn furnish(
         let fast = frontage.speed_limit_mps > 10.0;
         // Aisles and campuses are no zones of 30 km/h.
         if s.chance(0.6) && frontage.speed_limit_mps > 6.0 {
-            let kind = if fast { PoleKind::RoundSign } else { PoleKind::ZoneSign };
+            let kind = if fast { ROUND_SIGN } else { ZONE_SIGN };
             put_pole(placer, kind, s.below(3), 3.0, true);
         }
         if s.chance(0.5) {
-            put_pole(placer, PoleKind::NameSign, 0, length - 1.2, true);
+            put_pole(placer, NAME_SIGN, 0, length - 1.2, true);
         }
         for _ in 0..s.poisson(length / 70.0) {
-            let kind = [PoleKind::ParkingSign, PoleKind::RoundSign, PoleKind::Bollard][s.below(3)];
+            let kind = [PARKING_SIGN, ROUND_SIGN, BOLLARD][s.below(3)];
             put_pole(placer, kind, s.below(6), s.range(8.0, length - 6.0), true);
         }
         for _ in 0..s.poisson(length / 110.0) {
-            let kind = [FurnitureKind::Cabinet, FurnitureKind::Cabinet, FurnitureKind::PostBox][s.below(3)];
+            let kind = [DISTRIBUTION_CABINET, DISTRIBUTION_CABINET, POST_BOX][s.below(3)];
             let at = s.range(6.0, length - 6.0);
             let out = right_of(frontage.along(at));
             let place = frontage.at(at) - out * 0.25;
-            let model = furniture(kind, s.below(3));
+            let model = kind.model(s.below(kind.num_variants()));
             let corners = [-1.0, 0.0, 1.0].iter().flat_map(|k| [-0.45, 0.0, 0.45].map(|d| (0.7 * k, d)));
             let on_road =
                 corners.into_iter().any(|(a, d)| placer.site.is_road(place + frontage.along(at) * a + out * d));

@@ -1,59 +1,49 @@
 //! What stands in parking places instead of cars.
 
-use crate::assets::scenery::{THING_VARIANTS, ThingKind, thing, thing_palette};
+use crate::assets::props::{BARRIER, BICYCLE, Place, Prop};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::street_things::{Furnisher, footprint, rect_of};
 use crate::town::{ParkingSpot, SpotKind};
 
-/// Share of the places along curbs that hold something else than a car.
-const FILLED_SHARE: f64 = 0.03;
+/// Share of the places along curbs that hold a row of bicycles instead of a car.
+const CYCLES_SHARE: f64 = 0.0036;
+/// No more than this share of them holds something else than a car.
+const MOST_FILLED_SHARE: f64 = 0.3;
 /// A thing in a place reaches no farther toward the lane than a car does.
 const OVER_WIDTH_M: f64 = 0.05;
 
 /// Fills a parking place, now and then.
 pub(super) fn fill(f: &mut Furnisher, spot: &ParkingSpot, clutter: f64, s: &mut Stream) {
-    if matches!(spot.kind, SpotKind::Drive | SpotKind::Lot | SpotKind::Yard)
-        || !s.chance((FILLED_SHARE * clutter).min(0.3))
-    {
+    if matches!(spot.kind, SpotKind::Drive | SpotKind::Lot | SpotKind::Yard) {
         return;
     }
-    match s.weighted(&[0.24, 0.12, 0.16, 0.16, 0.12, 0.12, 0.08]) {
-        0 => along(f, spot, ThingKind::Skip, s),
-        1 => along(f, spot, ThingKind::SiteContainer, s),
-        2 => ahead(f, spot, ThingKind::CoveredCar, s),
-        3 => {
-            along(f, spot, ThingKind::Pallets, s);
-            barriers(f, spot, s);
+    let rules = f.own.placed(|place| if let Place::Bay(rule) = place { Some(*rule) } else { None });
+    let shares: Vec<f64> = rules.iter().map(|(_, rule)| rule.share).chain([CYCLES_SHARE]).collect();
+    if !s.chance((shares.iter().sum::<f64>() * clutter).min(MOST_FILLED_SHARE)) {
+        return;
+    }
+    match rules.get(s.weighted(&shares)) {
+        Some((prop, rule)) => {
+            put(f, spot, prop, s, !rule.is_ahead, DVec2::ZERO);
+            if rule.has_barriers {
+                barriers(f, spot, s);
+            }
         }
-        4 => {
-            along(f, spot, ThingKind::Heap, s);
-            barriers(f, spot, s);
-        }
-        5 => cycles(f, spot, s),
-        _ => ahead(f, spot, ThingKind::CoveredCycle, s),
+        None => cycles(f, spot, s),
     }
 }
 
-/// Its long side along the curb.
-fn along(f: &mut Furnisher, spot: &ParkingSpot, kind: ThingKind, s: &mut Stream) {
-    put(f, spot, kind, s, true, DVec2::ZERO);
-}
-
-/// As a car would stand.
-fn ahead(f: &mut Furnisher, spot: &ParkingSpot, kind: ThingKind, s: &mut Stream) {
-    put(f, spot, kind, s, false, DVec2::ZERO);
-}
-
-/// Puts one into the place, `offset` from its middle in its own frame; the first size that fits.
-fn put(f: &mut Furnisher, spot: &ParkingSpot, kind: ThingKind, s: &mut Stream, is_across: bool, offset: DVec2) {
+/// Puts one into the place, `offset` from its middle in its own frame; the first size that fits. Its long side is along the
+/// curb, or it stands as a car would.
+fn put(f: &mut Furnisher, spot: &ParkingSpot, prop: &Prop, s: &mut Stream, is_across: bool, offset: DVec2) {
     let place = rect_of(spot);
-    let first = s.below(THING_VARIANTS);
-    let palette = thing_palette(kind, s);
+    let first = s.below(prop.num_variants());
+    let mut colors = Stream::from_seed("bay", s.next_u64());
     let facing = if is_across { -place.axis.perp() } else { place.axis };
     let at = place.center + place.axis * offset.x + place.axis.perp() * offset.y;
-    for k in 0..THING_VARIANTS {
-        let model = thing(kind, first + k);
+    for k in 0..prop.num_variants() {
+        let model = prop.model(first + k);
         let middle = (model.footprint_min + model.footprint_max) / 2.0;
         let axis = facing.normalize();
         let at = at - axis * middle.x - axis.perp() * middle.y;
@@ -62,8 +52,7 @@ fn put(f: &mut Furnisher, spot: &ParkingSpot, kind: ThingKind, s: &mut Stream, i
         let fits =
             reach.x + offset.x.abs() <= place.half.x + 0.1 && reach.y + offset.y.abs() <= place.half.y + OVER_WIDTH_M;
         if fits && f.taken.is_free(&rect) && f.ways.is_free(&rect) {
-            f.placer.put(&model, palette, at, facing);
-            f.taken.take(rect);
+            f.stand(&prop.draw_variant(first + k, &mut colors), at, facing, rect);
             f.out.obstacles.push(rect);
             return;
         }
@@ -74,7 +63,7 @@ fn put(f: &mut Furnisher, spot: &ParkingSpot, kind: ThingKind, s: &mut Stream, i
 fn barriers(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
     for side in [-1.0, 1.0] {
         let offset = DVec2::new(side * (spot.length_m / 2.0 - 0.3), 0.0);
-        put(f, spot, ThingKind::Barrier, s, false, offset);
+        put(f, spot, &BARRIER, s, false, offset);
     }
 }
 
@@ -85,7 +74,7 @@ fn cycles(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
     for k in 0..=count {
         let x = pitch_m * (k as f64 - count as f64 / 2.0);
         if s.chance(fullness) {
-            put(f, spot, ThingKind::Bicycle, s, true, DVec2::new(x, 0.0));
+            put(f, spot, &BICYCLE, s, true, DVec2::new(x, 0.0));
         }
     }
 }

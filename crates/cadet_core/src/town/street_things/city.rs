@@ -1,11 +1,7 @@
 //! What closed rows have on and over their sidewalks: lamps on wires, trees in pits, rows of bicycles, cafes and shops.
 
-use std::sync::Arc;
-
-use crate::assets::scenery::{
-    SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree,
-    tree_pit,
-};
+use crate::assets::props::{BICYCLE, CYCLE_HOOP, TREE_PIT};
+use crate::assets::scenery::{SPAN_LENS_M, StreetLight, TreeKind, num_variants, span_lamp, tree};
 use crate::frames;
 use crate::math::{DVec2, atan2};
 use crate::plane::OrientedRect;
@@ -105,7 +101,7 @@ fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &
     if !(f.is_free(&trunk) && f.is_passable(&trunk) && f.parked.is_free(&trunk.grown(0.25))) {
         return;
     }
-    let pit = tree_pit();
+    let pit = TREE_PIT.model(0);
     if f.placer.plant_model(TreeKind::Street, &model, s, at) {
         let pose = frames::upright(f.placer.site.on_ground(at), atan2(out.y, out.x));
         f.placer.instances.push(pit.at(pose));
@@ -129,22 +125,19 @@ fn cycles(f: &mut Furnisher, frontage: &Frontage, from_m: f64, s: &mut Stream) {
         }
         let out = right_of(along);
         let curb = frontage.at(at_m) - out * sidewalk_m;
-        for kind in [ThingKind::CycleHoop, ThingKind::Bicycle] {
-            if kind == ThingKind::Bicycle && !has_cycle {
+        for (prop, is_hoop) in [(CYCLE_HOOP, true), (BICYCLE, false)] {
+            if !is_hoop && !has_cycle {
                 continue;
             }
-            let model = thing(kind, s.below(THING_VARIANTS));
-            let palette = thing_palette(kind, s);
-            let size = model.footprint_size();
-            let is_hoop = kind == ThingKind::CycleHoop;
+            let drawn = prop.draw(s);
+            let size = drawn.model.footprint_size();
             // Hoops stand across their x axis, bicycles head along theirs.
             let (deep_m, facing) = if is_hoop { (size.y, along) } else { (size.x, -out) };
             let aside_m = if is_hoop { 0.0 } else { 0.3 };
             let at = curb + out * (CYCLES_M + deep_m.max(1.6) / 2.0) + along * aside_m;
-            let rect = footprint(&model, at, facing);
+            let rect = footprint(&drawn.model, at, facing);
             if f.is_free(&rect) && f.parked.is_free(&rect.grown(0.3)) && f.is_passable(&rect) {
-                f.placer.put(&model, Arc::clone(&palette), at, facing);
-                f.taken.take(rect);
+                f.stand(&drawn, at, facing, rect);
                 f.out.obstacles.push(rect);
             }
         }

@@ -1,6 +1,7 @@
 //! What stands in front gardens and drives.
 
-use crate::assets::scenery::{HouseKind, THING_VARIANTS, ThingKind, thing, thing_palette};
+use crate::assets::props::{CARPORT, Drawn, Facing, Homes, Place};
+use crate::assets::scenery::HouseKind;
 use crate::frames;
 use crate::math::{DVec2, DVec3};
 use crate::rng::Stream;
@@ -23,42 +24,29 @@ pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, clutter: f64, s: &mut Stre
     }
     let is_flats = house.house.kind() == Some(HouseKind::Flats);
     let half = plot.length_m / 2.0;
+    let wanted = if is_flats { Homes::Flats } else { Homes::Houses };
+    let rules = f.own.placed(|place| match place {
+        Place::Garden(rule) if rule.homes == wanted => Some(*rule),
+        _ => None,
+    });
+    let weights: Vec<f64> = rules.iter().map(|(_, rule)| rule.weight).collect();
     for _ in 0..1 + s.below(if is_flats { 4 } else { 3 }) {
-        let kind = if is_flats {
-            let kinds = [ThingKind::ShrubBed, ThingKind::Bicycle, ThingKind::LargeContainer, ThingKind::ClippedBush];
-            kinds[s.weighted(&[0.35, 0.25, 0.2, 0.2])]
-        } else {
-            let kinds = [
-                ThingKind::ClippedBush,
-                ThingKind::ShrubBed,
-                ThingKind::Tub,
-                ThingKind::Bicycle,
-                ThingKind::Shed,
-                ThingKind::WoodPile,
-                ThingKind::CoveredCycle,
-                ThingKind::CoveredCar,
-                ThingKind::Pallets,
-            ];
-            kinds[s.weighted(&[0.3, 0.14, 0.14, 0.14, 0.09, 0.06, 0.05, 0.05, 0.03])]
-        };
-        let count = match kind {
-            ThingKind::ClippedBush | ThingKind::LargeContainer => 1 + s.below(3),
-            ThingKind::Bicycle if is_flats => 2 + s.below(4),
-            _ => 1,
-        };
-        // Sheds stand beside or behind the house; all else in front of it.
-        let reach = if kind == ThingKind::Shed { plot.depth_m - 1.5 } else { house.setback_m - 0.5 };
-        let least = if kind == ThingKind::Shed { 0.6 * house.setback_m } else { 0.9 };
+        let (prop, rule) = &rules[s.weighted(&weights)];
+        let (fewest, most) = rule.count;
+        let count = fewest + s.below(most - fewest + 1);
+        // All but sheds and the like stands in front of the house.
+        let reach = if rule.is_behind { plot.depth_m - 1.5 } else { house.setback_m - 0.5 };
+        let least = if rule.is_behind { 0.6 * house.setback_m } else { 0.9 };
         let (mut a, d) = (s.range(-half + 0.8, half - 0.8), s.range(least, reach.max(least + 0.1)));
-        let facing = match kind {
-            ThingKind::CoveredCar | ThingKind::CoveredCycle if s.chance(0.6) => plot.out(),
-            ThingKind::Bicycle => plot.along * if s.chance(0.5) { 1.0 } else { -1.0 } + plot.out() * s.range(-0.3, 0.3),
+        let facing = match rule.facing {
+            Facing::Either if s.chance(0.6) => plot.out(),
+            Facing::Along => plot.along * if s.chance(0.5) { 1.0 } else { -1.0 } + plot.out() * s.range(-0.3, 0.3),
             _ => -plot.out() + plot.along * s.range(-0.06, 0.06),
         };
         for _ in 0..count {
-            let model = thing(kind, s.below(THING_VARIANTS));
-            let _ = f.put_model(kind, &model, s, plot.at(a, d), facing);
-            a += model.footprint_size().max_element().min(1.8) + s.range(0.1, 0.5);
+            let drawn = prop.draw(s);
+            let _ = f.put_drawn(&drawn, plot.at(a, d), facing);
+            a += drawn.model.footprint_size().max_element().min(1.8) + s.range(0.1, 0.5);
             if a > half - 0.8 {
                 break;
             }
@@ -68,12 +56,13 @@ pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, clutter: f64, s: &mut Stre
 
 /// Roofs a drive over, now and then: a car may still be parked below.
 pub(super) fn roof_over(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
-    let model = thing(ThingKind::Carport, s.below(THING_VARIANTS));
-    let wanted = s.chance(CARPORT_SHARE);
-    let palette = thing_palette(ThingKind::Carport, s);
+    if !s.chance(CARPORT_SHARE) {
+        return;
+    }
+    let Drawn { model, palette, .. } = CARPORT.draw(s);
     let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
     let size = model.footprint_size();
-    if !wanted || size.x > spot.length_m + 0.1 || size.y < spot.width_m + 0.2 {
+    if size.x > spot.length_m + 0.1 || size.y < spot.width_m + 0.2 {
         return;
     }
     let at = spot.world_from_spot.translation.truncate();

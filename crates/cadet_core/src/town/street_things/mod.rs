@@ -12,14 +12,15 @@ pub(super) use lots::is_cleared;
 
 use std::sync::Arc;
 
-use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, thing, thing_palette};
+use crate::assets::props::{Drawn, OwnProps, Shipped};
+use crate::assets::scenery::SceneryModel;
 use crate::frames;
-use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::plane::{OrientedRect, bounds};
 use crate::rng::{Stream, StreamKey};
 use crate::town::placement::occupancy::Occupancy;
 use crate::town::placement::placer::Placer;
+use crate::town::placement::prop_config::PropConfig;
 use crate::town::plots::frontage::Frontage;
 use crate::town::plots::plot::Plot;
 use crate::town::plots::street_style::StreetStyle;
@@ -33,6 +34,17 @@ pub struct Seat {
     pub world_from_seat: DPose3,
     /// The seat's height over it.
     pub height_m: f64,
+}
+
+impl Seat {
+    /// Those of what was put last.
+    pub(super) fn of_last<'a>(drawn: &'a Drawn, placer: &Placer) -> impl Iterator<Item = Self> + use<'a> {
+        let last = placer.instances.last().map(|instance| instance.world_from_local);
+        drawn.seats.iter().zip(std::iter::repeat(last)).filter_map(|(seat, last)| {
+            let place = last?.transform_point(seat.with_z(0.0));
+            Some(Self { world_from_seat: frames::upright(place, frames::yaw_of(&last?)), height_m: seat.z })
+        })
+    }
 }
 
 /// What others need to know of the things.
@@ -80,6 +92,7 @@ struct Furnisher<'a, 'b> {
     walkways: &'a [Walkway],
     /// The lowest and highest coordinates of each.
     walkway_bounds: Vec<(DVec2, DVec2)>,
+    own: &'a OwnProps,
     out: StreetThings,
 }
 
@@ -93,9 +106,10 @@ pub(super) fn place(
     streets: &StreetLayout,
     (parking, drives): (&[ParkingSpot], &[ParkingSpot]),
     walkways: &[Walkway],
-    clutter: f64,
+    config: &PropConfig,
     placer: &mut Placer,
 ) -> StreetThings {
+    let clutter = config.clutter;
     if clutter <= 0.0 {
         return StreetThings::default();
     }
@@ -114,7 +128,8 @@ pub(super) fn place(
     }
     let walkway_bounds = walkways.iter().map(bounds_of).collect();
     let out = StreetThings::default();
-    let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, walkway_bounds, out };
+    let own = &config.own;
+    let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, walkway_bounds, own, out };
     for (i, plots_on_streets) in streets.plots_on_streets.iter().enumerate() {
         let style = &streets.styles[plots_on_streets.frontage];
         let mut s = key.indexed("things/plot", i as u64);
@@ -141,6 +156,8 @@ pub(super) fn place(
             city::furnish(&mut furnisher, frontage, style, &plots, light, &mut s);
         }
         sidewalk::furnish(&mut furnisher, frontage, &streets.styles[i], &plots, clutter, &mut s);
+        let at_edge = |name: &str| key.indexed(&format!("things/sidewalk/{name}"), i as u64);
+        sidewalk::furnish_edge(&mut furnisher, frontage, &streets.styles[i], clutter, at_edge);
     }
     furnisher.out
 }
@@ -175,28 +192,32 @@ impl Furnisher<'_, '_> {
             && !rect.samples(0.4).any(|p| self.placer.site.is_road(p))
     }
 
-    /// Puts a thing of any size behind the sidewalk, if there is room.
-    fn put(&mut self, kind: ThingKind, s: &mut Stream, at: DVec2, facing: DVec2) -> bool {
-        let model = thing(kind, s.below(THING_VARIANTS));
-        self.put_model(kind, &model, s, at, facing)
+    /// Puts a prop of any size and color behind the sidewalk, if there is room.
+    fn put(&mut self, prop: Shipped, s: &mut Stream, at: DVec2, facing: DVec2) -> bool {
+        self.put_drawn(&prop.draw(s), at, facing)
     }
 
     /// Puts this very one.
-    fn put_model(&mut self, kind: ThingKind, model: &SceneryModel, s: &mut Stream, at: DVec2, facing: DVec2) -> bool {
-        let palette = thing_palette(kind, s);
-        let rect = footprint(model, at, facing);
+    fn put_drawn(&mut self, drawn: &Drawn, at: DVec2, facing: DVec2) -> bool {
+        let rect = footprint(&drawn.model, at, facing);
         let is_off_street = rect.samples(0.5).all(|p| !self.placer.site.is_street(p));
         if !is_off_street || !self.is_free(&rect) {
             return false;
         }
-        self.placer.put(model, palette, at, facing);
-        self.taken.take(rect);
+        self.stand(drawn, at, facing, rect);
         true
     }
 
-    /// Puts a model on the sidewalk's outer edge, `inset_m` from it, if people still get past.
-    fn put_at_edge(&mut self, model: &SceneryModel, palette: Arc<Palette>, place: &EdgePlace) -> bool {
-        let rect = footprint(model, place.at, place.facing);
+    /// Puts a prop where there is room for it.
+    fn stand(&mut self, drawn: &Drawn, at: DVec2, facing: DVec2, rect: OrientedRect) {
+        self.placer.put(&drawn.model, Arc::clone(&drawn.palette), at, facing);
+        self.taken.take(rect);
+        self.out.seats.extend(Seat::of_last(drawn, self.placer));
+    }
+
+    /// Puts a prop on the sidewalk's outer edge, if people still get past.
+    fn put_at_edge(&mut self, drawn: &Drawn, place: &EdgePlace) -> bool {
+        let rect = footprint(&drawn.model, place.at, place.facing);
         // How far it reaches in from the outer edge.
         let depth_m = (place.edge - rect.center).dot(place.out)
             + rect.axis.dot(place.out).abs() * rect.half.x
@@ -205,8 +226,7 @@ impl Furnisher<'_, '_> {
         if !(has_room && self.is_free(&rect) && self.parked.is_free(&rect.grown(0.8)) && self.is_passable(&rect)) {
             return false;
         }
-        self.placer.put(model, palette, place.at, place.facing);
-        self.taken.take(rect);
+        self.stand(drawn, place.at, place.facing, rect);
         self.out.obstacles.push(rect);
         true
     }
@@ -233,15 +253,7 @@ impl Furnisher<'_, '_> {
             })
         })
     }
-
-    /// Remembers a seat of what was put last, `ahead_m` before its origin and `aside_m` to its left.
-    fn add_seat(&mut self, (ahead_m, aside_m): (f64, f64), height_m: f64) {
-        let Some(instance) = self.placer.instances.last() else { return };
-        let place = instance.world_from_local.transform_point(DVec3::new(ahead_m, aside_m, 0.0));
-        let world_from_seat = frames::upright(place, frames::yaw_of(&instance.world_from_local));
-        self.out.seats.push(Seat { world_from_seat, height_m });
-    }
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::town) mod tests;

@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::assets::scenery::materials::guard_rail_palette;
-use crate::assets::scenery::{
-    BENCH_SEAT_M, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, furniture,
-    pole, thing, thing_palette,
-};
+use crate::assets::props::{BICYCLE, BOLLARD, DELINEATOR, GUARD_RAIL, LARGE_CONTAINER, Place, Streets, WHEELED_BIN};
+use crate::assets::scenery::{HouseKind, SceneryModel};
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::placement::boundary::Boundary;
@@ -40,33 +37,57 @@ pub(super) fn furnish(
             }
         }
     }
-    let is_urban = style.houses.iter().any(|k| matches!(k, HouseKind::Block | HouseKind::Village | HouseKind::Terrace));
-    let every = |f: &mut Furnisher, s: &mut Stream, spacing_m: f64, put: &dyn Fn(&mut Furnisher, &mut Stream, f64)| {
-        for _ in 0..s.poisson((clutter * length_m / spacing_m).min(30.0)) {
-            let at_m = s.range(CORNER_M, length_m - CORNER_M);
+    let mut every = |spacing_m: f64, put: &dyn Fn(&mut Furnisher, &mut Stream, f64)| {
+        for at_m in places(length_m, spacing_m / clutter, s) {
             put(f, s, at_m);
         }
     };
-    let edge = |f: &mut Furnisher, s: &mut Stream, kind: ThingKind, at_m: f64| {
-        let model = thing(kind, s.below(THING_VARIANTS));
-        let palette = thing_palette(kind, s);
-        f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m));
-    };
-    every(f, s, 100.0, &|f, s, at_m| edge(f, s, ThingKind::Cabinet, at_m));
-    every(f, s, if is_urban { 45.0 } else { 140.0 }, &|f, s, at_m| leaning_cycles(f, frontage, at_m, s));
-    every(f, s, if is_urban { 120.0 } else { 400.0 }, &|f, s, at_m| bench(f, frontage, at_m, s));
-    if is_urban {
-        every(f, s, 110.0, &|f, s, at_m| edge(f, s, ThingKind::AdvertStand, at_m));
-        every(f, s, 130.0, &|f, s, at_m| edge(f, s, ThingKind::Tub, at_m));
-        every(f, s, 400.0, &|f, s, at_m| edge(f, s, ThingKind::AdvertColumn, at_m));
-    }
+    every(if is_urban(style) { 45.0 } else { 140.0 }, &|f, s, at_m| leaning_cycles(f, frontage, at_m, s));
     if style.houses[0] == HouseKind::Block || style.houses[0] == HouseKind::Village {
-        every(f, s, 160.0, &|f, s, at_m| cafes::terrace(f, frontage, at_m, s));
+        every(160.0, &|f, s, at_m| cafes::terrace(f, frontage, at_m, s));
     }
-    every(f, s, 250.0, &|f, s, at_m| bollards(f, frontage, at_m, s));
+    every(250.0, &|f, s, at_m| bollards(f, frontage, at_m, s));
     if frontage.is_main_road {
         main_road(f, frontage, plots, s);
     }
+}
+
+/// Puts the props that stand at the outer edge, each by a stream of its own, so that none moves another but by its room.
+pub(super) fn furnish_edge(
+    f: &mut Furnisher,
+    frontage: &Frontage,
+    style: &StreetStyle,
+    clutter: f64,
+    stream_of: impl Fn(&str) -> Stream,
+) {
+    if frontage.length_m() < 3.0 * CORNER_M {
+        return;
+    }
+    for (prop, rule) in f.own.placed(|place| if let Place::Sidewalk(rule) = place { Some(*rule) } else { None }) {
+        let is_here = match rule.streets {
+            Streets::All => true,
+            Streets::Urban => is_urban(style),
+            Streets::Suburban => !is_urban(style),
+        };
+        if !is_here {
+            continue;
+        }
+        let s = &mut stream_of(&format!("{}/{}", prop.name(), rule.every_m));
+        for at_m in places(frontage.length_m(), rule.every_m / clutter, s) {
+            let drawn = prop.draw(s);
+            f.put_at_edge(&drawn, &at_edge(frontage, &drawn.model, at_m));
+        }
+    }
+}
+
+fn is_urban(style: &StreetStyle) -> bool {
+    style.houses.iter().any(|k| matches!(k, HouseKind::Block | HouseKind::Village | HouseKind::Terrace))
+}
+
+/// Places along a frontage, one every so many meters on average.
+fn places(length_m: f64, every_m: f64, s: &mut Stream) -> Vec<f64> {
+    let count = s.poisson((length_m / every_m).min(30.0));
+    (0..count).map(|_| s.range(CORNER_M, length_m - CORNER_M)).collect()
 }
 
 /// Two to four bins before a plot.
@@ -77,19 +98,11 @@ fn bins(f: &mut Furnisher, frontage: &Frontage, plot: &Plot, s: &mut Stream) {
     let Some(middle_m) = near.map(|i| frontage.line.s_m()[i]) else { return };
     let mut at_m = middle_m + s.range(-0.4, 0.4) * plot.length_m;
     for _ in 0..1 + s.below(4) {
-        let (model, palette) = if is_flats && s.chance(0.5) {
-            let model = thing(ThingKind::LargeContainer, s.below(THING_VARIANTS));
-            (model, thing_palette(ThingKind::LargeContainer, s))
-        } else {
-            let kind = if s.chance(0.6) { FurnitureKind::SmallBin } else { FurnitureKind::LargeBin };
-            let model = furniture(kind, s.below(3));
-            let palette = Arc::clone(&model.palette);
-            (model, palette)
-        };
+        let drawn = if is_flats && s.chance(0.5) { LARGE_CONTAINER } else { WHEELED_BIN }.draw(s);
         if (CORNER_M..frontage.length_m() - CORNER_M).contains(&at_m) {
-            f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m));
+            f.put_at_edge(&drawn, &at_edge(frontage, &drawn.model, at_m));
         }
-        at_m += model.footprint_size().y + s.range(0.08, 0.3);
+        at_m += drawn.model.footprint_size().y + s.range(0.08, 0.3);
     }
 }
 
@@ -97,29 +110,17 @@ fn bins(f: &mut Furnisher, frontage: &Frontage, plot: &Plot, s: &mut Stream) {
 fn leaning_cycles(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
     let is_forth = s.chance(0.5);
     for k in 0..1 + s.below(4) {
-        let model = thing(ThingKind::Bicycle, s.below(THING_VARIANTS));
-        let palette = thing_palette(ThingKind::Bicycle, s);
+        let drawn = BICYCLE.draw(s);
         let at_m = at_m + 2.0 * k as f64;
         if at_m < frontage.length_m() - CORNER_M {
-            f.put_at_edge(&model, palette, &along_edge(frontage, &model, at_m, is_forth));
-        }
-    }
-}
-
-fn bench(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
-    let model = furniture(FurnitureKind::Bench, s.below(3));
-    let palette = Arc::clone(&model.palette);
-    if f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m)) {
-        for aside_m in [-0.45, 0.4] {
-            f.add_seat((0.0, aside_m), BENCH_SEAT_M);
+            f.put_at_edge(&drawn, &along_edge(frontage, &drawn.model, at_m, is_forth));
         }
     }
 }
 
 /// A row at the curb.
 fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
-    let (variant, spacing_m) = (s.below(6), s.range(1.4, 2.6));
-    let model = pole(PoleKind::Bollard, variant);
+    let (model, spacing_m) = (BOLLARD.model(0), s.range(1.4, 2.6));
     for k in 0..3 + s.below(7) {
         let at_m = at_m + spacing_m * k as f64;
         if at_m > frontage.length_m() - CORNER_M {
@@ -149,7 +150,7 @@ fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut St
     };
     let is_built = plots.iter().any(|p| p.house.is_some());
     if !is_built && s.chance(0.4) {
-        let post = pole(PoleKind::Delineator, s.below(6));
+        let post = DELINEATOR.model(0);
         let mut at_m = s.range(3.0, 20.0);
         while at_m < length_m - 3.0 {
             put(f, &post, at_m, -frontage.along(at_m));
@@ -163,7 +164,7 @@ fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut St
 
 /// Along the outer edge, in runs that follow it.
 fn guard_rail(f: &mut Furnisher, frontage: &Frontage, s: &mut Stream) {
-    let palette = guard_rail_palette(s);
+    let palette = GUARD_RAIL.palette(0, s);
     let end_m = frontage.length_m() - s.range(6.0, 14.0);
     let mut at_m = s.range(6.0, 14.0);
     while at_m + 4.8 < end_m {
@@ -176,7 +177,7 @@ fn guard_rail(f: &mut Furnisher, frontage: &Frontage, s: &mut Stream) {
             half: DVec2::new((to - from).length() / 2.0, 0.12),
         };
         if f.is_free(&rect) {
-            f.placer.run(Boundary::Fence(FenceKind::GuardRail, 0), &palette, from, to);
+            f.placer.run(Boundary::Fence(GUARD_RAIL, 0), &palette, from, to);
             f.taken.take(rect);
         }
         at_m += 4.8;

@@ -6,7 +6,6 @@ use super::overlap::{Cover, check_free};
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
-use crate::assets::scenery::CHAIR_SEAT_M;
 use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{DPose3, DVec2, DVec3};
@@ -19,6 +18,8 @@ use crate::world::course::{Course, Overlap};
 use crate::world::look::PersonLook;
 use crate::world::params::walking::BODY_M;
 
+/// Height of the seat of who is put somewhere without one: a chair's.
+const SEAT_M: f64 = 0.46;
 /// Seats this near to each other are used or left alone together.
 const TOGETHER_M: f64 = 12.0;
 
@@ -77,7 +78,7 @@ pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, ov
         reason: format!("a person at ({}, {}) would sit beyond the ground's edge", at.x, at.y),
     })?;
     check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at.extend(ground.z_m)), overlap)?;
-    let model = PersonModel::sitting(model_seed, CHAIR_SEAT_M);
+    let model = PersonModel::sitting(model_seed, SEAT_M);
     let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
     Ok(arena.put_placed(sitter(model, body)))
 }

@@ -1,7 +1,7 @@
 //! Roundabouts: who comes gives way, all go round the same way, and nobody signals but to leave.
 
 use super::*;
-use crate::assets::scenery::{PoleKind, pole};
+use crate::assets::props::{ARROW_BOARD, ROUNDABOUT_SIGN, Shipped};
 use crate::town::{Lane, LaneKind, PropConfig, SuburbConfig, Town};
 use crate::world::DT_S;
 use crate::world::look::TurnSignal;
@@ -88,12 +88,12 @@ fn roundabouts_lie_in_asphalt_about_a_lawn_and_hold_what_belongs_there() {
             assert!(least_m > 5.0, "{seed}: {least_m} m from an island's line");
         }
         // Each by the mesh that all of a kind share.
-        let count = |kind: PoleKind| {
-            let shapes: Vec<_> = (0..12).map(|variant| pole(kind, variant).shape).collect();
-            town.scenery.iter().filter(|i| shapes.iter().any(|shape| Arc::ptr_eq(shape, &i.shape))).count()
+        let count = |kind: Shipped| {
+            let shape = kind.model(0).shape;
+            town.scenery.iter().filter(|i| Arc::ptr_eq(&shape, &i.shape)).count()
         };
         let entries = network.driving().filter(|l| network.ends_at_roundabout(l)).count();
-        assert_eq!((count(PoleKind::RoundaboutSign), count(PoleKind::ArrowBoard)), (entries, entries), "{seed}");
+        assert_eq!((count(ROUNDABOUT_SIGN), count(ARROW_BOARD)), (entries, entries), "{seed}");
         num_entries += entries;
     }
     assert!(num_islands >= 24 && num_entries >= 70, "{num_islands} islands, {num_entries} entries");

@@ -1,7 +1,7 @@
 //! The fronts of a house in a closed row: windows in columns over shops or flats, and what stands out.
 
 use super::super::Detail;
-use super::super::draw::{range, tube};
+use super::super::draw::range;
 use super::super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::super::materials::house_slot as slot;
 use super::super::wall_plane::WallPlane;
@@ -59,7 +59,7 @@ pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width
     }
     if width > 8.0 {
         let foot = plane.at(0.16, -0.3, -0.09);
-        tube(b, (foot, 0.05), (foot + Vec3::Z * (top + 0.2), 0.05), 5, slot::METAL);
+        b.tube(&[(foot, 0.05), (foot + Vec3::Z * (top + 0.2), 0.05)], 5, slot::METAL);
     }
     if detail == Detail::Near && d.has_surrounds {
         layout.upper.iter().for_each(|o| surround(b, plane, o, d.ground_m));

@@ -1,7 +1,7 @@
 //! Where in its row a house stands.
 
 /// Where in its row a house stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CityKind {
     /// Between two others.
     Row,

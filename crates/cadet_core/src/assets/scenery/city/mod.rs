@@ -5,7 +5,6 @@ mod colors;
 mod front;
 mod kind;
 mod lettering;
-mod paving;
 mod plan;
 mod shop;
 mod span;
@@ -14,14 +13,13 @@ pub use colors::city_palette;
 use colors::light_shops;
 pub use kind::CityKind;
 pub(super) use lettering::write as write_name;
-pub use paving::{flagstones, tree_pit};
 pub(super) use shop::{Shop, gate as fill_gate};
 pub use span::{SPAN_LENS_M, span_lamp};
 
 use std::sync::Arc;
 
 use self::plan::{Face, Side};
-use super::draw::{CREASE_RAD, block, range};
+use super::draw::{CREASE_RAD, range};
 use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
 use super::{Detail, Mesh};
@@ -230,7 +228,7 @@ impl CityDesign {
             let y = self.width * (range(&mut s, 0.2, 0.45) * if k == 0 { -1.0 } else { 1.0 });
             let (low, high) = (self.height() - 2.2, self.height() + 0.7);
             let middle = Vec3::new(range(&mut s, -1.6, -0.4), y, (low + high) / 2.0);
-            block(b, middle, Vec3::new(0.6, 1.1, high - low), slot::CHIMNEY);
+            b.block(middle, Vec3::new(0.6, 1.1, high - low), slot::CHIMNEY);
         }
     }
 

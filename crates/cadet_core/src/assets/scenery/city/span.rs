@@ -1,11 +1,8 @@
 //! Lamps that hang over the middle of a street, on a wire from front to front.
 
-use std::sync::OnceLock;
-
-use super::super::draw::{block, path_tube, tube};
 use super::super::materials::{furniture_palette, furniture_slot as slot};
 use super::super::{Detail, SceneryModel};
-use crate::geometry::{Mesh, MeshBuilder};
+use crate::geometry::{Memo, Mesh, MeshBuilder};
 use crate::material::Semantic;
 use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
@@ -24,12 +21,12 @@ pub const SPAN_LENS_M: f32 = LAMP_M - 0.06;
 /// wide or too narrow for one.
 #[must_use]
 pub fn span_lamp(span_m: f64) -> Option<SceneryModel> {
-    static CELLS: [OnceLock<SceneryModel>; LONGEST_M + 1] = [const { OnceLock::new() }; LONGEST_M + 1];
+    static MODELS: Memo<usize, SceneryModel> = Memo::new();
     let length_m = span_m.ceil() as usize;
     if !(SHORTEST_M..=LONGEST_M).contains(&length_m) {
         return None;
     }
-    let model = CELLS[length_m].get_or_init(|| {
+    let model = MODELS.get(length_m, || {
         let mut s = Stream::from_seed("span lamp", length_m as u64);
         let shape = Detail::levels([30.0, 60.0, 120.0], move |d| mesh(length_m as f32 / 2.0, d));
         SceneryModel {
@@ -41,7 +38,7 @@ pub fn span_lamp(span_m: f64) -> Option<SceneryModel> {
             footprint_max: DVec2::splat(0.1),
         }
     });
-    Some(model.clone())
+    Some(model)
 }
 
 fn mesh(half: f32, detail: Detail) -> Mesh {
@@ -51,10 +48,10 @@ fn mesh(half: f32, detail: Detail) -> Mesh {
         .map(|k| 2.0 * k as f32 / pieces as f32 - 1.0)
         .map(|t| (Vec3::new(0.0, half * t, WIRE_M - SAG_M * (1.0 - t * t)), 0.006))
         .collect();
-    path_tube(&mut b, &stations, 3, slot::BODY);
+    b.tube(&stations, 3, slot::BODY);
     let top = WIRE_M - SAG_M;
-    tube(&mut b, (Vec3::Z * (LAMP_M + 0.2), 0.02), (Vec3::Z * top, 0.02), 4, slot::BODY);
-    block(&mut b, Vec3::Z * (LAMP_M + 0.12), Vec3::new(0.3, 0.7, 0.16), slot::BODY);
-    block(&mut b, Vec3::Z * LAMP_M, Vec3::new(0.24, 0.6, 0.1), slot::ACCENT);
+    b.tube(&[(Vec3::Z * (LAMP_M + 0.2), 0.02), (Vec3::Z * top, 0.02)], 4, slot::BODY);
+    b.block(Vec3::Z * (LAMP_M + 0.12), Vec3::new(0.3, 0.7, 0.16), slot::BODY);
+    b.block(Vec3::Z * LAMP_M, Vec3::new(0.24, 0.6, 0.1), slot::ACCENT);
     b.build("span lamp", 0.7)
 }

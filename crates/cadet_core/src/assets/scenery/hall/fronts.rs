@@ -2,7 +2,7 @@
 
 use super::super::Detail;
 use super::super::city::{Shop, city_slot, write_name};
-use super::super::draw::{range, tube};
+use super::super::draw::range;
 use super::super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::super::materials::house_slot as slot;
 use super::super::wall_plane::WallPlane;
@@ -51,7 +51,7 @@ pub(super) fn draw(
         }
         for end in [0.12, width - 0.12] {
             let foot = plane.at(end, -0.3, -0.1);
-            tube(b, (foot, 0.06), (foot + Vec3::Z * (d.eaves + 0.2), 0.06), 5, slot::METAL);
+            b.tube(&[(foot, 0.06), (foot + Vec3::Z * (d.eaves + 0.2), 0.06)], 5, slot::METAL);
         }
     }
     if side == 0 {

@@ -1,7 +1,7 @@
 //! Parts mounted on large buildings: docks, vents, skylights.
 
 use super::super::city::city_slot;
-use super::super::draw::{block, range};
+use super::super::draw::range;
 use super::super::materials::house_slot as slot;
 use super::super::wall_plane::WallPlane;
 use super::HallDesign;
@@ -30,6 +30,6 @@ pub(super) fn on_roof(b: &mut MeshBuilder, d: &HallDesign) {
         let size = Vec3::new(range(s, 1.0, 2.6), range(s, 1.0, 3.2), range(s, 0.7, 1.8));
         let (x, y) = (0.32 * d.depth, 0.4 * d.width);
         let middle = Vec3::new(range(s, -x, x), range(s, -y, y), d.eaves + size.z / 2.0);
-        block(b, middle, size, slot::METAL);
+        b.block(middle, size, slot::METAL);
     }
 }

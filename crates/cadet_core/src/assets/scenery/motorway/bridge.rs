@@ -1,8 +1,8 @@
 //! A bridge that leads a road over a motorway: deck, railings, abutments, a pier on the median, and its ramps of earth.
 
-use super::super::draw::{CREASE_RAD, block, tube};
+use super::super::draw::{CREASE_RAD, v};
 use super::super::{Detail, Mesh, SceneryModel};
-use super::{PANELS, palette, slot};
+use super::{palette, slot};
 use crate::geometry::MeshBuilder;
 use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
@@ -18,15 +18,11 @@ const SLOPE: f32 = 1.5;
 /// The slopes beside an abutment begin at its wing walls and are whole so far behind it.
 const WINGS: f32 = 16.0;
 
-fn v(x: f32, y: f32, z: f32) -> Vec3 {
-    Vec3::new(x, y, z)
-}
-
 /// A bridge along y; the motorway runs along x at z = 0, and the abutments stand at y = -`half_span_m` and `half_span_m`.
 #[must_use]
 pub fn overpass(variant: usize, half_span_m: f64) -> SceneryModel {
     let name = format!("overpass/{variant}");
-    let palette = palette(&mut Stream::from_seed("overpass", variant as u64), PANELS[0]);
+    let palette = palette(&mut Stream::from_seed("overpass", variant as u64));
     let half_span = half_span_m as f32;
     let shape = Detail::levels([90.0, 220.0, f32::INFINITY], move |detail| mesh(variant, half_span, detail));
     let footprint_max = DVec2::new(f64::from(HALF), half_span_m + RAMP_M);
@@ -50,27 +46,21 @@ fn mesh(variant: usize, half_span: f32, detail: Detail) -> Mesh {
     );
     for side in [-1.0, 1.0] {
         let x = side * (HALF - 0.12);
-        block(&mut b, v(x, 0.0, top + 0.05), v(0.3, 2.0 * reach, 0.3), slot::CONCRETE);
+        b.block(v(x, 0.0, top + 0.05), v(0.3, 2.0 * reach, 0.3), slot::CONCRETE);
         railing(&mut b, x, reach, top + 0.2, detail);
     }
     pier(&mut b, variant, low, detail);
     for side in [-1.0, 1.0] {
         let y = side * half_span;
         // The wall, and wing walls that go back along the ramp.
-        block(
-            &mut b,
+        b.block(
             v(0.0, y + side * 0.7, (top + DEPTH) / 2.0 - 0.1),
             v(2.0 * HALF, 1.4, top - DEPTH - 0.2),
             slot::CONCRETE,
         );
         for wing in [-1.0, 1.0] {
             let x = wing * (HALF - 0.2);
-            block(
-                &mut b,
-                v(x, y + side * WINGS / 2.0, (top + DEPTH) / 2.0),
-                v(0.4, WINGS, top - DEPTH),
-                slot::CONCRETE,
-            );
+            b.block(v(x, y + side * WINGS / 2.0, (top + DEPTH) / 2.0), v(0.4, WINGS, top - DEPTH), slot::CONCRETE);
         }
         ramp(&mut b, side, half_span, top);
     }
@@ -81,12 +71,12 @@ fn railing(b: &mut MeshBuilder, x: f32, reach: f32, z: f32, detail: Detail) {
     let thick = detail.pick(0.05, 0.06, 0.09);
     let rails: &[f32] = if detail == Detail::Far { &[1.0, 0.5] } else { &[1.0, 0.75, 0.5, 0.25] };
     for height in rails {
-        block(b, v(x, 0.0, z + height), v(thick, 2.0 * reach, thick), slot::STEEL);
+        b.block(v(x, 0.0, z + height), v(thick, 2.0 * reach, thick), slot::STEEL);
     }
     let count = (2.0 * reach / detail.pick(2.0, 2.0, 6.0)) as usize;
     for k in 0..=count {
         let y = -reach + 2.0 * reach * k as f32 / count as f32;
-        block(b, v(x, y, z + 0.5), v(0.07, 0.07, 1.0), slot::STEEL);
+        b.block(v(x, y, z + 0.5), v(0.07, 0.07, 1.0), slot::STEEL);
     }
 }
 
@@ -94,10 +84,10 @@ fn railing(b: &mut MeshBuilder, x: f32, reach: f32, z: f32, detail: Detail) {
 fn pier(b: &mut MeshBuilder, variant: usize, low: f32, detail: Detail) {
     if variant.is_multiple_of(2) {
         for x in [-2.2, 0.0, 2.2] {
-            tube(b, (v(x, 0.0, -1.0), 0.42), (v(x, 0.0, low + 0.1), 0.42), detail.pick(18, 10, 8), slot::CONCRETE);
+            b.tube(&[(v(x, 0.0, -1.0), 0.42), (v(x, 0.0, low + 0.1), 0.42)], detail.pick(18, 10, 8), slot::CONCRETE);
         }
     } else {
-        block(b, v(0.0, 0.0, (low - 1.0) / 2.0), v(6.4, 0.7, low + 1.0), slot::CONCRETE);
+        b.block(v(0.0, 0.0, (low - 1.0) / 2.0), v(6.4, 0.7, low + 1.0), slot::CONCRETE);
     }
 }
 

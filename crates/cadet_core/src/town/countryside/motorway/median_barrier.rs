@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::assets::scenery::{MOTORWAY_PIECE_M, MotorwayKind, TreeKind, motorway_thing, num_variants, tree};
+use crate::assets::props::{CONCRETE_BARRIER, DOUBLE_RAIL, MOTORWAY_RAIL};
+use crate::assets::scenery::{MOTORWAY_PIECE_M, TreeKind, num_variants, tree};
 use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::countryside::motorway::road_plan::RoadPlan;
@@ -25,11 +26,11 @@ pub(super) fn furnish(key: &StreamKey, road: &RoadPlan, greenery: f64, placer: &
     let count = (road.length_m() / MOTORWAY_PIECE_M).round().max(1.0) as usize;
     let step_m = road.length_m() / count as f64;
     let (kind, offsets): (_, &[f64]) = match (road.is_concrete, has_shrubs) {
-        (true, _) => (MotorwayKind::ConcreteBarrier, &[0.0]),
-        (_, true) => (MotorwayKind::Rail, &[RAILS_OFF_M, -RAILS_OFF_M]),
-        _ => (MotorwayKind::DoubleRail, &[0.0]),
+        (true, _) => (CONCRETE_BARRIER, &[0.0]),
+        (_, true) => (MOTORWAY_RAIL, &[RAILS_OFF_M, -RAILS_OFF_M]),
+        _ => (DOUBLE_RAIL, &[0.0]),
     };
-    let model = motorway_thing(kind, 0);
+    let model = kind.model(0);
     for k in 0..count {
         let [(a, a_along), (b, b_along)] = [k, k + 1].map(|i| road.middle(step_m * i as f64));
         for offset_m in offsets {

@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::assets::scenery::{MotorwayKind, gantry, motorway_thing, speed_sign};
+use crate::assets::props::{EMERGENCY_TELEPHONE, KILOMETER_PLATE, MOTORWAY_BOARD, SPEED_SIGN, Shipped};
+use crate::assets::scenery::gantry;
 use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::countryside::motorway::road_plan::GANTRY_SHARE;
@@ -43,8 +44,8 @@ pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer)
     let is_open = |at_m: f64, before_m: f64| {
         (30.0..length_m - 30.0).contains(&at_m) && bridge_m.is_none_or(|b| (b - at_m).abs() > before_m)
     };
-    let put = |kind: MotorwayKind, variant: usize, at_m: f64, off_m: f64, placer: &mut Placer| {
-        let model = motorway_thing(kind, variant);
+    let put = |kind: Shipped, variant: usize, at_m: f64, off_m: f64, placer: &mut Placer| {
+        let model = kind.model(variant);
         placer.put(&model, Arc::clone(&model.palette), side.beside(at_m, off_m), -frontage.along(at_m));
     };
     let (has_gantry, gantry_m, gantry_variant) = (s.chance(GANTRY_SHARE), s.range(0.15, 0.85) * length_m, s.below(4));
@@ -60,12 +61,12 @@ pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer)
     }
     let (has_board, board_m, board_variant) = (s.chance(BOARD_SHARE), s.range(0.1, 0.9) * length_m, s.below(6));
     if has_board && is_open(board_m, 80.0) && (!has_gantry || (board_m - gantry_m).abs() > 120.0) {
-        put(MotorwayKind::Board, board_variant, board_m, BOARD_OFF_M, placer);
+        put(MOTORWAY_BOARD, board_variant, board_m, BOARD_OFF_M, placer);
         shield(board_m);
     }
     let (has_limit, limit_m) = (s.chance(LIMIT_SHARE), s.range(0.1, 0.9) * length_m);
     if has_limit && plan.speed_kmh < UNLIMITED_KMH && is_open(limit_m, 30.0) {
-        let model = speed_sign(plan.speed_kmh);
+        let model = SPEED_SIGN.model((plan.speed_kmh / 10).max(1) as usize - 1);
         let along = frontage.along(limit_m);
         let places: [DVec2; 2] =
             [side.beside(limit_m, SMALL_OFF_M), side.beside(limit_m, -(plan.half_paved_m - plan.half_median_m) - 0.5)];
@@ -75,14 +76,14 @@ pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer)
     }
     let (has_telephone, telephone_m) = (s.chance(TELEPHONE_SHARE), s.range(0.2, 0.8) * length_m);
     if has_telephone && plan.has_hard_shoulder && is_open(telephone_m, 15.0) {
-        let model = motorway_thing(MotorwayKind::Telephone, 0);
+        let model = EMERGENCY_TELEPHONE.model(0);
         let facing = -right_of(frontage.along(telephone_m));
         placer.put(&model, Arc::clone(&model.palette), side.beside(telephone_m, SMALL_OFF_M + 0.4), facing);
     }
     let mut at_m = 40.0;
     while at_m < length_m {
         if is_open(at_m, 8.0) {
-            put(MotorwayKind::KilometerPlate, plan.number, at_m, SMALL_OFF_M + 0.2, placer);
+            put(KILOMETER_PLATE, plan.number, at_m, SMALL_OFF_M + 0.2, placer);
         }
         at_m += KILOMETER_EVERY_M;
     }

@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::assets::scenery::{MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, PoleKind, motorway_thing, pole};
+use crate::assets::props::{DELINEATOR, MOTORWAY_RAIL, NOISE_WALL};
+use crate::assets::scenery::MOTORWAY_PIECE_M;
 use crate::math::DVec2;
 use crate::plane::OrientedRect;
 use crate::rng::Stream;
@@ -35,7 +36,7 @@ pub(super) fn furnish(
     let step_m = length_m / count as f64;
     let wall = noise_wall(s, count);
     if let Some((pieces, variant)) = &wall {
-        let model = motorway_thing(MotorwayKind::NoiseWall, *variant);
+        let model = NOISE_WALL.model(*variant);
         for k in pieces.clone() {
             let [from, to] = [k, k + 1].map(|i| side.beside(step_m * i as f64, WALL_OFF_M));
             // Its front is to the road.
@@ -52,7 +53,7 @@ pub(super) fn furnish(
         road_z - land_z > RAIL_FROM_M || has_wall || shields.iter().any(|r| r.contains(&at_m))
     };
     let wanted: Vec<bool> = (0..count).map(is_wanted).collect();
-    let rail = motorway_thing(MotorwayKind::Rail, 0);
+    let rail = MOTORWAY_RAIL.model(0);
     let mut k = 0;
     while k < count {
         let run = wanted[k..].iter().take_while(|w| **w == wanted[k]).count();
@@ -64,20 +65,20 @@ pub(super) fn furnish(
         }
         k += run;
     }
-    delineators(s, side, placer);
+    delineators(side, placer);
 }
 
 /// The pieces of a side that are a noise wall, and its variant.
 fn noise_wall(s: &mut Stream, count: usize) -> Option<(Range<usize>, usize)> {
     let (is_there, share, at, variant) =
-        (s.chance(WALL_SHARE), s.range(WALL_OF_SIDE.0, WALL_OF_SIDE.1), s.unit(), s.below(MOTORWAY_VARIANTS));
+        (s.chance(WALL_SHARE), s.range(WALL_OF_SIDE.0, WALL_OF_SIDE.1), s.unit(), s.below(NOISE_WALL.num_variants()));
     let pieces = (share * count as f64) as usize;
     let first = (at * (count - pieces) as f64) as usize;
     is_there.then_some((first..first + pieces, variant))
 }
 
-fn delineators(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer) {
-    let model = pole(PoleKind::Delineator, s.below(6));
+fn delineators(side: &CarriagewaySide, placer: &mut Placer) {
+    let model = DELINEATOR.model(0);
     let count = (side.frontage.length_m() / DELINEATOR_EVERY_M).round().max(1.0);
     let step_m = side.frontage.length_m() / count;
     for k in 0..count as usize {

@@ -1,0 +1,42 @@
+//! Lists the files of the folder `props`: a constant for each, so that code names none that is not there.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
+
+fn toml_files(folder: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            toml_files(&path, found)?;
+        } else if path.extension().is_some_and(|ending| ending == "toml") {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("cargo::rerun-if-changed=props");
+    let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
+    let mut files = Vec::new();
+    toml_files(&root.join("props"), &mut files)?;
+    files.sort_by_key(|path| path.file_name().map(ToOwned::to_owned));
+    let (mut list, mut constants, mut materials) = (String::new(), String::new(), String::new());
+    let mut count = 0;
+    for path in files {
+        let name = path.file_stem().and_then(|stem| stem.to_str()).ok_or("a file's name is no text")?;
+        if name == "materials" {
+            writeln!(materials, "const MATERIALS: &str = include_str!({path:?});")?;
+            continue;
+        }
+        let file = path.strip_prefix(&root)?;
+        writeln!(list, "    ({name:?}, {file:?}, include_str!({path:?})),")?;
+        writeln!(constants, "/// `{}`.", file.display())?;
+        writeln!(constants, "pub const {}: Shipped = Shipped({count});", name.to_uppercase().replace('-', "_"))?;
+        count += 1;
+    }
+    let code = format!("pub(super) const FILES: [(&str, &str, &str); {count}] = [\n{list}];\n{constants}{materials}");
+    fs::write(PathBuf::from(env::var("OUT_DIR")?).join("shipped_props.rs"), code)?;
+    Ok(())
+}
