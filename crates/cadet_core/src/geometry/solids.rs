@@ -110,7 +110,7 @@ mod tests {
         let pipe = [(Vec3::ZERO, 0.5), (Vec3::new(0.0, 3.0, 0.0), 0.5)];
         let cone = [level_ring([1.0, 2.0], 0.0, 96, 2.0), level_ring([0.5, 1.0], 3.0, 96, 2.0)];
         let square = [0.0, 2.0].map(|z| level_ring([1.0, 2.0], z, 4, f32::INFINITY));
-        let (nine, frustum) = (96.0 * (PI / 48.0).sin() / 2.0, 3.0 / 3.0 * (2.0 + 0.5 + 1.0) * PI);
+        let (nine, frustum) = (96.0 * sinf(PI / 48.0) / 2.0, 3.0 / 3.0 * (2.0 + 0.5 + 1.0) * PI);
         for (name, expected, found) in [
             ("block", 6.0, measured(|b| b.block(Vec3::new(5.0, 0.0, 0.0), Vec3::new(1.0, 2.0, 3.0), 0))),
             ("prism x", 3.0, measured(|b| b.prism(0, &triangle, (1.0, 4.0), 0))),

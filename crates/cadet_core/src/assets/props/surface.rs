@@ -33,6 +33,9 @@ const PATTERNS: [(&str, Pattern); 10] = [
     ("cloth", Pattern::Cloth),
 ];
 
+/// A check of an expression, given its line and the names that it may use besides the given ones.
+pub(super) type CheckNames<'a> = dyn FnMut(&Expression, usize, &[String]) -> Result<()> + 'a;
+
 /// A color: linear R, G, B.
 #[derive(Debug, Clone)]
 enum Color {
@@ -147,11 +150,7 @@ impl Color {
         }
     }
 
-    fn visit(
-        &self,
-        names: &mut Vec<String>,
-        check: &mut dyn FnMut(&Expression, usize, &[String]) -> Result<()>,
-    ) -> Result<()> {
+    fn visit(&self, names: &mut Vec<String>, check: &mut CheckNames) -> Result<()> {
         match self {
             Self::Fixed(_) => Ok(()),
             Self::OneOf(colors) => colors.iter().try_for_each(|color| color.visit(names, check)),
@@ -257,7 +256,7 @@ impl Surface {
     }
 
     /// Hands each expression to `check` with its line and the names that it may use besides.
-    pub(super) fn visit(&self, check: &mut dyn FnMut(&Expression, usize, &[String]) -> Result<()>) -> Result<()> {
+    pub(super) fn visit(&self, check: &mut CheckNames) -> Result<()> {
         if let Some(which) = &self.which {
             check(which, self.line, &[])?;
         }
