@@ -31,7 +31,7 @@ pub(super) fn furnish(
     config: &PropConfig,
     placer: &mut Placer,
 ) -> Vec<ParkingSpot> {
-    let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(4).copied()));
+    let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(4).copied()), SEEN_M);
     let mut taken = Occupancy::default();
     let mut drives = Vec::new();
     if network.is_motorway() {

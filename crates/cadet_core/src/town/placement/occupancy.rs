@@ -1,7 +1,6 @@
 //! Ground that is taken: rectangles in the plane, and the streets.
 
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
+use std::collections::BTreeMap;
 
 use crate::math::{DVec2, DVec3};
 use crate::plane::OrientedRect;
@@ -11,19 +10,32 @@ use crate::town::ground::region::Ring;
 use crate::town::placement::clearance::{ClearanceGrid, MAX_MARGIN_M};
 use crate::town::{Ground, GroundKind};
 
+const CELL_M: f64 = 16.0;
+
+fn cells(min: DVec2, max: DVec2) -> impl Iterator<Item = (i32, i32)> {
+    let index = |v: f64| (v / CELL_M).floor() as i32;
+    let (x, y) = (index(min.x)..=index(max.x), index(min.y)..=index(max.y));
+    x.flat_map(move |i| y.clone().map(move |j| (i, j)))
+}
+
 /// Rectangles that must stay apart.
 #[derive(Debug, Clone, Default)]
-pub(in crate::town) struct Occupancy(RTree<GeomWithData<Rectangle<[f64; 2]>, OrientedRect>>);
-
-fn reach(rect: &OrientedRect) -> AABB<[f64; 2]> {
-    let (low, high) = bounds(rect.corners());
-    AABB::from_corners(low.to_array(), high.to_array())
+pub(in crate::town) struct Occupancy {
+    rects: Vec<OrientedRect>,
+    grid: BTreeMap<(i32, i32), Vec<usize>>,
 }
 
 impl Occupancy {
+    fn reach(rect: &OrientedRect) -> (DVec2, DVec2) {
+        let corners = rect.corners();
+        corners.iter().fold((corners[0], corners[0]), |(lo, hi), c| (lo.min(*c), hi.max(*c)))
+    }
+
     /// True where no rectangle is met.
     pub fn is_free(&self, rect: &OrientedRect) -> bool {
-        self.0.locate_in_envelope_intersecting(reach(rect)).all(|taken| !taken.data.overlaps(rect))
+        let (lo, hi) = Self::reach(rect);
+        cells(lo, hi)
+            .all(|c| self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect))))
     }
 
     /// True where no rectangle comes within `margin_m` of the point.
@@ -34,7 +46,11 @@ impl Occupancy {
 
     /// Takes a rectangle.
     pub fn take(&mut self, rect: OrientedRect) {
-        self.0.insert(GeomWithData::new(reach(&rect).into(), rect));
+        let (lo, hi) = Self::reach(&rect);
+        for c in cells(lo, hi) {
+            self.grid.entry(c).or_default().push(self.rects.len());
+        }
+        self.rects.push(rect);
     }
 }
 

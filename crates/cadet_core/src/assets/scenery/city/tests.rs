@@ -139,8 +139,8 @@ fn doorways_are_where_doors_are_drawn_at_the_front() {
         let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
         let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize].as_dvec3()));
         let at_front = corners.filter(|p| p.x > model.footprint_max.x - 0.6);
-        // The wall of a cut corner begins beside the front.
-        let is_front = |y: f64| house.corner().is_none_or(|c| y * c.side < model.footprint_max.y - c.cut_m);
+        // The wall of a cut corner begins beside the front, and its niches reach a little over that end.
+        let is_front = |y: f64| house.corner().is_none_or(|c| y * c.side < model.footprint_max.y - c.cut_m - 0.05);
         let drawn: Vec<f64> = at_front.map(|p| p.y).filter(|y| is_front(*y)).collect();
         let is_in = |y: f64, [y0, y1]: [f64; 2]| (y0 - 1e-4..y1 + 1e-4).contains(&y);
         for y in &drawn {
