@@ -61,19 +61,19 @@ impl MeshBuilder {
     }
 
     /// Adds a disc (a regular polygon of `sides` corners) that faces +x.
-    pub fn disc(&mut self, middle: Vec3, radius: f32, sides: usize, from_rad: f32, slot: u8) {
+    pub fn disc(&mut self, middle: Vec3, radius_m: f32, sides: usize, from_rad: f32, slot: u8) {
         let corner = |i: usize| from_rad + turn_rad(i, sides, 0.0);
         let corners: Vec<Vec3> =
-            (0..sides).map(corner).map(|a| middle + Vec3::new(0.0, cosf(a), sinf(a)) * radius).collect();
+            (0..sides).map(corner).map(|a| middle + Vec3::new(0.0, cosf(a), sinf(a)) * radius_m).collect();
         self.polygon(&corners, slot);
     }
 
     /// Adds a torus about the origin in the plane of x and z, of `around` pieces with `sides` faces each.
-    pub fn hoop(&mut self, radius: f32, half_thickness: f32, (around, sides): (usize, usize), slot: u8) {
+    pub fn hoop(&mut self, radius_m: f32, half_thickness_m: f32, (around, sides): (usize, usize), slot: u8) {
         let ring = |k: usize| -> Vec<Vec3> {
             let a = turn_rad(k % around, around, 0.0);
             let out = Vec3::new(cosf(a), 0.0, sinf(a));
-            let corner = |t: f32| out * (radius + half_thickness * cosf(t)) + Vec3::Y * (half_thickness * sinf(t));
+            let corner = |t: f32| out * (radius_m + half_thickness_m * cosf(t)) + Vec3::Y * (half_thickness_m * sinf(t));
             (0..sides).map(|i| corner(turn_rad(i, sides, 0.0))).collect()
         };
         self.loft(&(0..=around).map(ring).collect::<Vec<_>>(), slot, false);
