@@ -95,6 +95,16 @@ def test_kittis_rigs_differ_in_name_and_share() -> None:
     assert [round(7481 * share) for _, share in rigs] == [6057, 770, 358, 296]
 
 
+def test_a_rig_with_another_sensor_has_another_name() -> None:
+    rig = Rig.kitti()
+    assert rig.with_lidar(Lidar.vlp16()).name == "kitti_vlp16"
+    assert Rig.kitti(calibration="2011_09_28").with_lidar(Lidar.vlp16()).name == "kitti_2011_09_28_vlp16"
+    # How the same sensor takes its scans is told beside its name.
+    assert rig.with_lidar(Lidar.hdl64e_kitti(rolling=True)).name == "kitti"
+    with pytest.raises(CadetError, match=r"^Rig\.lidar: expected a Lidar, got 'vlp16'$"):
+        rig.with_lidar("vlp16")  # type: ignore[arg-type]
+
+
 def test_the_shipped_tools_rig_sees_90_degrees_from_one_point() -> None:
     rig = Rig.cadet()
     calib = calibration(rig)
