@@ -35,7 +35,7 @@ def test_every_extra_that_is_named_exists() -> None:
 
 def test_every_exception_to_the_lint_is_of_files_that_exist() -> None:
     ruff = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["ruff"]
-    patterns = ruff["lint"]["per-file-ignores"]
+    patterns = [name if "/" in name else f"python/**/{name}" for name in ruff["lint"]["per-file-ignores"]]
     assert patterns and [pattern for pattern in patterns if not any(ROOT.glob(pattern))] == []
 
 

@@ -1,11 +1,12 @@
-"""Against the official program: its answers on labels and results of our own, and on larger sets where they are at hand.
+"""Against the official program: on labels and results of our own, and on larger sets where they are at hand.
 
-`official/` holds 14 frames that were invented for it: streets of all classes, with heights, truncations, and occlusions at
-the borders of the levels, ties of scores, objects found twice, under another class, or turned around, regions without
-labels, one frame without labels, and one without detections. Each line begins with its frame's number. Its
-`precision.txt` is what `cpp/evaluate_object.cpp` of KITTI's object development kit wrote of them to its `stats_*.txt`: 41
-points of precision or orientation similarity for each class, metric and level. It was compiled with g++ 12 and Boost 1.74
-from the copy in github.com/sunnyln/kitti-devkit at c735595, with N_TESTIMAGES set to 14 and nothing else changed.
+`official/` holds 14 frames that were invented for it: streets of all classes, with heights, truncations, and occlusions
+at the borders of the levels, ties of scores, objects found twice, under another class, or turned around, regions
+without labels, one frame without labels, and one without detections. Each line begins with its frame's number. Its
+`precision.txt` is what `cpp/evaluate_object.cpp` of KITTI's object development kit wrote of them to its `stats_*.txt`:
+41 points of precision or orientation similarity for each class, metric, and level. It was compiled with g++ 12 and
+Boost 1.74 from the copy in github.com/sunnyln/kitti-devkit at c735595, with N_TESTIMAGES set to 14 and nothing else
+changed.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ TOLERANCE = 1e-5
 
 OFFICIAL = Path(__file__).parent / "official"
 
-pytestmark = pytest.mark.usefixtures("core")
 needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason="needs larger sets in ../shared/eval_cases")
 
 
