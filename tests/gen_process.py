@@ -1,4 +1,4 @@
-"""`cadet-gen` as a process of its own on the fake core."""
+"""`cadet-gen` as a process of its own, on the quick worlds of `small_runs`."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ FINE, FAILED, INTERRUPTED = 0, 2, 130
 def start(*arguments: object, fault: str = "", preexec: Callable[[], None] | None = None) -> subprocess.Popen[str]:
     environment = {
         **os.environ,
-        "PYTHONPATH": f"{HERE.parent / 'python'}:{HERE}:{HERE / 'fake_core'}",
-        "CADET_FAKE": fault,
+        "PYTHONPATH": f"{HERE.parent / 'python'}:{HERE}",
+        "CADET_FAULT": fault,
     }
-    command = [sys.executable, "-c", "from cadet.cli import run_cadet_gen; run_cadet_gen()", *map(str, arguments)]
+    command = [sys.executable, "-c", "import small_runs; small_runs.main()", *map(str, arguments)]
     return subprocess.Popen(
         command,
         env=environment,
@@ -64,8 +64,8 @@ def workers_of(process: subprocess.Popen[str]) -> list[int]:
 
 
 def write_whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Write a dataset of 45 frames in three episodes, by one worker in one go."""
+    """Write a dataset of ten frames in three episodes, by one worker in one go."""
     out = tmp_path_factory.mktemp("whole") / "out"
-    done = run(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 1)
+    done = run(out, "-n", 10, "--seed", 3, *SIZE, "--workers", 1)
     assert (done.returncode, done.stdout) == (FINE, "")
     return out

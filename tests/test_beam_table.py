@@ -206,7 +206,6 @@ def cadet(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int | str | No
     return ended.value.code
 
 
-@pytest.mark.usefixtures("core")
 class TestOnTheCore:
     @pytest.mark.parametrize("name", LIDAR_PRESETS)
     def test_presets_come_back_from_toml_with_the_same_beams(self, name: str, tmp_path: Path) -> None:

@@ -16,8 +16,6 @@ from cadet.bev import BevConfig
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from real_kitti import ROOT, needs_kitti
 
-pytestmark = pytest.mark.usefixtures("core")
-
 PLANE = np.array([0.01, -0.999, 0.02, 1.65])
 SMALL = BevConfig(x_m=(-3.0, 3.0), z_m=(0.0, 4.0), cell_m=0.5)
 CONFIGS = {

@@ -23,7 +23,7 @@ def small_rig() -> cadet.Rig:
     return cadet.Rig(camera=cadet.Camera.kitti().resized(124, 38), lidar=cadet.Lidar.vlp16())
 
 
-def test_a_panic_is_an_error_that_asks_for_a_report_and_prints_nothing(core: Any) -> None:
+def test_a_panic_is_an_error_that_asks_for_a_report_and_prints_nothing() -> None:
     lines = ("from cadet import _cadet, errors", "try:", "  _cadet._panic('len\\nis 3')")
     code = "\n".join((*lines, "except errors.InternalError as error:", "  print(error)"))
     # Read when the core is loaded.
@@ -34,13 +34,13 @@ def test_a_panic_is_an_error_that_asks_for_a_report_and_prints_nothing(core: Any
     assert issubclass(InternalError, CadetError)
 
 
-def test_too_many_pairs_of_boxes_are_refused(core: Any) -> None:
+def test_too_many_pairs_of_boxes_are_refused() -> None:
     boxes = np.ones((200_000, 7))
     with pytest.raises(CadetError, match=r"^number of pairs of boxes is 200000 x 200000, expected at most 268435456"):
         cadet.box_iou_bev(boxes, boxes)
 
 
-def test_a_scene_in_another_threads_hands_says_so(core: Any) -> None:
+def test_a_scene_in_another_threads_hands_says_so() -> None:
     scene = cadet.Scene.empty(rig=small_rig())
     thread = threading.Thread(target=scene.step, args=(3000.0,))
     thread.start()
@@ -55,7 +55,7 @@ def test_a_scene_in_another_threads_hands_says_so(core: Any) -> None:
     assert scene.time_s == pytest.approx(3000.0)
 
 
-def test_other_threads_run_while_maps_and_triangles_are_made(core: Any) -> None:
+def test_other_threads_run_while_maps_and_triangles_are_made() -> None:
     scene = cadet.Scene.random(seed=1, rig=small_rig())
     points = np.random.default_rng(0).uniform((-40, 0, 0), (40, 3, 70), (1_500_000, 3))
     plane = np.array([0.0, -1.0, 0.0, 1.65])

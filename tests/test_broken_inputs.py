@@ -45,26 +45,26 @@ def scene_of(xodr: str) -> Any:
         ('<lane id="-1"', '<lane id="minus"', r'm\.xodr: road "0"'),
     ],
 )
-def test_broken_roads_are_refused_with_file_and_road(core: Any, old: str, new: str, message: str) -> None:
+def test_broken_roads_are_refused_with_file_and_road(old: str, new: str, message: str) -> None:
     assert old in ROADS
     with pytest.raises(CadetError, match=f"^{message}"):
         scene_of(ROADS.replace(old, new, 1))
 
 
 @pytest.mark.parametrize("character", ["\n", "\r", "\t", "\x85"])
-def test_what_is_refused_is_told_in_one_line(core: Any, character: str) -> None:
+def test_what_is_refused_is_told_in_one_line(character: str) -> None:
     """The XML reader quotes the character that it stumbles over."""
     with pytest.raises(CadetError, match=r"^m\.xodr:[12]: not readable as XML: ") as refused:
         scene_of(f'<OpenDRIVE><header revMajor="1"/{character}</OpenDRIVE>')
     assert str(refused.value).isprintable()
 
 
-def test_a_piece_of_road_without_a_length_is_no_loss(core: Any) -> None:
+def test_a_piece_of_road_without_a_length_is_no_loss() -> None:
     piece = '<geometry s="40.0" x="40" y="0" hdg="0" length="0"><line/></geometry>\n</planView>'
     assert scene_of(ROADS.replace("</planView>", piece, 1)).num_triangles == scene_of(ROADS).num_triangles
 
 
-def test_time_grows_with_the_number_of_roads_and_not_its_square(core: Any) -> None:
+def test_time_grows_with_the_number_of_roads_and_not_its_square() -> None:
     def seconds(count: int) -> float:
         roads = map_of("".join(road(i, x=i // 20 * 60.0, y=i % 20 * 20.0) for i in range(count)))
         begin = time.process_time()
@@ -87,9 +87,7 @@ def test_time_grows_with_the_number_of_roads_and_not_its_square(core: Any) -> No
         ),
     ],
 )
-def test_meshes_that_the_reader_stops_on_are_refused(
-    core: Any, tmp_path: Path, mtl: str, obj: str, message: str
-) -> None:
+def test_meshes_that_the_reader_stops_on_are_refused(tmp_path: Path, mtl: str, obj: str, message: str) -> None:
     root = assets_folder(tmp_path / "assets")
     (root / "meshes" / "car.mtl").write_text(mtl)
     with (root / "meshes" / "car.obj").open("a") as file:

@@ -3,7 +3,6 @@ from __future__ import annotations
 from dataclasses import asdict, fields
 from typing import Any
 
-import numpy as np
 import pytest
 
 from cadet import CadetError, LabelConfig, PropConfig, SceneConfig, SuburbConfig
@@ -86,10 +85,6 @@ def test_nonsense_is_refused_by_name(cls: type[Any], values: dict[str, Any], mes
     with pytest.raises(CadetError) as caught:
         cls(**values)
     assert str(caught.value) == message
-
-
-def test_numpy_numbers_are_numbers() -> None:
-    assert SceneConfig(num_cars=int(np.int64(3)), parking_occupancy=float(np.float32(0.5))).num_cars == 3
 
 
 def test_the_normative_thresholds_are_the_defaults() -> None:

@@ -1,4 +1,4 @@
-"""The package on the compiled core: what the fake cannot vouch for."""
+"""The package on the compiled core: scenes, environments and files agree, and limits are those of both."""
 
 from __future__ import annotations
 
@@ -14,14 +14,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-import fake_native
-from cadet import CadetError, Camera, Environment, Lidar, ResetPolicy, Rig, Scene, Semantic, kitti, weather_names
+from cadet import CadetError, Camera, Environment, Lidar, ResetPolicy, Rig, Scene, Semantic, kitti
 from cadet.episode import Episode
 from cadet.kitti.from_sample import frame_from_sample
 from cadet.kitti.lint import lint
 from cadet.sample import Wanted
-
-pytestmark = pytest.mark.usefixtures("core")
 
 ROOT = Path(__file__).parent.parent
 SMALL = replace(Rig.kitti(), camera=Camera.kitti().resized(310, 94))
@@ -35,7 +32,7 @@ def cadet_gen(*arguments: object) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture(scope="module")
-def dataset(core: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three frames written by one worker."""
     out = tmp_path_factory.mktemp("dataset") / "out"
     done = cadet_gen(out, "-n", 3, "--seed", 5, "--workers", 1, "--image-size", "310x94", "--write", "depth,instance")
@@ -79,16 +76,8 @@ def test_without_maps_all_else_is_the_same() -> None:
     assert without.labels == with_maps.labels
 
 
-def test_the_fake_knows_the_cores_lists(core: Any) -> None:
-    assert core.Lidar.presets() == fake_native.Lidar.presets()
-    assert core.SceneConfig.vehicle_classes() == fake_native.SceneConfig.vehicle_classes()
-    for name in ("LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig"):
-        assert getattr(core, name).settings() == getattr(fake_native, name).settings()
-
-
 def test_the_core_enforces_the_limits_that_it_states(core: Any) -> None:
     """Python refuses what lies beyond them; behind it, the core's own checks know the same numbers."""
-    assert core.limits() == fake_native.limits()
     limits = core.limits()
     scene = Scene.empty(rig=SMALL)
     for beyond in (limits["step_s"][1] + 1.0, -1.0):
@@ -107,10 +96,6 @@ def test_the_core_enforces_the_limits_that_it_states(core: Any) -> None:
     for side in (int(least) - 1, int(most) + 1):
         with pytest.raises(CadetError, match=f"from {least:g} to {most:g}"):
             SMALL.camera.resized(side, 100)
-
-
-def test_the_fake_knows_the_cores_weathers() -> None:
-    assert list(weather_names()) == fake_native.WEATHERS
 
 
 def test_semantic_values_are_the_enums() -> None:

@@ -108,7 +108,6 @@ def test_the_pages_have_code_that_is_run() -> None:
     assert len(found) == fences, "every fenced block is found"
 
 
-@pytest.mark.usefixtures("core")
 @pytest.mark.timeout(600)  # The tutorial generates 60 frames and detects in 20.
 @pytest.mark.parametrize("page", PAGES)
 def test_the_code_of_a_page_runs(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,7 +117,7 @@ def test_the_code_of_a_page_runs(page: str, folder: Path, monkeypatch: pytest.Mo
         if block.reason is not None:
             continue
         if _NEEDS_TORCH.search(block.code):
-            pytest.importorskip("torch")
+            pytest.importorskip("torch", reason="needs torch")
         if block.language == "python":
             # The page's own line numbers, for what goes wrong.
             exec(compile("\n" * block.line + block.code, page, "exec"), names)
@@ -148,7 +147,7 @@ def _run_shell(block: Block, page: str, folder: Path) -> None:
     assert done.returncode == 0, f"{page}:{block.line}: {done.stderr[-2000:]}"
 
 
-def test_the_table_of_a_sensor_is_one(core: Any) -> None:
+def test_the_table_of_a_sensor_is_one() -> None:
     table = next(block.code for block in blocks_of("docs/lidars.md") if block.language == "toml")
     assert cadet.Lidar.custom(cadet.BeamTable.from_toml(table)).rays()[0].shape == (3 * 1800, 3)
 

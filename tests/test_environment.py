@@ -1,7 +1,8 @@
 from __future__ import annotations
 
+import itertools
 import pickle
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from typing import Any, cast
 
 import numpy as np
@@ -13,6 +14,7 @@ from cadet import (
     Environment,
     Frame,
     LabelConfig,
+    Lidar,
     PropConfig,
     ResetPolicy,
     Rig,
@@ -23,14 +25,14 @@ from cadet import (
 )
 from cadet.policy import EpisodeSpec
 from cadet.policy_choice import draw_with
+from small_runs import ROAD, SmallPolicy, small_policy
 
-pytestmark = pytest.mark.usefixtures("fake_core")
-
-RIG = Rig(camera=Camera.kitti().resized(64, 32))
+RIG = Rig(camera=Camera.kitti().resized(64, 32), lidar=Lidar.vlp16())
+NO_LABELS = LabelConfig(min_points=10**6)
 
 
 def make(**policy: Any) -> Environment:
-    return Environment(policy=replace(ResetPolicy.kitti(), **policy), rig=RIG)
+    return Environment(policy=replace(small_policy(), **policy), rig=RIG)
 
 
 def same(a: Frame, b: Frame) -> bool:
@@ -84,7 +86,7 @@ def test_a_configuration_of_ones_own_reaches_the_scenes(monkeypatch: pytest.Monk
         return original(spec)
 
     monkeypatch.setattr(episode, "build_scene", build)
-    policy = replace(ResetPolicy.paper(), samples_per_episode=1)
+    policy = replace(ResetPolicy.paper(), samples_per_episode=1, maps=(ROAD,))
     env = Environment(policy=policy, rig=RIG, config=SceneConfig(num_cars=3))
     env.reset(seed=np.int64(1))  # type: ignore[arg-type]
     frames = [env.step() for _ in range(3)]
@@ -138,40 +140,50 @@ def test_a_reset_to_an_episode_skips_those_before() -> None:
 
 
 def test_only_views_with_an_object_come_out_and_the_ego_drives_on_past_the_others() -> None:
-    env = make(distance_m=10.0)
-    env.reset(seed=1)
-    frames = [env.step() for _ in range(6)]
-    assert all(any(label.type == "Car" for label in frame.labels) for frame in frames)
-    # The fake shows nothing in every third view: those were driven past, and samples count on.
-    assert [frame.meta and frame.meta["world_from_ego"][0][3] for frame in frames] == [
-        0.0,
-        10.0,
-        30.0,
-        40.0,
-        60.0,
-        70.0,
+    # A label takes more points than most views offer.
+    env = make(distance_m=10.0, label=LabelConfig(min_points=60), samples_per_episode=20, attempts_limit=50)
+    env.reset(seed=3)
+    frames = [env.step() for _ in range(8)]
+    assert all(any(not label.is_dont_care for label in frame.labels) for frame in frames)
+    metas = [frame.meta for frame in frames if frame.meta is not None]
+    assert [meta["sample"] for meta in metas] == list(range(8))
+    places = [(meta["attempt"], np.array(meta["world_from_ego"])[:2, 3]) for meta in metas]
+    driven_m = [
+        float(np.linalg.norm(here - there))
+        for (attempt, there), (same, here) in itertools.pairwise(places)
+        if attempt == same
     ]
-    assert [frame.meta and frame.meta["sample"] for frame in frames] == [0, 1, 2, 3, 4, 5]
+    # Some views were driven past, and samples count on.
+    assert driven_m and max(driven_m) > 15.0
+    assert all(abs(way_m / 10.0 - round(way_m / 10.0)) < 0.1 for way_m in driven_m), driven_m
 
 
-def test_after_empty_views_the_world_is_redrawn_inside_the_episode(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CADET_FAKE", "blank=2")
-    env = make(empty_views_limit=10)
-    env.reset(seed=1)
+class Blank(SmallPolicy):
+    """A policy whose first two worlds of an episode show nothing that gets a label."""
+
+    def draw(self, seed: int, episode: int, attempt: int = 0) -> EpisodeSpec:
+        spec = super().draw(seed, episode, attempt)
+        return replace(spec, config=replace(spec.config, label=NO_LABELS)) if attempt < 2 else spec
+
+
+def test_after_empty_views_the_world_is_redrawn_inside_the_episode() -> None:
+    small = small_policy()
+    policy = Blank(**{f.name: getattr(small, f.name) for f in fields(small)})
+    env = Environment(policy=replace(policy, empty_views_limit=3), rig=RIG)
+    env.reset(seed=3)
     frame = env.step()
     assert frame.meta is not None
     assert (frame.meta["episode"], frame.meta["sample"], frame.meta["attempt"]) == (0, 0, 2)
-    assert frame.meta["world_from_ego"][0][3] == 0.0
 
 
-def test_an_episode_without_objects_ends_in_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CADET_FAKE", "empty")
-    env = make(empty_views_limit=3, attempts_limit=2)
+def test_an_episode_without_objects_ends_in_an_error() -> None:
+    env = make(empty_views_limit=3, attempts_limit=2, label=NO_LABELS)
     env.reset(seed=1)
     with pytest.raises(CadetError) as caught:
         env.step()
     assert str(caught.value) == (
-        "episode 0: no labeled object in sight in 2 worlds of 3 views each; allow more traffic or labels"
+        "episode 0: no labeled object in sight in 2 worlds of 3 views each; allow more traffic or labels, "
+        "or take a map with longer roads"
     )
 
 
@@ -179,7 +191,7 @@ def test_a_random_scene_is_the_first_sample() -> None:
     env = make()
     for seed in range(4):
         env.reset(seed=seed)
-        scene = Scene.random(seed=seed, rig=RIG)
+        scene = Scene.random(seed=seed, rig=RIG, policy=small_policy())
         assert same(env.step(), scene.capture())
 
 

@@ -59,7 +59,7 @@ def episode_of(text: str, **changes: Any) -> Episode:
         ('id="1"', 'id="Straße A"'),
     ],
 )
-def test_dialects_of_other_programs_are_read(core: Any, tmp_path: Path, old: str, new: str) -> None:
+def test_dialects_of_other_programs_are_read(tmp_path: Path, old: str, new: str) -> None:
     assert old in STREET
     scene, _ = read(tmp_path, STREET.replace(old, new, 1))
     (height_m,), *_ = scene.cast_rays([[150.0, -1.6, 30.0]], [[0.0, 0.0, -1.0]])
@@ -82,16 +82,14 @@ def test_dialects_of_other_programs_are_read(core: Any, tmp_path: Path, old: str
         ),
     ],
 )
-def test_what_cant_be_built_is_refused_by_line_and_road(
-    core: Any, tmp_path: Path, old: str, new: str, message: str
-) -> None:
+def test_what_cant_be_built_is_refused_by_line_and_road(tmp_path: Path, old: str, new: str, message: str) -> None:
     assert old in STREET
     with pytest.raises(CadetError) as refused:
         read(tmp_path, STREET.replace(old, new, 1))
     assert message in str(refused.value)
 
 
-def test_a_tenth_of_a_millimeter_that_cant_be_built_is_passed_over(core: Any, tmp_path: Path) -> None:
+def test_a_tenth_of_a_millimeter_that_cant_be_built_is_passed_over(tmp_path: Path) -> None:
     piece = '<geometry s="300" x="300" y="0" hdg="0" length="0.0001"><spiral curvEnd="0.5"/></geometry></planView>'
     scene, said = read(tmp_path, STREET.replace("</planView>", piece))
     assert said == ["m.xodr:5: road 1: <spiral> without curvStart: a piece of 0.0001 m passed over"]
@@ -100,7 +98,7 @@ def test_a_tenth_of_a_millimeter_that_cant_be_built_is_passed_over(core: Any, tm
 
 @pytest.mark.parametrize(("low_m", "high_m"), [(0, 10), (-6, 0), (0, 2), (0, 0.5)])
 def test_roads_that_cross_at_two_heights_have_two_surfaces_or_are_named(
-    core: Any, tmp_path: Path, low_m: float, high_m: float
+    tmp_path: Path, low_m: float, high_m: float
 ) -> None:
     def at(height_m: float, text: str) -> str:
         return text.replace('a="0" b="0.01"', f'a="{height_m}" b="0"')
@@ -116,7 +114,7 @@ def test_roads_that_cross_at_two_heights_have_two_surfaces_or_are_named(
         np.testing.assert_allclose(from_m - hits.range_m, [high_m, low_m], atol=0.12)
 
 
-def test_a_maps_place_on_the_earth_is_kept(core: Any) -> None:
+def test_a_maps_place_on_the_earth_is_kept() -> None:
     projection = "+proj=utm +zone=32 +ellps=WGS84"
     header = f'<header revMajor="1" revMinor="4"><geoReference><![CDATA[{projection}]]></geoReference>'
     placed = re.sub(r"<header[^>]*/>", header + '<offset x="5" y="6" z="7" hdg="0.5"/></header>', STREET)
@@ -125,7 +123,7 @@ def test_a_maps_place_on_the_earth_is_kept(core: Any) -> None:
     assert "map_geo_reference" not in meta_of(episode_of(STREET).next_sample(0))
 
 
-def test_a_far_map_gives_the_frames_of_the_same_map_at_the_origin(core: Any) -> None:
+def test_a_far_map_gives_the_frames_of_the_same_map_at_the_origin() -> None:
     def town(x: float, y: float) -> str:
         return map_of(road(1, x=x - 200.0, y=y, length_m=400.0) + road(2, x=x - 200.0, y=y + 40.0, length_m=400.0))
 
@@ -142,14 +140,14 @@ def test_a_far_map_gives_the_frames_of_the_same_map_at_the_origin(core: Any) -> 
 
 
 @pytest.mark.parametrize("length_m", [10.0, 20.0, 40.0, 120.0])
-def test_an_ego_at_its_roads_end_gets_a_new_world(core: Any, length_m: float) -> None:
+def test_an_ego_at_its_roads_end_gets_a_new_world(length_m: float) -> None:
     episode = episode_of(map_of(road(1, length_m=length_m)), label=cadet.LabelConfig(min_height_px=1.0))
     samples = [episode.next_sample(number) for number in range(5)]
     places = {(sample.origin["attempt"], *np.round(sample.world_from_ego[:2, 3], 2)) for sample in samples}
     assert len(places) == 5
 
 
-def test_a_map_that_is_too_short_to_drive_is_refused_at_once(core: Any) -> None:
+def test_a_map_that_is_too_short_to_drive_is_refused_at_once() -> None:
     message = (
         r"^m\.xodr: too short to drive: no way along its driving lanes is longer than 5\.0 m, expected 8 m or more$"
     )
@@ -157,13 +155,13 @@ def test_a_map_that_is_too_short_to_drive_is_refused_at_once(core: Any) -> None:
         episode_of(map_of(road(1, length_m=5.0))).next_sample(0)
 
 
-def test_a_sequence_says_that_the_ego_stands_at_its_roads_end(core: Any) -> None:
+def test_a_sequence_says_that_the_ego_stands_at_its_roads_end() -> None:
     episode = episode_of(map_of(road(1, length_m=60.0)), time_step_s=5.0)
     with pytest.warns(cadet.CadetWarning, match=r"^m\.xodr: the ego came to the end of its road and stands there"):
         _ = [episode.next_sample(number) for number in range(6)]
 
 
-def test_a_road_of_no_length_is_passed_over(core: Any, tmp_path: Path) -> None:
+def test_a_road_of_no_length_is_passed_over(tmp_path: Path) -> None:
     _, said = read(tmp_path, map_of(road(1) + road(2, length_m=0.0)))
     assert "m.xodr:12: road 2: <road> of length 0: passed over, with the links that lead over it" in said
 
@@ -178,12 +176,12 @@ def test_a_road_of_no_length_is_passed_over(core: Any, tmp_path: Path) -> None:
         ('<OpenDRIVE>\n<road id="1">\n</OpenDRIVE>', "m.xodr:3: not readable as XML: "),
     ],
 )
-def test_other_formats_are_told_apart(core: Any, tmp_path: Path, text: str, message: str) -> None:
+def test_other_formats_are_told_apart(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(CadetError, match=f"^{re.escape(message)}"):
         read(tmp_path, text)
 
 
-def test_left_hand_maps_are_said_to_be(core: Any, tmp_path: Path) -> None:
+def test_left_hand_maps_are_said_to_be(tmp_path: Path) -> None:
     _, said = read(tmp_path, STREET.replace('junction="-1"', 'junction="-1" rule="LHT"'))
     assert said == [
         'm.xodr: left-hand traffic (rule="LHT"): all keep left, but low beams, signs, poles of lights and steering '
@@ -191,7 +189,7 @@ def test_left_hand_maps_are_said_to_be(core: Any, tmp_path: Path) -> None:
     ]
 
 
-def test_left_hand_traffic_in_user_data_alone_is_told(core: Any, tmp_path: Path) -> None:
+def test_left_hand_traffic_in_user_data_alone_is_told(tmp_path: Path) -> None:
     """RoadRunner's maps of OpenDRIVE 1.4."""
 
     def with_directions(right: str, left: str) -> str:

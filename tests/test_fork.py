@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from typing import Any
 
 SCRIPT = """
 import multiprocessing, sys
@@ -43,7 +42,7 @@ print("same")
 """
 
 
-def test_a_forked_child_and_its_child_work_after_the_parent_has(core: Any) -> None:
+def test_a_forked_child_and_its_child_work_after_the_parent_has() -> None:
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", SCRIPT], capture_output=True, text=True, timeout=60, check=False
     )

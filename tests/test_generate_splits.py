@@ -1,4 +1,4 @@
-"""Test episodes of `cadet-gen`, and resuming among files that are none of its own; on the fake core."""
+"""Test episodes of `cadet-gen`, and resuming among files that are none of its own."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.generate.settings import Settings
 from cadet.policy import ResetPolicy
 from gen_process import FAILED, FINE, SIZE, run, tree
+from small_runs import make
 
 FOLDERS = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
 
@@ -30,7 +31,7 @@ def names(first: int, last: int) -> list[str]:
 def split_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Seven episodes, of which the third and the sixth are test."""
     out = tmp_path_factory.mktemp("split") / "out"
-    done = run(out, "-n", 130, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--workers", 1)
+    done = run(out, "-n", 26, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--workers", 1)
     assert (done.returncode, done.stdout) == (FINE, "")
     return out
 
@@ -46,9 +47,9 @@ def test_without_test_frames_there_are_an_empty_list_and_empty_folders(tmp_path:
 
 
 def test_every_third_episode_is_test(split_set: Path) -> None:
-    assert ids(split_set, "test") == names(40, 60) + names(100, 120)
-    assert ids(split_set, "val") == names(20, 40) + names(120, 130)
-    assert ids(split_set, "train") == names(0, 20) + names(60, 100)
+    assert ids(split_set, "test") == names(8, 12) + names(20, 24)
+    assert ids(split_set, "val") == names(4, 8) + names(24, 26)
+    assert ids(split_set, "train") == names(0, 4) + names(12, 20)
     assert ids(split_set, "trainval") == sorted(ids(split_set, "train") + ids(split_set, "val"))
     for part, members in (("training", ids(split_set, "trainval")), ("testing", ids(split_set, "test"))):
         assert sorted(path.name for path in (split_set / part).iterdir()) == FOLDERS
@@ -58,10 +59,10 @@ def test_every_third_episode_is_test(split_set: Path) -> None:
 
 def test_test_frames_are_those_of_the_same_command_without_them(split_set: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert run(out, "-n", 60, "--seed", 3, *SIZE).returncode == FINE
+    make(out, 12)
     plain, with_test = tree(out), tree(split_set)
     for folder, suffix in (("image_2", "png"), ("velodyne", "bin"), ("label_2", "txt"), ("meta", "json")):
-        for frame_id in names(40, 60):
+        for frame_id in names(8, 12):
             name = f"{folder}/{frame_id}.{suffix}"
             assert with_test[f"testing/{name}"] == plain[f"training/{name}"]
 
@@ -72,15 +73,15 @@ def test_the_manifest_names_test_frames(split_set: Path) -> None:
     del files["manifest.json"], files["run.json"]
     assert manifest["sha256"] == files
     assert manifest["test_period"] == 3
-    assert manifest["counts"]["frames"] == 130
+    assert manifest["counts"]["frames"] == 26
 
 
 def test_a_dataset_reads_its_test_frames(split_set: Path, tmp_path: Path) -> None:
     dataset = kitti.Dataset(split_set, "test")
     assert dataset.ids == tuple(ids(split_set, "test"))
-    meta = [frame.meta for frame in (dataset[0], dataset["000119"])]
-    assert [(one["episode"], one["sample"]) for one in meta if one is not None] == [(2, 0), (5, 19)]
-    assert len(kitti.Dataset(split_set)) == 90
+    meta = [frame.meta for frame in (dataset[0], dataset["000023"])]
+    assert [(one["episode"], one["sample"]) for one in meta if one is not None] == [(2, 0), (5, 3)]
+    assert len(kitti.Dataset(split_set)) == 18
     assert kitti.Dataset(split_set / "training", "test").ids == dataset.ids
     shutil.copytree(split_set / "training", tmp_path / "training")
     with pytest.raises(
@@ -93,16 +94,15 @@ def test_labels_of_test_frames_can_be_evaluated(split_set: Path) -> None:
     from cadet.evaluation.sources import choose
 
     chosen = choose(split_set / "testing" / "label_2", split_set / "testing" / "label_2", "test", "results")
-    assert len(chosen.ids) == 40
+    assert len(chosen.ids) == 8
 
 
-@pytest.mark.parametrize("num_first", [41, 110])
+@pytest.mark.parametrize("num_first", [9, 22])
 def test_more_frames_move_no_test_frame(split_set: Path, tmp_path: Path, num_first: int) -> None:
     out = tmp_path / "out"
-    arguments = ("--seed", 3, *SIZE, "--test-fraction", 0.34)
-    assert run(out, "-n", num_first, *arguments).returncode == FINE
+    make(out, num_first, test_period=3)
     before = tree(out)
-    assert run(out, "-n", 130, *arguments, "--resume").returncode == FINE
+    make(out, 26, test_period=3)
     after = tree(out)
     assert after == tree(split_set)
     assert all(after[name] == digest for name, digest in before.items() if name.startswith(("training", "testing")))
@@ -111,10 +111,10 @@ def test_more_frames_move_no_test_frame(split_set: Path, tmp_path: Path, num_fir
 def test_resuming_mends_test_frames(split_set: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     shutil.copytree(split_set, out)
-    (out / "testing" / "velodyne" / "000045.bin").write_bytes(b"short")
-    (out / "testing" / "meta" / "000110.json").unlink()
+    (out / "testing" / "velodyne" / "000009.bin").write_bytes(b"short")
+    (out / "testing" / "meta" / "000022.json").unlink()
     shutil.rmtree(out / "testing" / "calib")
-    assert run(out, "-n", 130, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--resume").returncode == FINE
+    make(out, 26, test_period=3)
     assert tree(out) == tree(split_set)
 
 
@@ -124,15 +124,15 @@ def test_fewer_frames_than_testing_has_are_refused(split_set: Path, tmp_path: Pa
     for folder in FOLDERS:
         for path in (out / "training" / folder).iterdir():
             path.unlink()
-    done = run(out, "-n", 119, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--resume")
+    done = run(out, "-n", 23, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--resume")
     assert (done.returncode, done.stderr) == (
         FAILED,
-        f"cadet-gen: {out} has frames up to 000119 already: give at least -n 120\n",
+        f"cadet-gen: {out} has frames up to 000023 already: give at least -n 24\n",
     )
 
 
 def test_another_test_fraction_is_another_run(split_set: Path) -> None:
-    done = run(split_set, "-n", 130, "--seed", 3, *SIZE, "--resume")
+    done = run(split_set, "-n", 26, "--seed", 3, *SIZE, "--resume")
     assert done.returncode == FAILED
     assert "was begun with other settings: test_period was 3, now 0" in done.stderr
 
@@ -155,11 +155,11 @@ def test_a_split_is_a_function_of_the_episode() -> None:
 @pytest.mark.parametrize("name", ["000039 (copy).png", "999999999.png", "0.png", "12345٣.png", "000050.png.bak"])
 def test_resuming_passes_over_strange_files(tmp_path: Path, name: str) -> None:
     out = tmp_path / "out"
-    assert run(out, "-n", 1, *SIZE).returncode == FINE
+    make(out, 1)
     whole = tree(out)
     for part in ("training", "testing"):
         (out / part / "image_2" / name).write_bytes(b"a copy")
-    assert run(out, "-n", 1, *SIZE, "--resume").returncode == FINE
+    make(out, 1)
     assert {path: digest for path, digest in tree(out).items() if Path(path).name != name} == whole
 
 
@@ -177,11 +177,10 @@ META = [
 @pytest.mark.parametrize("meta", META)
 def test_resuming_makes_a_frame_anew_whose_meta_holds_no_hashes(tmp_path: Path, meta: str) -> None:
     out = tmp_path / "out"
-    assert run(out, "-n", 1, *SIZE).returncode == FINE
+    make(out, 1)
     whole = tree(out)
     (out / "training" / "meta" / "000000.json").write_text(meta, encoding="latin-1")
-    done = run(out, "-n", 1, *SIZE, "--resume")
-    assert done.returncode == FINE, done.stderr
+    assert [made.is_new for made in make(out, 1)] == [True]
     assert tree(out) == whole
 
 
@@ -199,7 +198,7 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_damaged_record_is_named_and_made_anew(tmp_path: Path, change: str, has_manifest: bool) -> None:
     out = tmp_path / "out"
-    assert run(out, "-n", 2, *SIZE).returncode == FINE
+    make(out, 2)
     whole = tree(out)
     meta = out / "training" / "meta" / "000000.json"
     damaged = meta.read_text().replace(*CHANGES[change])
@@ -210,20 +209,19 @@ def test_a_damaged_record_is_named_and_made_anew(tmp_path: Path, change: str, ha
     found = [finding for finding in kitti.lint(out) if finding.rule == "wrong-hash"]
     assert {finding.file for finding in found} <= {"meta/000000.json", "velodyne/000000.bin"}
     assert [finding.file for finding in found].count("meta/000000.json") == 1
-    done = run(out, "-n", 2, *SIZE, "--resume")
-    assert done.returncode == FINE and "(1 were there)" in done.stderr
+    assert sorted((made.number, made.is_new) for made in make(out, 2)) == [(0, True), (1, False)]
     assert tree(out) == whole
 
 
 def test_frames_at_a_standstill_are_counted_and_said(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = run(out, "-n", 60, *SIZE, "--workers", 1, fault="stand=2")
-    said = "40 of 60 frames were taken at a standstill, among them more than half of these episodes': 0, 1; "
+    done = run(out, "-n", 12, *SIZE, "--workers", 1, fault="stand=2")
+    said = "8 of 12 frames were taken at a standstill, among them more than half of these episodes': 0, 1; "
     assert done.returncode == FINE and said in done.stderr
     whole = tree(out)
-    assert json.loads((out / "manifest.json").read_text())["counts"]["standing"] == 40
+    assert json.loads((out / "manifest.json").read_text())["counts"]["standing"] == 8
     (out / "training" / "meta" / "000003.json").unlink()
-    done = run(out, "-n", 60, *SIZE, "--workers", 1, "--resume", fault="stand=2")
+    done = run(out, "-n", 12, *SIZE, "--workers", 1, "--resume", fault="stand=2")
     assert said in done.stderr and tree(out) == whole
 
 

@@ -218,7 +218,7 @@ def test_what_cannot_be_undone_is_said(tmp_path: Path) -> None:
 
 
 @real_kitti.needs_kitti
-def test_kittis_own_scans_give_the_table_of_its_sensor(core: object) -> None:
+def test_kittis_own_scans_give_the_table_of_its_sensor() -> None:
     fit = fit_lidar([real_kitti.ROOT])
     assert fit.num_scans >= 6
     assert fit.median_residual_m < 0.001
@@ -247,7 +247,7 @@ def test_kittis_own_scans_give_the_table_of_its_sensor(core: object) -> None:
 
 
 @pytest.fixture(scope="module")
-def suburbs(core: object) -> list[Scene]:
+def suburbs() -> list[Scene]:
     return [Scene.random(seed=seed, weather="clear_noon") for seed in range(4)]
 
 
@@ -301,7 +301,7 @@ def test_scans_that_are_none_are_refused_in_one_line(yard: Path, tmp_path: Path)
 
 
 def test_the_command_writes_what_the_generator_reads(
-    core: object, yard: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    yard: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def run(*arguments: object) -> int | str | None:
         monkeypatch.setattr(sys, "argv", ["cadet", "fit-lidar", *map(str, arguments)])
@@ -346,7 +346,7 @@ ROUNDED = [0, 5e-4, 5e-5, 0.05, 5e-3, 5e-4, 0.5, 0, 5e-3, 0.05, 0.5, 0.5, 5e-3]
 
 
 @pytest.mark.parametrize("columns", [None, 80, 40])
-def test_the_command_prints_its_whole_table(core: object, yard: Path, tmp_path: Path, columns: int | None) -> None:
+def test_the_command_prints_its_whole_table(yard: Path, tmp_path: Path, columns: int | None) -> None:
     """Into a pipe, and in terminals that are wide enough and that are not."""
     code = "from cadet.cli import run_cadet; run_cadet()"
     command = [sys.executable, "-c", code, "fit-lidar", str(yard / "0.bin"), "-o", str(tmp_path / "mine.toml")]

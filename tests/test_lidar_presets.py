@@ -50,14 +50,14 @@ def test_numbers_are_the_data_sheets(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BEAMS)
-def test_beams_are_the_same_bit_for_bit(core: object, name: str) -> None:
+def test_beams_are_the_same_bit_for_bit(name: str) -> None:
     found = hashlib.sha256()
     for array in cadet.Lidar(name).rays():
         found.update(np.ascontiguousarray(array).tobytes())
     assert found.hexdigest()[:16] == BEAMS[name]
 
 
-def test_the_hdl32e_hops_between_its_banks(core: object) -> None:
+def test_the_hdl32e_hops_between_its_banks() -> None:
     beams = cadet.Lidar("hdl32e").beam_table()
     column_deg = 360.0 / beams.num_columns
     # The manual's firing order: -30.67, -9.33, -29.33, -8.00, ... -10.67, 10.67, one each 1.152 us.
@@ -73,7 +73,7 @@ def test_the_vlp16s_lasers_seem_to_leave_one_circle() -> None:
         assert laser.height_m == pytest.approx(-0.0419 * math.tan(math.radians(laser.elevation_deg)), abs=1e-4)
 
 
-def test_the_vls128_is_densest_about_the_horizon(core: object) -> None:
+def test_the_vls128_is_densest_about_the_horizon() -> None:
     elevations = np.array([laser.elevation_deg for laser in cadet.Lidar("vls128").beam_table().rings])
     steps = -np.diff(elevations)
     middle = (elevations[:-1] > -6.0) & (elevations[1:] < 4.5)

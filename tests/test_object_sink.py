@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import importlib.util
 import json
 import sys
 import uuid
@@ -19,19 +18,14 @@ from cadet.generate.folder import open_folder
 from cadet.object_sink import ObjectSink, is_url, open_sink
 from cadet.sink import LocalSink, Sink, read_each
 from gen_process import FAILED, FINE, SIZE, run, tree
-from in_ci import skip_or_fail_in_ci
-
-
-def need(*modules: str) -> None:
-    for module in modules:
-        if importlib.util.find_spec(module) is None:
-            skip_or_fail_in_ci(f"{module} is not installed (pip install 'cadet-sim[dev]')")
+from small_runs import small_policy
 
 
 @pytest.fixture(scope="module")
 def endpoint() -> Iterator[str]:
     """Serve S3 on a free port of loopback, with credentials and endpoint where S3's libraries look for them."""
-    need("moto", "s3fs", "boto3")
+    for module in ("moto", "s3fs", "boto3"):
+        pytest.importorskip(module, reason=f"needs {module}")
     from moto.server import ThreadedMotoServer
 
     server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
@@ -70,7 +64,7 @@ def sink(request: pytest.FixtureRequest, tmp_path: Path) -> Sink:
     if request.param == "folder":
         return LocalSink(tmp_path / "set")
     if request.param == "memory":
-        need("fsspec")
+        pytest.importorskip("fsspec", reason="needs fsspec")
         return ObjectSink(f"memory://{uuid.uuid4().hex}/set")
     return ObjectSink(f"s3://{request.getfixturevalue('bucket')}/set")
 
@@ -115,7 +109,6 @@ def test_chunks_that_end_in_an_error_leave_the_old_object(sink: Sink) -> None:
 
 
 @pytest.mark.timeout(300)
-@pytest.mark.usefixtures("fake_core")
 def test_a_set_in_s3_has_the_bytes_of_a_local_one_and_is_resumed(
     endpoint: str,
     bucket: str,
@@ -125,22 +118,23 @@ def test_a_set_in_s3_has_the_bytes_of_a_local_one_and_is_resumed(
 ) -> None:
     import boto3
 
-    command = ("-n", 24, "--seed", 3, *SIZE, "--workers", 2)
+    command = ("-n", 7, "--seed", 3, *SIZE, "--workers", 2)
     assert run(tmp_path / "local", *command).returncode == FINE
     wanted = {name: (tmp_path / "local" / name).read_bytes() for name in tree(tmp_path / "local")}
     url = f"s3://{bucket}/deep/set"
     done = run(url, *command)
     assert (done.returncode, done.stdout) == (FINE, ""), done.stderr
-    assert f"24 frames in {url} at " in done.stderr
+    assert f"7 frames in {url} at " in done.stderr
     found = {key.removeprefix("deep/set/"): data for key, data in objects(endpoint, bucket).items()}
     assert found == wanted
 
     # Refused before a worker starts, so this process may ask.
     for arguments, message in {
-        ("-n", "24"): f"{url} is not empty: name a new folder, or go on with --resume\n",
-        ("-n", "24", "--resume"): f"{url} was begun with other settings: seed was 3, now 0; give the same",
-        ("-n", "20", "--seed", "3", "--resume"): f"{url} has frames up to 000023 already: give at least -n 24\n",
+        ("-n", "7"): f"{url} is not empty: name a new folder, or go on with --resume\n",
+        ("-n", "7", "--resume"): f"{url} was begun with other settings: seed was 3, now 0; give the same",
+        ("-n", "6", "--seed", "3", "--resume"): f"{url} has frames up to 000006 already: give at least -n 7\n",
     }.items():
+        monkeypatch.setattr(ResetPolicy, "kitti", small_policy)
         monkeypatch.setattr(sys, "argv", ["cadet-gen", url, *SIZE, *arguments])
         with pytest.raises(SystemExit) as ended:
             run_cadet_gen()
@@ -148,10 +142,10 @@ def test_a_set_in_s3_has_the_bytes_of_a_local_one_and_is_resumed(
         assert capsys.readouterr().err.startswith(f"cadet-gen: {message}")
 
     client = boto3.client("s3", endpoint_url=endpoint)
-    client.delete_object(Bucket=bucket, Key="deep/set/training/velodyne/000007.bin")
-    client.put_object(Bucket=bucket, Key="deep/set/training/image_2/000021.png", Body=b"damaged")
+    client.delete_object(Bucket=bucket, Key="deep/set/training/velodyne/000002.bin")
+    client.put_object(Bucket=bucket, Key="deep/set/training/image_2/000005.png", Body=b"damaged")
     done = run(url, *command, "--resume")
-    assert "24 frames (22 were there)" in done.stderr
+    assert "7 frames (5 were there)" in done.stderr
     assert {key.removeprefix("deep/set/"): data for key, data in objects(endpoint, bucket).items()} == wanted
 
 

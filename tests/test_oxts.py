@@ -14,8 +14,6 @@ from cadet.kitti.calib import KEYS
 from cadet.kitti.from_sample import calibration_of
 from cadet.kitti_sequences.oxts import FIELDS, oxts_lines
 
-pytestmark = pytest.mark.usefixtures("fake_core")
-
 Array = NDArray[np.float64]
 RADIUS_M, TURN = 30.0, 0.4
 

@@ -33,6 +33,12 @@ def test_every_extra_that_is_named_exists() -> None:
     assert {"avod", "gym", "view"} <= named <= set(extras)
 
 
+def test_every_exception_to_the_lint_is_of_files_that_exist() -> None:
+    ruff = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["ruff"]
+    patterns = [name if "/" in name else f"python/**/{name}" for name in ruff["lint"]["per-file-ignores"]]
+    assert patterns and [pattern for pattern in patterns if not any(ROOT.glob(pattern))] == []
+
+
 def test_the_workflow_checks_golden_frames_where_they_are_promised() -> None:
     """README: identical bytes are guaranteed on Linux on x86-64 alone."""
     workflow = (ROOT / ".github" / "workflows" / "wheels.yml").read_text()

@@ -62,7 +62,7 @@ def test_without_walls_range_errors_are_unknown_and_0(tmp_path: Path) -> None:
     assert any("range errors are unknown, and 0 here: 0 flat patches" in line for line in fit.remarks())
 
 
-def test_streets_tell_kittis_range_errors_but_for_their_trend(core: object, tmp_path: Path) -> None:
+def test_streets_tell_kittis_range_errors_but_for_their_trend(tmp_path: Path) -> None:
     """A trend from the top ring to the bottom one shows in nothing but how upright walls stand."""
     lidar = Lidar.hdl64e_kitti()
     for seed in range(4):

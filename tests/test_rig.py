@@ -57,7 +57,7 @@ def test_the_camera_leans_and_looks_up_beside_the_lidar_as_kittis_does() -> None
 def test_what_is_written_is_kittis_own_file(name: str, frame: str, size: tuple[int, int]) -> None:
     path = SHARED / frame
     if not path.is_file():
-        pytest.skip(f"{path} is missing")
+        pytest.skip(f"needs {frame} in ../shared/")
     rig = Rig.kitti(calibration=name)
     assert (rig.camera.width, rig.camera.height) == size
     written = calibration(rig).to_text()
@@ -93,6 +93,16 @@ def test_kittis_rigs_differ_in_name_and_share() -> None:
     assert len({rig.name for rig, _ in rigs}) == 4
     # Frames of the object benchmark's training set by recording day.
     assert [round(7481 * share) for _, share in rigs] == [6057, 770, 358, 296]
+
+
+def test_a_rig_with_another_sensor_has_another_name() -> None:
+    rig = Rig.kitti()
+    assert rig.with_lidar(Lidar.vlp16()).name == "kitti_vlp16"
+    assert Rig.kitti(calibration="2011_09_28").with_lidar(Lidar.vlp16()).name == "kitti_2011_09_28_vlp16"
+    # How the same sensor takes its scans is told beside its name.
+    assert rig.with_lidar(Lidar.hdl64e_kitti(rolling=True)).name == "kitti"
+    with pytest.raises(CadetError, match=r"^Rig\.lidar: expected a Lidar, got 'vlp16'$"):
+        rig.with_lidar("vlp16")  # type: ignore[arg-type]
 
 
 def test_the_shipped_tools_rig_sees_90_degrees_from_one_point() -> None:
@@ -173,11 +183,6 @@ def test_nonsense_is_refused_by_name(make: Any, message: str) -> None:
     with pytest.raises(CadetError) as caught:
         make()
     assert str(caught.value) == message
-
-
-def test_a_lidars_rays_come_from_the_core(fake_core: Any) -> None:
-    assert Lidar.cadet().rays()[0][0, 2] == 0.2
-    assert Lidar("cadet", single_origin=True).rays()[0][0, 2] == 0.0
 
 
 def test_how_a_scan_is_taken_is_checked_and_recorded() -> None:

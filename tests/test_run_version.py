@@ -12,8 +12,6 @@ from cadet.generate import Settings
 from cadet.generate.folder import open_folder
 from cadet.generate.settings import FORMAT_VERSION
 
-pytestmark = pytest.mark.usefixtures("core")
-
 
 @pytest.mark.parametrize(
     ("change", "old"),

@@ -20,10 +20,11 @@ from cadet import (
     ShapeError,
     stream,
 )
+from fuzz.road_text import map_of, road
+from small_runs import ROAD
 
-pytestmark = pytest.mark.usefixtures("fake_core")
-
-RIG = Rig(camera=Camera.kitti().resized(64, 32))
+RIG = Rig(camera=Camera.kitti().resized(64, 32), lidar=Lidar.vlp16())
+TOWN = map_of(road(0, length_m=200.0))
 NAN = float("nan")
 
 
@@ -33,8 +34,8 @@ def empty() -> Scene:
 
 def test_what_is_asked_for_reaches_the_frame(tmp_path: Path) -> None:
     path = tmp_path / "village.xodr"
-    path.write_text("<OpenDRIVE/>")
-    frame = Scene.random(seed=1, map=path, weather="snow", rig=RIG, config=SceneConfig(num_cars=1)).capture()
+    path.write_text(TOWN)
+    frame = Scene.random(seed=1, map=path, weather="snow", rig=RIG, config=SceneConfig(num_cars=3)).capture()
     assert frame.meta is not None
     assert (frame.meta["map"], frame.meta["weather"]) == ("village.xodr", "snow")
     assert frame.image.shape == (32, 64, 3)
@@ -42,18 +43,18 @@ def test_what_is_asked_for_reaches_the_frame(tmp_path: Path) -> None:
 
 
 def test_without_a_seed_one_is_drawn_and_told() -> None:
-    scene = Scene.random(rig=RIG)
+    scene = Scene.random(rig=RIG, map=ROAD)
     seed, meta = scene.seed, scene.capture().meta
     assert seed is not None and meta is not None and meta["seed"] == seed
-    assert Scene.random(seed=seed, rig=RIG).capture().meta == meta
-    assert Scene.random(rig=RIG).seed != seed
+    assert Scene.random(seed=seed, rig=RIG, map=ROAD).capture().meta == meta
+    assert Scene.random(rig=RIG, map=ROAD).seed != seed
     scene.step(1.0)
     assert scene.seed == seed and empty().seed is None
 
 
 def test_a_map_is_a_file_or_one_that_was_read(tmp_path: Path) -> None:
     path = tmp_path / "village.xodr"
-    path.write_text("<OpenDRIVE/>")
+    path.write_text(TOWN)
     read = RoadMap.read(path)
     one, two = (Scene.random(seed=1, map=given, rig=RIG).capture().meta for given in (read, path))
     assert one == two and one is not None and one["map"] == "village.xodr"
@@ -63,7 +64,7 @@ def test_a_map_is_a_file_or_one_that_was_read(tmp_path: Path) -> None:
 
 
 def test_the_same_instant_gives_the_same_frame_and_a_later_one_fresh_noise() -> None:
-    scene = Scene.random(seed=1, rig=RIG)
+    scene = Scene.random(seed=1, rig=RIG, map=ROAD)
     first, second, third = (scene.capture() for _ in range(3))
     assert np.array_equal(first.image, second.image)
     assert first.meta is not None
@@ -77,34 +78,60 @@ def test_the_same_instant_gives_the_same_frame_and_a_later_one_fresh_noise() -> 
     assert not np.array_equal(first.image, scene.capture().image)
 
 
+def places(scene: Scene) -> dict[int, list[float]]:
+    """Return x and y of every agent."""
+    return {agent.id: np.round(agent.position_world[:2], 3).tolist() for agent in scene.agents}
+
+
 def test_actors_and_the_ego_go_where_they_are_put() -> None:
     scene = empty()
-    assert scene.add("car", x=12, y=-3.5, yaw=0.1, model_seed=3) == 1
-    scene.move_ego(x=1, y=2, yaw=3)
-    scene.add("van", x=0, y=0, yaw=1, speed=5, overlap="allow")
-    scene.add("pedestrian", path=[(0, 1, 2), (3, 4, 5)])
-    scene.move_ego(x=1, y=2, yaw=3, overlap="allow")
-    native = cast(Any, scene)._native
-    assert native.calls == [
-        "add car 3 (12.0, -3.5, 0.1) None False",
-        "move_ego 1.0 2.0 3.0 False",
-        "add van 0 (0.0, 0.0, 1.0) 5.0 True",
-        "add pedestrian 0 [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]] None False",
-        "move_ego 1.0 2.0 3.0 True",
-    ]
+    car = scene.add("car", x=12, y=-3.5, yaw=0.1, model_seed=3)
+    van = scene.add("van", x=30, y=0, yaw=np.pi / 2, speed=5)
+    walker = scene.add("pedestrian", path=[(0, 6, 8), (3, 9, 8)])
+    assert places(scene) == {car: [12, -3.5], van: [30, 0], walker: [6, 8]}
+    kinds = {agent.id: agent.type for agent in scene.agents}
+    assert kinds == {car: "Car", van: "Van", walker: "Pedestrian"}
+    scene.step(1.0)
+    moved = places(scene)
+    assert moved[car] == [12, -3.5]
+    assert moved[van] == pytest.approx([30, 5], abs=0.1) and moved[walker] == pytest.approx([7, 8], abs=0.1)
+    scene.move_ego(x=1, y=2, yaw=np.pi / 2)
+    pose = scene.sensor_poses()["world_from_velo"]
+    assert pose[:2, 3] == pytest.approx([1, 2], abs=0.1)
+    assert pose[:2, 0] == pytest.approx([0, 1], abs=0.01), "it looks north"
 
 
-def test_scans_rays_and_poses_pass_through() -> None:
+def test_no_two_stand_in_a_place_unless_it_is_allowed() -> None:
     scene = empty()
+    scene.add("car", x=12, y=0, yaw=0)
+    for x in (12.0, 0.0):
+        with pytest.raises(CadetError, match="overlap"):
+            scene.add("van", x=x, y=0, yaw=1)
+    with pytest.raises(CadetError, match="overlap"):
+        scene.move_ego(x=12, y=0, yaw=0)
+    assert scene.num_actors == 1
+    scene.add("van", x=12, y=0, yaw=1, overlap="allow")
+    scene.move_ego(x=12, y=0, yaw=0, overlap="allow")
+    assert scene.num_actors == 2
+
+
+def test_scans_rays_and_poses_are_those_of_the_square() -> None:
+    scene = empty()
+    poses = scene.sensor_poses()
+    assert sorted(poses) == ["world_from_cam", "world_from_velo"]
+    assert poses["world_from_velo"][:3, 3] == pytest.approx([0, 0, 1.73], abs=0.01)
     scan = scene.scan(Lidar.cadet(), ideal=True)
-    assert scan.points_velo.shape == (4, 4)
-    assert np.isinf(scan.range_m).all()
-    hits = scene.cast_rays([[0, 0, 1], [0, 0, 2]], [[1, 0, 0], [0, 1, 0]])
-    assert hits.range_m.tolist() == [7.0, 7.0]
+    is_hit = np.isfinite(scan.range_m)
+    assert scan.points_velo.shape == (40 * (scan.column.max() + 1), 4) and 0 < is_hit.sum() < len(is_hit)
+    points_world = scan.points_velo[is_hit, :3] @ poses["world_from_velo"][:3, :3].T + poses["world_from_velo"][:3, 3]
+    assert np.abs(points_world[:, 2]).max() < 0.01, "the ground is all there is"
+    hits = scene.cast_rays([[50, 0, 1], [50, 0, 2]], [[0, 0, -3], [0, 0, 1]])
+    assert hits.range_m.tolist() == [1.0, np.inf] and hits.actor_id.tolist() == [0, -1]
+    assert hits.normal_world[0].tolist() == [0, 0, 1]
     assert scene.cast_rays([], []).range_m.shape == (0,)
-    assert sorted(scene.sensor_poses()) == ["world_from_cam", "world_from_velo"]
-    assert [a.shape for a in scene.triangles()] == [(3, 3), (1, 3), (1,)]
-    assert cast(Any, scene)._native.calls == ["scan cadet True 0"]
+    vertices, faces, actor_id = scene.triangles()
+    assert vertices.shape[1:] == (3,) and faces.shape == (scene.num_triangles, 3) == (len(actor_id), 3)
+    assert np.abs(vertices[:, :2]).max() == 200.0
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,6 @@ from evaluation_helpers import detected
 from obj_meshes import assets_folder
 from synthetic import make_frame
 
-pytestmark = pytest.mark.usefixtures("core")
-
 NAMESPACES = (cadet, kitti, generate)
 OURS = {"to_native", "from_native", "core"}
 """Methods that the package calls to hand objects to its core."""

@@ -11,8 +11,6 @@ from cadet.errors import CadetError, FileFormatError, MissingFileError
 from cadet.simulation import Simulation
 from obj_meshes import assets_folder
 
-pytestmark = pytest.mark.usefixtures("core")
-
 
 def read(folder: Path, text: str) -> Simulation:
     (folder / "town.toml").write_text(text)

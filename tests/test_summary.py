@@ -15,8 +15,6 @@ from evaluation_helpers import detected
 from obj_meshes import assets_folder
 from synthetic import make_frame
 
-pytestmark = pytest.mark.usefixtures("core")
-
 SCREEN = 80 * 24
 
 

@@ -1,4 +1,4 @@
-"""`cadet view` and `cadet check`, on frames of the fake core."""
+"""`cadet view` and `cadet check`."""
 
 from __future__ import annotations
 
@@ -9,17 +9,15 @@ from pathlib import Path
 import cv2
 import pytest
 
-from cadet import Environment, kitti
+from cadet import kitti
 from cadet.cli import run_cadet
 from synthetic import make_frame
 
 
 @pytest.fixture
-def dataset(fake_core: object, tmp_path: Path) -> Path:
-    env = Environment()
-    env.reset(seed=0)
+def whole(tmp_path: Path) -> Path:
     for number in range(2):
-        kitti.write_frame(tmp_path / "set", number, env.step())
+        kitti.write_frame(tmp_path / "set", number, make_frame(seed=number))
     return tmp_path / "set"
 
 
@@ -30,34 +28,27 @@ def cadet(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int | str | No
     return ended.value.code
 
 
-def test_view_draws_a_frame(dataset: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    out = dataset.parent / "frame.png"
-    assert cadet(monkeypatch, "view", dataset / "000001", "-o", out) == 0
+def test_view_draws_a_frame(whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    out = whole.parent / "frame.png"
+    assert cadet(monkeypatch, "view", whole / "000001", "-o", out) == 0
     assert capsys.readouterr().out == f"wrote {out}\n"
     picture = cv2.imread(str(out))
     assert picture is not None
     assert picture.shape[1] == 1920
 
 
-def test_view_of_a_dataset_draws_some_of_its_frames(dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    out = dataset.parent / "overview.png"
-    assert cadet(monkeypatch, "view", dataset, "-o", out) == 0
+def test_view_of_a_whole_draws_some_of_its_frames(whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = whole.parent / "overview.png"
+    assert cadet(monkeypatch, "view", whole, "-o", out) == 0
     two_rows = cv2.imread(str(out))
-    (dataset / "training" / "calib" / "000001.txt").unlink()
+    (whole / "training" / "calib" / "000001.txt").unlink()
     for folder in ("image_2", "velodyne"):
-        next((dataset / "training" / folder).glob("000001.*")).unlink()
-    assert cadet(monkeypatch, "view", dataset, "-o", out) == 0
+        next((whole / "training" / folder).glob("000001.*")).unlink()
+    assert cadet(monkeypatch, "view", whole, "-o", out) == 0
     one_row = cv2.imread(str(out))
     assert two_rows is not None
     assert one_row is not None
     assert two_rows.shape[0] > 1.8 * one_row.shape[0]
-
-
-@pytest.fixture
-def whole(tmp_path: Path) -> Path:
-    for number in range(2):
-        kitti.write_frame(tmp_path / "set", number, make_frame(seed=number))
-    return tmp_path / "set"
 
 
 def test_check_names_file_and_line_and_exits_1(

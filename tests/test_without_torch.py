@@ -7,8 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 _WITHOUT = "import sys; sys.modules['torch'] = None; sys.modules['safetensors'] = None; sys.argv = ['avod', 'train'];"
 
 
@@ -21,9 +19,6 @@ def run(code: str) -> subprocess.CompletedProcess[str]:
         timeout=60,
         env={**os.environ, "PYTHONPATH": path},
     )
-
-
-pytestmark = pytest.mark.usefixtures("core")
 
 
 def test_the_command_is_one_clear_line() -> None:

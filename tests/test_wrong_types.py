@@ -232,7 +232,6 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
 }
 
 
-@pytest.mark.usefixtures("core")
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")
 def test_a_wrong_type_is_refused_in_one_line(call: str) -> None:
@@ -244,7 +243,6 @@ def test_a_wrong_type_is_refused_in_one_line(call: str) -> None:
                 pytest.fail(f"{call}({name}={str(value)[:40]!r}): {wrong}")
 
 
-@pytest.mark.usefixtures("core")
 def test_a_scene_refuses_what_is_no_place_configuration_or_kind() -> None:
     scene = cadet.Scene.empty(rig=TINY)
     for value in ODD:
@@ -268,7 +266,6 @@ def test_a_scene_refuses_what_is_no_place_configuration_or_kind() -> None:
     assert scene.num_actors == 0
 
 
-@pytest.mark.usefixtures("core")
 def test_numpy_numbers_are_numbers_everywhere() -> None:
     three, half = np.int64(3), np.float32(0.5)
     drawn = cadet.ResetPolicy.kitti().draw(three, np.uint8(1), np.int32(0))  # type: ignore[arg-type]

@@ -29,9 +29,14 @@ class Detector:
         device: where the network runs.
         precision: of the arithmetic of layers, None for float32.
 
+    Attributes:
+        config: the network's configuration, with what `configure` changed for this detector alone.
+
     Raises:
         CadetError: a device that is unknown, or that this machine lacks.
     """
+
+    config: Config
 
     def __init__(
         self,
@@ -43,6 +48,7 @@ class Detector:
         self.device = resolve_device(device)
         self.network = network.to(self.device).eval()
         self.network.precision = precision
+        self.config = network.config
 
     @classmethod
     def load(
@@ -86,16 +92,11 @@ class Detector:
             detection = replace(detection, min_score=min_score)
         if nms_iou is not None:
             detection = replace(detection, nms_iou=nms_iou)
-        self.network.config = replace(config, rpn=rpn, detection=detection)
+        self.config = replace(config, rpn=rpn, detection=detection)
 
     def __repr__(self) -> str:
         num_weights = sum(parameter.numel() for parameter in self.network.parameters())
         return summary(self, classes=self.config.class_names, num_weights=num_weights, device=str(self.device))
-
-    @property
-    def config(self) -> Config:
-        """The detector's configuration."""
-        return self.network.config
 
     def detect(
         self,
@@ -140,7 +141,7 @@ class Detector:
             CadetError: the network's outputs are no numbers.
         """
         with torch.inference_mode():
-            outputs: FrameOutputs = self.network([sample])[0]
+            outputs: FrameOutputs = self.network([sample], config=self.config)[0]
             if not bool(torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()):
                 raise CadetError(f"frame {sample.frame_id}: the network's outputs are not finite")
         return outputs

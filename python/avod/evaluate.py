@@ -97,7 +97,7 @@ ABLATIONS: Final[Mapping[str, tuple[bool, bool]]] = {"image masked": (False, Tru
 
 
 def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector:
-    """Return a detector of the same weights that one sensor's feature maps are hidden from.
+    """Return a detector with the same network that one sensor's feature maps are hidden from.
 
     Both stages then see the other's crops alone, as path drop shows them in training. Points still choose the anchors
     that are looked at, the ground plane, and how high proposals stand where the configuration measures that.
@@ -107,12 +107,12 @@ def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector
     """
     if not has_image and not has_lidar:
         raise CadetError("without image and LIDAR there is nothing to detect in")
-    network = copy(detector.network)
+    masked = copy(detector)
     # A modality that training never kept is not seen in detection.
-    network.config = replace(
+    masked.config = replace(
         detector.config, path_drop=PathDropConfig(keep_image=float(has_image), keep_bev=float(has_lidar))
     )
-    return Detector(network, device=detector.device, precision=detector.network.precision)
+    return masked
 
 
 def ablation(detector: Detector, data: Data, ids: tuple[str, ...], **settings: Any) -> dict[str, Analysis]:

@@ -195,8 +195,10 @@ class Rig:
         return replace(self, more=self.more + sensors)
 
     def with_lidar(self, lidar: Lidar) -> Rig:
-        """Return the rig with another LIDAR in the place of its first."""
-        return replace(self, lidar=lidar)
+        """Return the rig with another LIDAR in the place of its first, and another sensor's name behind its own."""
+        check_kind("Rig", "lidar", lidar, Lidar)
+        is_same = lidar.name == self.lidar.name
+        return replace(self, lidar=lidar, name=self.name if is_same else f"{self.name}_{lidar.name}")
 
     def with_image_size(self, width: int, height: int) -> Rig:
         """Return the rig with the image of its first camera scaled, in pixels.

@@ -111,11 +111,12 @@ class Scene:
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
     ) -> Scene:
-        """Make a scene without traffic, the ego at the start of a lane, to script.
+        """Make a scene without traffic to script, the ego at the start of a lane of the map.
 
         Args:
-            map: an OpenDRIVE file, or one that was read; None is a level square of 400 m with a road of two lanes along
-                x between lawns. The ego stands at the origin, in the right lane.
+            map: an OpenDRIVE file, or one that was read; None is a level square of 400 m that looks like a road of two
+                lanes along x between lawns. The ego stands at the origin, in the right one; since nothing can be driven
+                along there, `command_ego` needs a map.
             weather: a preset of `weather_names()`.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.
@@ -260,7 +261,7 @@ class Scene:
             lateral_m: meters to the left of the lane's middle to reach at 1 m/s and keep.
 
         Raises:
-            CadetError: a number out of range, or the ego stands on no lane.
+            CadetError: a number out of range, or the ego stands on no lane, as in an empty scene without a map.
         """
         self._native.command_ego(None if speed_mps is None else as_command("command_ego", speed_mps, lateral_m))
 

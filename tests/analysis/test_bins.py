@@ -15,8 +15,6 @@ from cadet import CadetError, MissingFileError, kitti
 from cadet.kitti import Label
 from synthetic import make_frame
 
-pytestmark = pytest.mark.usefixtures("core")
-
 
 def distance(label: Label) -> float:
     return math.hypot(label.location_cam[0], label.location_cam[2])

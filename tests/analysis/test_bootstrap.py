@@ -17,8 +17,6 @@ from cadet.analysis.bootstrap import draw_frames
 from cadet.analysis.groups import find_groups
 from cadet.kitti import Label, text_from_labels
 
-pytestmark = pytest.mark.usefixtures("core")
-
 Frames = list[list[Label]]
 CARS: dict[str, Any] = {"parts": [], "classes": ["Car"], "levels": "large_small"}
 

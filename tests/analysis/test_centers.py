@@ -13,8 +13,6 @@ from analysis_helpers import car, found, moved, set_of_cars, shaky_set
 from cadet.analysis.centers import CenterAp
 from cadet.kitti import Label
 
-pytestmark = pytest.mark.usefixtures("core")
-
 Frames = list[list[Label]]
 
 

@@ -18,8 +18,6 @@ from cadet.cli.tools import cadet as command
 from cadet.evaluation import LEVELS, Rules
 from cadet.kitti import Label, text_from_labels
 
-pytestmark = pytest.mark.usefixtures("core")
-
 RULES = """
 [[level]]
 name = "Any"

@@ -16,8 +16,6 @@ from cadet.analysis.class_errors import ClassErrors
 from cadet.analysis.mending import mend_boxes
 from cadet.kitti import Label
 
-pytestmark = pytest.mark.usefixtures("core")
-
 Frames = list[list[Label]]
 
 

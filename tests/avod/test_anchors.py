@@ -68,6 +68,15 @@ def test_the_filter_counts_cells() -> None:
     assert 0 < sum(kept) < len(kept)
 
 
+def test_points_over_and_under_the_range_of_the_maps_do_not_count() -> None:
+    points = np.array([[0.5, 1.2, 5.5], [1.5, 0.9, 5.5], [2.5, 0.2, 5.5]])
+    found = {}
+    for y_m in ((-5.0, 3.0), (0.5, 1.0)):
+        bev = BevConfig(x_m=(-8.0, 8.0), y_m=y_m, z_m=(0.0, 12.0), cell_m=1.0)
+        found[y_m] = [int(x) - 8 for x, _ in np.argwhere(occupancy(points, PLANE, AnchorConfig(), bev))]
+    assert found == {(-5.0, 3.0): [0, 1, 2], (0.5, 1.0): [1]}
+
+
 def test_no_points_leave_no_anchors() -> None:
     config = load_config("car_default")
     cells = occupancy(np.zeros((0, 3)), PLANE, config.anchors, config.bev)

@@ -206,8 +206,10 @@ def test_detections_come_best_score_first_though_ranked_by_logits() -> None:
 
 
 def test_settings_of_detection_can_be_changed_for_a_run() -> None:
-    detector = Detector(new_network(CONFIG, 0))
+    network = new_network(CONFIG, 0)
+    detector = Detector(network)
     detector.configure(proposals=7, min_score=0.0, nms_iou=1.0)
+    assert network.config == Detector(network).config == CONFIG
     frame = make_frame()
     assert len(detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)) <= 7
     assert detector.config.rpn == dataclasses.replace(CONFIG.rpn, proposals=7)

@@ -23,11 +23,14 @@ import avod.train.run as run_module
 from avod.cli.commands import avod
 from avod.cli.stopping import Stopping
 from avod.config import Config
+from avod.detector import Detector
+from avod.predict import predict
 from avod.train import step as step_module
 from avod.train.checkpoint import checkpoints
 from avod.train.log import read_log
 from avod.train.record import read_record
 from avod.train.step import NonFiniteLossError
+from avod.validate import Validator
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
 from cadet.errors import CadetError, CadetWarning, MissingFileError
 
@@ -73,6 +76,19 @@ def test_a_training_that_stops_and_goes_on_equals_one_that_never_stopped(
         assert last.name == name and (last / "optimizer.safetensors").is_file()
     short_run(config, data, tmp_path, STEPS, workers=workers, resume=True)
     assert_same_training(tmp_path, unbroken)
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_the_callers_random_numbers_are_left_alone(
+    config: Config, data: Path, unbroken: Path, tmp_path: Path, workers: int
+) -> None:
+    torch.manual_seed(7)
+    before = torch.get_rng_state()
+    validator = Validator(data, "val", config, workers=workers)
+    short_run(config, data, tmp_path / "run", 2, workers=workers, validate=validator, val_every=1)
+    assert torch.equal(torch.get_rng_state(), before)
+    assert len(list(predict(Detector.load(unbroken), data, ("000003", "000004"), workers=workers))) == 2
+    assert torch.equal(torch.get_rng_state(), before)
 
 
 def start(*arguments: object) -> subprocess.Popen[str]:

@@ -234,6 +234,14 @@ def tensors(path: Path) -> dict[str, torch.Tensor]:
     return dict(network.state_dict())
 
 
+def test_a_device_is_a_name_or_what_pytorch_calls_one(dataset: Path, tmp_path: Path) -> None:
+    named, given = (run(dataset, tmp_path / str(n), 1, device=d) for n, d in enumerate(("cpu", torch.device("cpu"))))
+    assert (tmp_path / "0" / "run.json").read_text() == (tmp_path / "1" / "run.json").read_text()
+    assert (named / "model.safetensors").read_bytes() == (given / "model.safetensors").read_bytes()
+    with pytest.raises(CadetError, match=r"^device: 'cuda:99' cannot be used: "):
+        run(dataset, tmp_path / "none", 1, device="cuda:99")
+
+
 def test_workers_change_nothing(dataset: Path, tmp_path: Path) -> None:
     alone, helped = (run(dataset, tmp_path / str(n), 2, workers=n) for n in (0, 1))
     for name, tensor in tensors(alone).items():

@@ -12,8 +12,6 @@ from cadet import CadetError, EvalClass
 from cadet.kitti import Label
 from evaluation_helpers import DONT_CARE, detected, make_object, write
 
-pytestmark = pytest.mark.usefixtures("core")
-
 CAR, CONE, SMALL = make_object(), make_object("Trafficcone", 1), make_object("trafficcone", 2)
 GT: list[list[Label]] = [[CAR, CONE, SMALL, make_object("Bus", 3), DONT_CARE]] * 50
 DET: list[list[Label]] = [

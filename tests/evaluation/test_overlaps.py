@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from cadet import CadetError, NonFiniteError, ShapeError, box_iou_3d, box_iou_bev, nms_bev
 
-pytestmark = pytest.mark.usefixtures("core")
-
 
 def draw_boxes(count: int, seed: int) -> NDArray[np.float64]:
     rng = np.random.default_rng(seed)

@@ -18,8 +18,6 @@ from cadet.kitti import Label, images
 from evaluation_helpers import DONT_CARE, detected, write
 from synthetic import IMAGE_SIZE, make_calib, make_label
 
-pytestmark = pytest.mark.usefixtures("core")
-
 CALIB = make_calib()
 CARS = tuple(make_label("Car", (x, 1.65, z, 4.1, 1.7, 1.5, 1.2), CALIB) for x, z in ((-4.0, 14.0), (3.0, 11.0)))
 NONE, MARK = (0.0, 0.0, 0.0, 0.0), (-1.0, -1.0, -1.0, -1.0)

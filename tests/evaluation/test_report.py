@@ -14,11 +14,9 @@ from cadet import CadetError, Report
 from cadet.cli.tools import cadet as command
 from evaluation_helpers import detected, make_object, write
 
-pytestmark = pytest.mark.usefixtures("core")
-
 
 @pytest.fixture(scope="module")
-def report(core: object) -> Report:
+def report() -> Report:
     car, walker = make_object(), make_object("Pedestrian", 1)
     gt = [[car, walker]] * 60
     det = [[detected(car, 0.9), detected(make_object(column=4), 0.95)], [detected(walker, 0.4)], []] * 20

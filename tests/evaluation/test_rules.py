@@ -12,8 +12,6 @@ from cadet.evaluation import Level
 from cadet.kitti import Label
 from evaluation_helpers import DONT_CARE, detected, make_object, write
 
-pytestmark = pytest.mark.usefixtures("core")
-
 FULL = 41
 """Objects enough for a perfect result to get 100."""
 

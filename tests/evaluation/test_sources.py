@@ -19,8 +19,6 @@ from cadet.kitti.dialects import collected
 from cadet.kitti.text import text_from_bytes
 from evaluation_helpers import detected, make_object, write
 
-pytestmark = pytest.mark.usefixtures("core")
-
 CAR = make_object()
 GT: list[list[Label]] = [[CAR, make_object("Cyclist", 1)] for _ in range(50)]
 DET = [[detected(CAR, 0.5 + index / 100), detected(GT[0][1], 0.7)][: 1 + index % 2] for index in range(50)]

@@ -129,7 +129,7 @@ MAPS = Path(__file__).parents[3] / "shared" / "maps"
 def test_the_papers_towns_drive(name: str, tmp_path: Path) -> None:
     source = MAPS / f"{name}.xodr"
     if not source.exists():
-        pytest.skip(f"needs the paper's map {name}.xodr, which is not part of the project")
+        pytest.skip(f"needs the paper's map {name}.xodr in ../shared/maps")
     # One episode, longer than a red light.
     cadet_gen(tmp_path / "out", "-n", 20, "--seed", 2, "--policy", "paper", "--rig", "paper", "--map", source)
     frames = list(cadet.kitti.Dataset(tmp_path / "out"))

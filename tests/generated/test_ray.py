@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import json
 import os
 import pickle
@@ -20,7 +19,6 @@ from cadet.errors import CadetError
 from cadet.generate import Settings, generate
 from cadet.generate.engine import Failed
 from cadet.generate.ray_engine import run_episode
-from in_ci import skip_or_fail_in_ci
 
 PYTHON = Path(__file__).parents[2] / "python"
 
@@ -80,8 +78,7 @@ def tree(root: Path) -> dict[str, str]:
 
 @pytest.mark.timeout(300)
 def test_after_workers_were_killed_the_bytes_are_those_of_a_local_run(settings: Settings, tmp_path: Path) -> None:
-    if importlib.util.find_spec("ray") is None:
-        skip_or_fail_in_ci("Ray is not installed (pip install 'cadet-sim[cluster]')")
+    pytest.importorskip("ray", reason="Ray is not installed (pip install 'cadet-sim[cluster]')")
     generate(tmp_path / "local", settings, workers=1)
     (tmp_path / "settings").write_bytes(pickle.dumps(settings))
     done = subprocess.run(

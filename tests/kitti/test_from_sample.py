@@ -1,44 +1,53 @@
-"""KITTI's view of a sample that is made by hand: marks for "unknown", the order of lines, and rounding."""
+"""KITTI's view of a sample: its labels' lines, marks for "unknown", the order of objects, and rounding."""
 
 from __future__ import annotations
-
-from typing import Any, cast
 
 import numpy as np
 import pytest
 
-import fake_native
-from cadet import Rig, Sample
+from cadet import Camera, Lidar, Rig, Sample, Scene
+from cadet.episode import request
 from cadet.kitti import frame_from_sample
 from cadet.kitti.from_sample import _rounded, labels_of
+from cadet.sample import Wanted
 
-pytestmark = pytest.mark.usefixtures("fake_core")
-
-
-def make_sample() -> Sample:
-    scene = fake_native.Scene((0, 0, 0), cast(Any, Rig.kitti().to_native()), "snow", None)
-    native = scene.capture(fake_native.Request(0, maps=True, pixels=True, cameras=[1], lidars=[]))
-    native.sightings = [fake_native.Sighting(7, is_labeled=True), fake_native.Sighting(2, is_labeled=False)]
-    return Sample(cast(Any, native), Rig.kitti(), {"seed": 3})
+RIG = Rig(camera=Camera.kitti().resized(310, 94), lidar=Lidar.vlp16())
 
 
-def test_objects_have_all_their_numbers_and_regions_have_marks_for_unknown() -> None:
-    car, region = labels_of(make_sample())
-    assert car.to_line() == "Car 0.00 0 0.10 10.00 5.00 20.00 9.00 1.50 1.60 3.90 1.00 1.60 20.00 0.15"
-    assert region.to_line() == "DontCare -1 -1 -10 1.00 2.00 3.00 4.00 -1 -1 -1 -1000 -1000 -1000 -10"
+@pytest.fixture(scope="module")
+def sample() -> Sample:
+    """Take a sample of a car 15 m ahead and of one that is too far for a label."""
+    scene = Scene.empty(rig=RIG, weather="snow")
+    scene.add("car", x=110.0, y=8.0, yaw=0.0)
+    scene.add("car", x=15.0, y=0.0, yaw=0.0)
+    native = scene._native.capture(request(RIG, 0, Wanted.all_of(["image_3"])))
+    return Sample(native, RIG, {"seed": 3})
 
 
-def test_a_frame_is_a_view_of_its_sample() -> None:
-    sample = make_sample()
+def test_objects_have_all_their_numbers_and_regions_have_marks_for_unknown(sample: Sample) -> None:
+    car, region = labels_of(sample)
+    seen = next(one for one in sample.sightings if one.is_labeled)
+    assert car.to_line() == " ".join(
+        ["Car", f"{seen.truncation:.2f}", str(seen.occlusion_level), f"{seen.observation_angle:.2f}"]
+        + [f"{value:.2f}" for value in (*seen.bbox, *reversed(seen.size_lwh), *seen.location_cam, seen.rotation_y)]
+    )
+    assert car.location_cam[2] == pytest.approx(15.0 - 0.27, abs=0.5)
+    assert region.type == "DontCare"
+    fields = region.to_line().split()
+    assert fields[1:4] == ["-1", "-1", "-10"] and fields[8:] == ["-1"] * 3 + ["-1000"] * 3 + ["-10"]
+
+
+def test_a_frame_is_a_view_of_its_sample(sample: Sample) -> None:
     frame = frame_from_sample(sample)
     assert list(frame.images) == ["image_2", "image_3"] and list(frame.scans) == ["velodyne"]
     np.testing.assert_array_equal(frame.images["image_2"], frame.image)
     np.testing.assert_array_equal(frame.images["image_3"], sample.image("image_3"))
-    assert [agent.visible_share for agent in frame.agents] == [0.5]
+    assert not np.array_equal(frame.images["image_2"], frame.images["image_3"])
+    assert sorted(agent.id for agent in frame.agents) == [1, 2]
     assert frame.meta is not None and frame.depth is not None
-    assert (frame.meta["seed"], frame.meta["weather"], frame.meta["rig"]) == (3, "snow", "kitti")
-    assert [one["actor_id"] for one in frame.meta["objects"]] == [7, 2]
-    assert [one["type"] for one in frame.meta["objects"]] == ["Car", "Car"]
+    assert (frame.meta["seed"], frame.meta["weather"], frame.meta["rig"]) == (3, "snow", "custom")
+    assert {one["type"] for one in frame.meta["objects"]} == {"Car"}
+    assert [one["actor_id"] for one in frame.meta["objects"]] == [2, 1], "labels first"
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from cadet.view.picture import check_picture_path, write_picture
 STARTS = {".png": b"\x89PNG\r\n\x1a\n", ".jpg": b"\xff\xd8\xff", ".jpeg": b"\xff\xd8\xff", ".JPG": b"\xff\xd8\xff"}
 
 
-@pytest.mark.usefixtures("core")
 @pytest.mark.parametrize("suffix", STARTS)
 def test_the_suffix_chooses_the_encoding(tmp_path: Path, suffix: str) -> None:
     image = np.zeros((64, 80, 3), np.uint8)

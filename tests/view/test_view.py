@@ -213,7 +213,6 @@ def test_sheets_and_overviews_are_written_whole(tmp_path: Path) -> None:
     assert not (tmp_path / "none.png").exists()
 
 
-@pytest.mark.usefixtures("core")
 def test_the_three_configurations_maps_are_drawn(tmp_path: Path) -> None:
     frame = make_frame()
     drawn = read_png(view.view_bev_maps(frame, tmp_path / "maps.png"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -26,6 +27,24 @@ def stream_seed(seed: int, name: str, *numbers: int) -> int:
 def torch_generator(seed: int, name: str, *numbers: int) -> torch.Generator:
     """Make a generator on the CPU for a named stream."""
     return torch.Generator().manual_seed(stream_seed(seed, name, *numbers))
+
+
+@contextmanager
+def seeded(device: torch.device, seed: int) -> Iterator[None]:
+    """Let PyTorch's own generators, which dropout and new weights draw from, begin at a seed meanwhile.
+
+    Afterward they are where the caller had them.
+
+    Args:
+        device: whose generator is seeded, besides that of the CPU.
+        seed: of both.
+    """
+    devices = [] if device.type == "cpu" else [device]
+    with torch.random.fork_rng(devices, device_type=device.type):
+        torch.set_rng_state(torch.Generator().manual_seed(seed).get_state())
+        for one in devices:
+            getattr(torch, one.type).set_rng_state(torch.Generator(one).manual_seed(seed).get_state(), one)
+        yield
 
 
 def frame_number(frame_id: str) -> int:

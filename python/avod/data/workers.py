@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import cv2
+import torch
 from torch.utils.data import DataLoader
 from torch.utils.data.dataloader import _MultiProcessingDataLoaderIter
 
@@ -19,9 +20,11 @@ def running(loader: DataLoader[Any]) -> Iterator[Iterator[Any]]:
     """Run a loader's workers meanwhile, each with one thread of OpenCV's.
 
     The number is set before they are forked: OpenCV's own threads do not come along, and a child that changes their
-    number waits for them for ever. At the end workers are told to go, whatever still refers to the iterator, such as an
+    number waits for them for ever. The loader's own draw, a seed for its workers, is not taken from the caller's
+    generator. At the end workers are told to go, whatever still refers to the iterator, such as an
     error's traceback: this process waits for them before it ends, and they may outlive signals.
     """
+    loader.generator = torch.Generator()
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:

@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 from avod.config import AnchorConfig, ObjectClass, Size
 from cadet.bev import BevConfig
 
-EXTENT_Y_M: Final = (-5.0, 3.0)
-"""Points above or below this take no part, cam frame (y points down)."""
-
 _X, _Y, _Z, _DX, _DZ = 0, 1, 2, 3, 5
 _ROTATIONS: Final = 2
 
@@ -73,7 +70,7 @@ def occupancy(
     height = xyz @ plane[:3] + plane[3]
     x, y, z = xyz[:, 0], xyz[:, 1], xyz[:, 2]
     is_in = (height >= config.min_height_m) & (height < config.max_height_m)
-    is_in &= (y > EXTENT_Y_M[0]) & (y < EXTENT_Y_M[1])
+    is_in &= (y > bev.y_m[0]) & (y < bev.y_m[1])
     is_in &= (x > bev.x_m[0]) & (x < bev.x_m[1]) & (z > bev.z_m[0]) & (z < bev.z_m[1])
     _, num_z, num_x = bev.shape
     cells = np.zeros((num_x, num_z), np.bool_)

@@ -112,7 +112,12 @@ class AvodNetwork(nn.Module):
         """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
 
     def forward(
-        self, samples: Sequence[Sample], generator: torch.Generator | None = None, *, has_truths: bool = False
+        self,
+        samples: Sequence[Sample],
+        generator: torch.Generator | None = None,
+        *,
+        has_truths: bool = False,
+        config: Config | None = None,
     ) -> list[FrameOutputs]:
         """Run both stages on each sample.
 
@@ -121,12 +126,14 @@ class AvodNetwork(nn.Module):
             generator: on the CPU; draws path drop and the second stage's mini-batch. Needed in training mode; in
                 evaluation mode outputs have targets if it is given, and no path is dropped.
             has_truths: with a generator, copies of the true boxes join the proposals.
+            config: other settings of a network with the same weights, such as the number of proposals; None for the
+                network's own.
 
         Returns:
             The outputs of each sample.
         """
         return [
-            self.judge(sample, features, generator, has_truths=has_truths)
+            self.judge(sample, features, generator, has_truths=has_truths, config=config)
             for sample, features in zip(samples, self.extract(samples), strict=True)
         ]
 
@@ -145,9 +152,10 @@ class AvodNetwork(nn.Module):
         generator: torch.Generator | None = None,
         *,
         has_truths: bool = False,
+        config: Config | None = None,
     ) -> FrameOutputs:
         """Run both stages on the feature maps of a sample; arguments as for `forward`."""
-        config = self.config
+        config = self.config if config is None else config
         masks = detection_masks(config.path_drop)
         if self.training:
             assert generator is not None

@@ -24,6 +24,7 @@ from torch import Tensor, nn
 
 from avod.config import Config
 from avod.config_file import config_from_table, table_from_config
+from avod.data.order import seeded
 from avod.model.network import AvodNetwork, abstract_network
 from avod.train.made_with import made_with
 from cadet.errors import CadetError, MissingFileError
@@ -196,7 +197,8 @@ def trained_network(checkpoint: Checkpoint) -> AvodNetwork:
     """
     file = checkpoint.path / _MODEL
     _check_weights(file, _shapes(file), abstract_network(checkpoint.config).state_dict())
-    network = AvodNetwork(checkpoint.config)
+    with seeded(torch.device("cpu"), checkpoint.seed):
+        network = AvodNetwork(checkpoint.config)
     load_network(checkpoint, network)
     return network
 

@@ -15,6 +15,7 @@ from avod.data.dataset import TrainingData
 from avod.data.mixture import shares_of
 from avod.data.sample import Sample
 from avod.data.simulated import PREFIX, SimulatedData, is_simulation
+from avod.device import name_of_process, resolve_device
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.loader import batches, whole
@@ -59,9 +60,10 @@ def train(
         should_stop: is asked after each step; training then writes a checkpoint and ends.
 
     Raises:
-        CadetError: bad data or checkpoints, or a loss that is no number.
+        CadetError: bad data or checkpoints, a device that cannot be used, or a loss that is no number.
     """
-    with Processes.joined(run.device) as processes:
+    named = name_of_process(run.device) if isinstance(run.device, str) else run.device
+    with Processes.joined(resolve_device(named)) as processes:
         training = _Training(config, run, validate, processes)
         return training.go_on(on_step, should_stop)
 
@@ -217,7 +219,7 @@ class _Training:
             frames_crc32=self.data.checksum,
             init=start.init,
             num_processes=self.processes.world_size,
-            device=run.device.type,
+            device=self.processes.device.type,
             precision=None if run.precision is None else str(run.precision).removeprefix("torch."),
             is_compiled=run.is_compiled,
             keep=run.keep,

@@ -32,7 +32,7 @@ class Run:
         keep: how many checkpoints stay, None for all.
         val_every: steps between two validations; None for none.
         val_split: the list of frames that `validate` takes, for `run.json`.
-        device: where the network runs.
+        device: where the network runs, or its name, such as "cuda": several processes then take one each.
         precision: of the arithmetic of layers, None for float32.
         workers: processes that read samples; 0 reads them in between.
         is_compiled: compile the pyramids.
@@ -56,7 +56,7 @@ class Run:
     keep: int | None = None
     val_every: int | None = None
     val_split: str | None = "val"
-    device: torch.device = torch.device("cpu")
+    device: str | torch.device = "cpu"
     precision: torch.dtype | None = None
     workers: int = 0
     is_compiled: bool = False

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor, nn
 
 from avod.config import Config, TrainingConfig
-from avod.data.order import stream_seed, torch_generator
+from avod.data.order import seeded, stream_seed, torch_generator
 from avod.data.sample import Sample
 from avod.losses import frame_losses
 from avod.model.network import AvodNetwork, FrameOutputs, abstract_network
@@ -46,7 +46,8 @@ def training_step(
 ) -> dict[str, Tensor]:
     """Train on the samples of one step.
 
-    All that is drawn, dropout too, comes from (seed, step, rank), so a step can be repeated alone.
+    All that is drawn, dropout too, comes from (seed, step, rank), so a step can be repeated alone; PyTorch's own
+    generators are left as they were.
 
     Args:
         network: in training mode, perhaps wrapped for several processes.
@@ -63,14 +64,14 @@ def training_step(
     Raises:
         NonFiniteLossError: a loss or gradient is NaN or infinite; step, frames and term are named.
     """
-    torch.manual_seed(stream_seed(seed, "dropout", step, rank))
     generator = torch_generator(seed, "step", step, rank)
     for group in optimizer.param_groups:
         group["lr"] = learning_rate(step, config.training)
     optimizer.zero_grad(set_to_none=True)
     second = config.second_stage
     has_truths = second.truth_proposals > 0 and step < second.truth_steps
-    outputs: list[FrameOutputs] = network(samples, generator, has_truths=has_truths)
+    with seeded(samples[0].bev.device, stream_seed(seed, "dropout", step, rank)):
+        outputs: list[FrameOutputs] = network(samples, generator, has_truths=has_truths)
     terms: dict[str, Tensor] = {}
     for sample, output in zip(samples, outputs, strict=True):
         losses = frame_losses(output, anchor_targets(sample, config.rpn, generator), sample, config).by_name()
@@ -119,5 +120,5 @@ def new_network(config: Config, seed: int) -> AvodNetwork:
     count = sum(parameter.numel() for parameter in abstract_network(config).parameters())
     if count > MAX_WEIGHTS:
         raise CadetError(f"the configuration's network has {count:,} weights, expected at most {MAX_WEIGHTS:,}")
-    torch.manual_seed(stream_seed(seed, "weights"))
-    return AvodNetwork(config)
+    with seeded(torch.device("cpu"), stream_seed(seed, "weights")):
+        return AvodNetwork(config)
