@@ -139,7 +139,7 @@ def test_a_scripted_car_is_where_it_was_put() -> None:
     [
         (lambda: Scene.empty().add("zeppelin", x=0, y=0, yaw=0), r"^unknown class \"zeppelin\"; known: Car, .*$"),
         (lambda: Scene.empty().cast_rays([[0, 0, 9]], [[0, 0, 0]]), r"^.*direction.*$"),
-        (lambda: Scene.empty(map=ROOT / "pyproject.toml"), r"^pyproject\.toml: .+$"),
+        (lambda: Scene.empty(map=ROOT / "pyproject.toml"), r"^pyproject\.toml:1: .+$"),
     ],
 )
 def test_the_core_refuses_nonsense_in_one_line(use: Any, pattern: str) -> None:

@@ -66,7 +66,7 @@ WEATHERS = (
         (["OUT", "--policy", "nu"], "Invalid value for '--policy': 'nu' is not one of 'kitti', 'paper'."),
         (["OUT", "--weather", "hail"], f"unknown weather 'hail'; known: {WEATHERS}"),
         (["OUT", "--map", "nix.xodr"], "unknown map 'nix.xodr': expected an OpenDRIVE file (.xodr)"),
-        (["OUT", "--map", "HERE/conftest.py"], "conftest.py: no OpenDRIVE"),
+        (["OUT", "--map", "HERE/conftest.py"], "conftest.py:1: not readable as XML"),
         (["OUT", "--image-size", "0x9"], "Camera.width: expected a whole number from 16 to 8192, got 0"),
         (["OUT", "--val-fraction", "nan"], "--val-fraction: expected a number from 0 to 0.5, got nan"),
         (["OUT", "--image-size", "wide"], "--image-size: expected WxH such as 1242x375, got 'wide'"),

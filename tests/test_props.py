@@ -12,8 +12,6 @@ import pytest
 from cadet import Assets, CadetError, MissingFileError, Props, ResetPolicy, Simulation
 from gen_process import FAILED, FINE, SIZE, run
 
-pytestmark = pytest.mark.usefixtures("fake_core")
-
 BIN = """levels_m = [20, 40, 90]
 parts = [{ of = "steel", block = "1, 1, 1", at = "0, 0, 0.5" }]
 place = [{ where = "yard", weight = 1 }]

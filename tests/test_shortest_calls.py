@@ -38,6 +38,11 @@ class World:
         (root / "rig.toml").write_text(
             Path(cadet.__file__).with_name("presets").joinpath("rigs/nuscenes.toml").read_text()
         )
+        (root / "props").mkdir()
+        (root / "props" / "bin.toml").write_text(
+            'levels_m = [20, 40, 90]\nparts = [{ of = "steel", block = "1, 1, 1" }]\n'
+            'place = [{ where = "yard", weight = 1 }]\n'
+        )
         self.labels = [label for label in self.frame.labels if not label.is_dont_care]
         self.truth = cadet.GroundTruth.from_labels(self.labels)
         self.found = cadet.Detections.from_labels([detected(label, 0.5) for label in self.labels])
@@ -95,10 +100,12 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "Simulation": lambda w: cadet.Simulation(w.policy),
     "Summary": lambda w: generate.generate(w.root / "summary", w.settings, workers=1),
     "UniformFiring": lambda w: cadet.UniformFiring(columns=9),
+    "Props": lambda w: cadet.Props.read(w.root / "props"),
     "VehicleMesh": lambda w: cadet.Assets.read(w.root).vehicles[0],
 }
 CALLS: dict[str, Callable[[World], Any]] = {
     "Assets.read": lambda w: cadet.Assets.read(w.root),
+    "Props.read": lambda w: cadet.Props.read(w.root / "props"),
     "BeamTable.from_toml": lambda w: cadet.BeamTable.from_toml((w.root / "vlp16.toml").read_text()),
     "BeamTable.read": lambda w: cadet.BeamTable.read(w.root / "vlp16.toml"),
     "Calibration.cam_to_velo": lambda w: w.frame.calib.cam_to_velo(POINTS),
@@ -132,6 +139,7 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "ResetPolicy.named": lambda w: cadet.ResetPolicy.named("paper"),
     "ResetPolicy.with_districts": lambda w: w.policy.with_districts(cadet.District.named("parked_rows")),
     "ResetPolicy.with_each_rig": lambda w: w.policy.with_each_rig(lambda rig: rig),
+    "ResetPolicy.with_props": lambda w: w.policy.with_props(cadet.Props.read(w.root / "props")),
     "ResetPolicy.with_rig": lambda w: w.policy.with_rig(w.rig),
     "ResetPolicy.with_weathers": lambda w: w.policy.with_weathers("snow"),
     "Rig.ego_from_sensor": lambda w: w.rig.ego_from_sensor("image_2"),

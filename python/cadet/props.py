@@ -26,8 +26,13 @@ class Props:
 
     files: tuple[tuple[str, str], ...]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The props' names."""
+        return tuple(Path(name).stem for name, _ in self.files)
+
     def __repr__(self) -> str:
-        return summary(self, names=[Path(name).stem for name, _ in self.files])
+        return summary(self, names=self.names)
 
     def __post_init__(self) -> None:
         make_plain(self)

@@ -150,7 +150,7 @@ def test_each_of_several_detectors_is_evaluated_by_what_it_finds(dataset: Path) 
     reports = [analysis.report for analysis in analyze_detectors(detectors, dataset, ids)]
     blind, whole, other = (score(report, ("Car",)) for report in reports)
     assert blind == other == 0.0 < whole
-    detectors[2].network = new_network(load_config("tiny_car"), 0)
+    detectors[2] = Sure(new_network(load_config("tiny_car"), 0))
     with pytest.raises(CadetError, match="these detectors need different inputs, their 'classes' differ"):
         analyze_detectors(detectors, dataset, ids)
 
