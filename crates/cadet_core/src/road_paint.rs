@@ -36,7 +36,7 @@ impl WornPaint {
         let warmth = albedo.x - albedo.z;
         let fresh =
             if warmth > YELLOW_FROM { YELLOW_ALBEDO[0] - YELLOW_ALBEDO[2] } else { WHITE_ALBEDO[0] - WHITE_ALBEDO[2] };
-        let left = (warmth / fresh).max(LEAST_LEFT).min(MOST_LEFT);
+        let left = (warmth / fresh).clamp(LEAST_LEFT, MOST_LEFT);
         Self { left_share: left, asphalt_albedo: (albedo.x - WHITE_ALBEDO[0] * left) / (1.0 - left) }
     }
 }

@@ -335,7 +335,7 @@ impl Ground {
             let (s, t) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
             // A hair's breadth of tolerance, so that no point falls between two triangles.
             let holds = s >= -1e-5 && t >= -1e-5 && s + t <= 1.0 + 1e-5;
-            holds.then(|| (face, a.z + (b.z - a.z) * s + (c.z - a.z) * t))
+            holds.then_some((face, a.z + (b.z - a.z) * s + (c.z - a.z) * t))
         })
     }
 }

@@ -162,7 +162,7 @@ pub(in crate::town) fn with_steps(ring: &[DVec2], step_m: f64) -> Ring {
 }
 
 /// The ring with corners where others cross it.
-pub(in crate::town) fn with_crossings<'a>(ring: &[DVec2], others: &mut dyn Iterator<Item = &'a Ring>) -> Ring {
+pub(in crate::town) fn with_crossings(ring: &[DVec2], others: &mut dyn Iterator<Item = &Ring>) -> Ring {
     let reach = bounds(ring.iter().copied());
     let is_near = |(min, max): (DVec2, DVec2)| min.cmple(reach.1).all() && max.cmpge(reach.0).all();
     let near: Vec<&Ring> = others.filter(|other| is_near(bounds(other.iter().copied()))).collect();
