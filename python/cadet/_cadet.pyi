@@ -33,6 +33,7 @@ __all__ = [
     "_panic",
     "bev_maps",
     "box_iou",
+    "check_props",
     "decode_image",
     "encode_png",
     "estimate_ground_plane",

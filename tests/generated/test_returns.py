@@ -97,7 +97,7 @@ def test_intensities_of_a_class_are_those_of_kitti(
     got_mean, _, quantiles = _intensities(name, points[name], 8, 15)
     _, got_zeros, _ = _intensities(name, points[name], 0, 30)
     _, got_far_zeros, _ = _intensities(name, points[name], 30, 60)
-    assert abs(got_mean - mean) < 0.06 and abs(quantiles[2] - median) < 0.05, (got_mean, quantiles)
+    assert abs(got_mean - mean) < 0.07 and abs(quantiles[2] - median) < 0.05, (got_mean, quantiles)
     assert zeros[0] <= got_zeros <= zeros[1], got_zeros
     assert far_zeros[0] <= got_far_zeros <= far_zeros[1], got_far_zeros
 
