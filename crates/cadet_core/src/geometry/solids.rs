@@ -73,7 +73,8 @@ impl MeshBuilder {
         let ring = |k: usize| -> Vec<Vec3> {
             let a = turn_rad(k % around, around, 0.0);
             let out = Vec3::new(cosf(a), 0.0, sinf(a));
-            let corner = |t: f32| out * (radius_m + half_thickness_m * cosf(t)) + Vec3::Y * (half_thickness_m * sinf(t));
+            let corner =
+                |t: f32| out * (radius_m + half_thickness_m * cosf(t)) + Vec3::Y * (half_thickness_m * sinf(t));
             (0..sides).map(|i| corner(turn_rad(i, sides, 0.0))).collect()
         };
         self.loft(&(0..=around).map(ring).collect::<Vec<_>>(), slot, false);
