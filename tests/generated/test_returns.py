@@ -21,23 +21,21 @@ def points() -> dict[str, NDArray[np.float64]]:
     by_class: dict[str, list[NDArray[np.float64]]] = {name: [] for name in names}
     cars = []
     rig = replace(cadet.Rig.kitti(), camera=cadet.Rig.kitti().camera.resized(621, 188))
-    for seed in range(13):
+    for seed in range(26):
         scene = cadet.Scene.random(seed=seed, weather="clear_noon", rig=rig)
-        for _ in range(2):
-            frame = scene.capture()
-            seen, place_cam, semantic = _seen(frame)
-            rows = np.c_[np.linalg.norm(seen[:, :3], axis=1), seen[:, 3]]
-            is_near_axis = np.abs(seen[:, 1]) < 3.5
-            by_class["asphalt"].append(rows[(semantic == Semantic.ROAD) & is_near_axis])
-            by_class["foliage"].append(rows[semantic == Semantic.VEGETATION])
-            by_class["facades"].append(rows[semantic == Semantic.BUILDING])
-            by_class["people"].append(rows[semantic == Semantic.PERSON])
-            by_class["signs"].append(rows[semantic == Semantic.TRAFFIC_SIGN])
-            for label in frame.labels:
-                if label.type == "Car" and label.occluded == 0 and label.truncated < 0.05:
-                    inside, height = _inside(place_cam, label)
-                    cars.append(np.c_[rows[inside], height])
-            scene.step(2.0)
+        frame = scene.capture()
+        seen, place_cam, semantic = _seen(frame)
+        rows = np.c_[np.linalg.norm(seen[:, :3], axis=1), seen[:, 3]]
+        is_near_axis = np.abs(seen[:, 1]) < 3.5
+        by_class["asphalt"].append(rows[(semantic == Semantic.ROAD) & is_near_axis])
+        by_class["foliage"].append(rows[semantic == Semantic.VEGETATION])
+        by_class["facades"].append(rows[semantic == Semantic.BUILDING])
+        by_class["people"].append(rows[semantic == Semantic.PERSON])
+        by_class["signs"].append(rows[semantic == Semantic.TRAFFIC_SIGN])
+        for label in frame.labels:
+            if label.type == "Car" and label.occluded == 0 and label.truncated < 0.05:
+                inside, height = _inside(place_cam, label)
+                cars.append(np.c_[rows[inside], height])
     return {name: np.concatenate(rows) for name, rows in (by_class | {"cars": cars}).items()}
 
 
@@ -97,7 +95,7 @@ def test_intensities_of_a_class_are_those_of_kitti(
     got_mean, _, quantiles = _intensities(name, points[name], 8, 15)
     _, got_zeros, _ = _intensities(name, points[name], 0, 30)
     _, got_far_zeros, _ = _intensities(name, points[name], 30, 60)
-    assert abs(got_mean - mean) < 0.07 and abs(quantiles[2] - median) < 0.05, (got_mean, quantiles)
+    assert abs(got_mean - mean) < 0.06 and abs(quantiles[2] - median) < 0.05, (got_mean, quantiles)
     assert zeros[0] <= got_zeros <= zeros[1], got_zeros
     assert far_zeros[0] <= got_far_zeros <= far_zeros[1], got_far_zeros
 

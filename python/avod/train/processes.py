@@ -78,6 +78,12 @@ class Processes:
             return network
         return DistributedDataParallel(network)
 
+    def share_buffers(self, network: nn.Module) -> None:
+        """Give all processes the first one's buffers, such as batch statistics, which are those that checkpoints hold."""
+        if self.world_size > 1:
+            for buffer in network.buffers():
+                distributed.broadcast(buffer, src=0)
+
     def mean(self, losses: dict[str, Tensor]) -> dict[str, Tensor]:
         """Average losses over all processes; all hand in the same names."""
         if self.world_size == 1 or not losses:

@@ -195,6 +195,7 @@ class _Training:
     def _validate(self, step: int) -> None:
         assert self.validate is not None
         judged = self.network if self.average is None else self.average.network
+        self.processes.share_buffers(judged)
         found = self.validate(judged, step, self.processes)
         self.network.train()
         if found is None or self.validations is None or self.log is None:
