@@ -79,7 +79,7 @@ class Processes:
         return DistributedDataParallel(network)
 
     def share_buffers(self, network: nn.Module) -> None:
-        """Give all processes the first one's buffers, such as batch statistics, which are those that checkpoints hold."""
+        """Give all processes the first one's buffers, such as the batch statistics, as checkpoints hold them."""
         if self.world_size > 1:
             for buffer in network.buffers():
                 distributed.broadcast(buffer, src=0)
