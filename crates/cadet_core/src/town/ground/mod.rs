@@ -109,7 +109,7 @@ impl Ground {
         (land, yards): (Option<&Land>, &Yards),
     ) -> Result<Self> {
         let bumps = |p: DVec2| roughness.map_or(0.0, |r| r.height_m(p));
-        let bridges = Bridges::of(network);
+        let bridges = Arc::new(Bridges::of(network));
         let decks = bridges.decks(network, &bumps)?;
         let lanes = bridges.on_ground(&network.lanes);
         let mut regions = Regions::of(network, &lanes, land)?;
@@ -131,13 +131,15 @@ impl Ground {
         }
         let ceiling_m = |p: DVec2| decks.iter().map(|deck| deck.ceiling_m(p)).fold(f64::INFINITY, f64::min);
         let surface = |p: DVec2| (height.height(p) + bumps(p)).min(ceiling_m(p));
-        let from_road = DistanceFrom::new(if network.is_rural() { &regions.carriageway } else { &[] });
-        let beside = |p: DVec2| land.map_or(0.0, |l| l.roadside.height_m(p, from_road.distance_m(p)));
-        let heights = match land {
-            Some(_) => Heights { road: &surface, beside: &beside, has_curbs: false },
-            None => Heights::beside_roads(&surface, network),
+        let raised = match land {
+            Some(land) => {
+                let from_road = DistanceFrom::new(&regions.carriageway);
+                let beside = |p: DVec2| land.roadside.height_m(p, from_road.distance_m(p));
+                Surface::raise(&plan, &Heights { road: &surface, beside: &beside, has_curbs: false })
+            }
+            None => Surface::raise(&plan, &Heights::beside_roads(&surface, network)),
         };
-        let laid = Laid { plan: &plan, surface: Surface::raise(&plan, &heights), decks, bridges };
+        let laid = Laid { plan: &plan, surface: raised, decks, bridges: Arc::clone(&bridges) };
         Ok(Self::assemble(laid, regions, (min, max), Some(&Painted { network, wear, signals, yards })))
     }
 
@@ -167,7 +169,7 @@ impl Ground {
             yards: Vec::new(),
         };
         let surface = Surface::raise(&plan, &Heights::town(&|_| 0.0));
-        let laid = Laid { plan: &plan, surface, decks: Vec::new(), bridges: Bridges::default() };
+        let laid = Laid { plan: &plan, surface, decks: Vec::new(), bridges: Arc::default() };
         Self::assemble(laid, regions, (DVec2::splat(-half), DVec2::splat(half)), None)
     }
 
@@ -208,7 +210,7 @@ impl Ground {
             index: Arc::new(index),
             walks: Arc::default(),
             outlines: Arc::new(regions),
-            bridges: Arc::new(bridges),
+            bridges,
         };
         ground.walks = Arc::new(ground.walks(&decks));
         // Markings are no part of the surface that wheels touch.
@@ -344,8 +346,8 @@ impl Ground {
 struct Laid<'a> {
     plan: &'a PlanMesh,
     surface: Surface,
-    decks: Vec<Deck>,
-    bridges: Bridges,
+    decks: Vec<Deck<'a>>,
+    bridges: Arc<Bridges>,
 }
 
 /// Sources of the paint on a ground.

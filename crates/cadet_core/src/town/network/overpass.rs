@@ -9,7 +9,7 @@ use crate::town::network::road_network::{Lane, LaneKind};
 pub(in crate::town) const CLEARANCE_M: f64 = 3.5;
 /// Crossings nearer to each other than this, and by less at different heights, are of one bridge.
 const JOIN_M: f64 = 45.0;
-const LEVEL_M: f64 = 2.5;
+const ONE_DECK_M: f64 = 2.5;
 /// A bridge that has two heights within this distance is a spiral's.
 const SPIRAL_M: f64 = 4.0;
 /// Lanes of one road lie over each other if their middles come nearer than by this share of what others overlap by.
@@ -39,12 +39,11 @@ pub(in crate::town) struct Overpass {
 impl Overpass {
     /// The overpasses of a network, of which each has a height of its own at every place.
     pub fn all(lanes: &[Lane]) -> Vec<Self> {
-        Self::grouped(lanes).into_iter().filter(|o| !o.is_spiral()).collect()
+        Self::grouped(&crossings(lanes, CLEARANCE_M)).into_iter().filter(|o| !o.is_spiral()).collect()
     }
 
-    /// The overpasses of a network, those of spirals too.
-    pub fn grouped(lanes: &[Lane]) -> Vec<Self> {
-        let crossings = crossings(lanes, CLEARANCE_M);
+    /// The overpasses that crossings are of, those of spirals too.
+    pub fn grouped(crossings: &[Crossing]) -> Vec<Self> {
         let cell = |p: DVec3| ((p.x / JOIN_M).floor() as i64, (p.y / JOIN_M).floor() as i64);
         let mut waiting: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
         for (k, crossing) in crossings.iter().enumerate() {
@@ -64,7 +63,7 @@ impl Overpass {
                 for (_, near) in (i - 1..=i + 1).flat_map(|i| waiting.range((i, j - 1)..=(i, j + 1))) {
                     for other in near {
                         let to = crossings[*other].upper - here;
-                        let is_joined = to.truncate().length() < JOIN_M && to.z.abs() < LEVEL_M;
+                        let is_joined = to.truncate().length() < JOIN_M && to.z.abs() < ONE_DECK_M;
                         if is_joined && !std::mem::replace(&mut is_grouped[*other], true) {
                             queue.push_back(*other);
                         }
@@ -83,7 +82,7 @@ impl Overpass {
             let square = ((c.upper.x / SPIRAL_M).floor() as i64, (c.upper.y / SPIRAL_M).floor() as i64);
             let (low, high) = heights.entry(square).or_insert((c.upper.z, c.upper.z));
             (*low, *high) = (low.min(c.upper.z), high.max(c.upper.z));
-            *high - *low > LEVEL_M
+            *high - *low > ONE_DECK_M
         })
     }
 
@@ -110,10 +109,13 @@ pub(in crate::town) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossin
         return Vec::new();
     }
     let cell = |p: DVec3| ((p.x / CELL_M).floor() as i64, (p.y / CELL_M).floor() as i64);
-    let mut by_cell: BTreeMap<(i64, i64), Vec<(usize, usize)>> = BTreeMap::new();
+    // Each square's lowest point, and all of them.
+    let mut by_cell: BTreeMap<(i64, i64), (f64, Vec<(usize, usize)>)> = BTreeMap::new();
     for (i, lane) in surfaces() {
         for (k, p) in lane.center.iter().enumerate() {
-            by_cell.entry(cell(*p)).or_default().push((i, k));
+            let (low, points) = by_cell.entry(cell(*p)).or_insert((p.z, Vec::new()));
+            *low = low.min(p.z);
+            points.push((i, k));
         }
     }
     let widest_m = surfaces().flat_map(|(_, lane)| &lane.width_m).copied().fold(0.0, f64::max);
@@ -123,7 +125,8 @@ pub(in crate::town) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossin
             let reach = ((width_m + widest_m) / 2.0 / CELL_M).ceil() as i64;
             let (i, j) = cell(*p);
             let near = (i - reach..=i + reach).flat_map(|i| by_cell.range((i, j - reach)..=(i, j + reach)));
-            for (lower, point) in near.flat_map(|(_, points)| points).copied() {
+            let near = near.filter(|(_, (low, _))| p.z - low >= at_least_m);
+            for (lower, point) in near.flat_map(|(_, (_, points))| points).copied() {
                 let (q, below) = (lanes[lower].center[point], &lanes[lower]);
                 // Lanes of a banked road lie side by side and at other heights.
                 let share = if below.road == lane.road { ONE_ROAD_SHARE } else { 1.0 };
@@ -200,6 +203,6 @@ mod tests {
             let place = |t: f64| crate::plane::unit(t * crate::math::TAU).extend(0.0) * 9.5 + DVec3::Z * 5.0 * t;
             lane.center = turns.map(place).collect();
         }
-        assert!(Overpass::all(&lanes).is_empty() && !Overpass::grouped(&lanes).is_empty());
+        assert!(Overpass::all(&lanes).is_empty() && !crossings(&lanes, CLEARANCE_M).is_empty());
     }
 }

@@ -3,20 +3,21 @@
 
 use std::collections::BTreeSet;
 
-use crate::town::network::overpass::{CLEARANCE_M, Overpass, crossings};
+use crate::town::network::overpass::{CLEARANCE_M, Crossing, Overpass, crossings};
 use crate::town::network::road_network::Lane;
 use crate::town::opendrive::warnings::Said;
 
 /// Roads of one level differ by less where they lie over each other.
-const LEVEL_M: f64 = 1.5;
+const ONE_LEVEL_M: f64 = 1.5;
 
 /// Warnings about each pair of roads that cross at two heights; `name_of` gives a road's name in the map.
 pub(in crate::town) fn warnings<'a>(lanes: &[Lane], name_of: impl Fn(u32) -> &'a str) -> Vec<Said> {
-    let low = crossings(lanes, LEVEL_M).into_iter().filter(|c| c.upper.z - c.lower.z < CLEARANCE_M);
-    let spirals = Overpass::grouped(lanes).into_iter().filter(Overpass::is_spiral).flat_map(|spiral| spiral.crossings);
+    let (high, low): (Vec<Crossing>, Vec<Crossing>) =
+        crossings(lanes, ONE_LEVEL_M).into_iter().partition(|c| c.upper.z - c.lower.z >= CLEARANCE_M);
+    let spirals = Overpass::grouped(&high).into_iter().filter(Overpass::is_spiral).flat_map(|spiral| spiral.crossings);
     let mut pairs = BTreeSet::new();
     let mut said = Vec::new();
-    for crossing in low.chain(spirals) {
+    for crossing in low.into_iter().chain(spirals) {
         let [a, b] = crossing.lanes.map(|lane| lanes[lane].road);
         if !pairs.insert((a.min(b), a.max(b))) {
             continue;

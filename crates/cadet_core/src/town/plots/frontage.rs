@@ -52,7 +52,7 @@ impl Frontage {
         self.line.tangent(s_m)
     }
 
-    /// Width from the carriageway's_m edge to this edge.
+    /// Width from the carriageway's edge to this edge.
     pub fn sidewalk_at(&self, s_m: f64) -> f64 {
         let (i, t) = piece_at(self.line.s_m(), s_m.clamp(0.0, self.length_m()));
         self.sidewalk_m[i - 1] + (self.sidewalk_m[i] - self.sidewalk_m[i - 1]) * t

@@ -17,7 +17,7 @@ use crate::town::network::road_network::{Lane, RoadNetwork};
 const BESIDE_M: f64 = 0.2;
 
 /// The deck of a bridge.
-pub(in crate::town) struct Deck {
+pub(in crate::town) struct Deck<'a> {
     pub plan: PlanMesh,
     pub surface: Surface,
     /// Sides, railings, and underside, to look at.
@@ -29,15 +29,15 @@ pub(in crate::town) struct Deck {
     outline: Inside,
     /// What the lanes below cover, with their sidewalks.
     below: Inside,
-    span: Span,
+    span: &'a Span,
 }
 
-impl Deck {
+impl<'a> Deck<'a> {
     /// Lays the deck of a span, with bumps and dips as the ground has them.
     ///
     /// # Errors
     /// As [`Regions::of`].
-    pub fn lay(span: &Span, network: &RoadNetwork, bumps: &dyn Fn(DVec2) -> f64) -> Result<Self> {
+    pub fn lay(span: &'a Span, network: &RoadNetwork, bumps: &dyn Fn(DVec2) -> f64) -> Result<Self> {
         let lanes: Vec<Lane> = network.lanes.iter().flat_map(|l| l.pieces(|p| span.leads_over(*p))).collect();
         let regions = Regions::of(network, &lanes, None)?;
         let mut samples = road_heights(&lanes);
@@ -60,7 +60,7 @@ impl Deck {
         let walks = pieces_of_rings(&regions.walks, |p| span.inside.contains(p));
         let under: Vec<Lane> = network.lanes.iter().flat_map(|l| l.pieces(|p| span.leads_under(*p))).collect();
         let below = Inside::new(&Regions::covered(network, &under, BESIDE_M));
-        Ok(Self { plan, surface, structure, walks, height, outline, below, span: span.clone() })
+        Ok(Self { plan, surface, structure, walks, height, outline, below, span })
     }
 
     /// Height of the road on the deck at a place, without bumps.

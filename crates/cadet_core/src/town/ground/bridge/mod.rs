@@ -38,7 +38,7 @@ impl Bridges {
     ///
     /// # Errors
     /// [`crate::Error::Map`] where a deck has no carriageway or can't be cut into triangles.
-    pub fn decks(&self, network: &RoadNetwork, bumps: &dyn Fn(DVec2) -> f64) -> Result<Vec<Deck>> {
+    pub fn decks(&self, network: &RoadNetwork, bumps: &dyn Fn(DVec2) -> f64) -> Result<Vec<Deck<'_>>> {
         self.spans.iter().map(|span| Deck::lay(span, network, bumps)).collect()
     }
 

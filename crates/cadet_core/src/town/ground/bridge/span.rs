@@ -17,7 +17,7 @@ const APPROACH_M: f64 = 12.0;
 const NEAR_M: f64 = 4.0;
 /// A point of a lane belongs to the bridge's road if its height differs by less from that of the nearest point over the
 /// lower road: by that, and by a road's slope.
-const LEVEL_M: f64 = 1.7;
+const AT_DECK_M: f64 = 1.7;
 const SLOPE: f64 = 0.07;
 
 /// The stretch of a road that is a bridge.
@@ -72,7 +72,7 @@ impl Span {
     /// Whether a point of a lane is at the height of the road that leads over the bridge, if it is in plan near it.
     fn is_at_deck(&self, p: DVec3) -> bool {
         let (nearest, distance_m) = self.overpass.nearest(p);
-        (p.z - nearest.upper.z).abs() < LEVEL_M + SLOPE * distance_m
+        (p.z - nearest.upper.z).abs() < AT_DECK_M + SLOPE * distance_m
     }
 
     /// Whether a point of a lane is on the deck, its ends left out.
@@ -87,8 +87,8 @@ impl Span {
 
     /// Whether a point of a lane lies below the deck or right beside.
     pub fn leads_under(&self, p: DVec3) -> bool {
-        let (nearest, _) = self.overpass.nearest(p);
-        self.near.contains(p.truncate()) && !self.is_at_deck(p) && p.z < nearest.upper.z
+        let is_below = || p.z < self.overpass.nearest(p).0.upper.z;
+        self.near.contains(p.truncate()) && !self.is_at_deck(p) && is_below()
     }
 
     /// Whether a place is on the bridge, below it, or on the way to it.
