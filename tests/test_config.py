@@ -130,7 +130,11 @@ def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any, cls: type
                 native(**{**defaults, **parts, name: filled(most + 1)})
 
 
-def test_the_defaults_are_the_cores() -> None:
-    assert (SceneConfig().num_cars, SceneConfig().num_pedestrians, SceneConfig().sun_azimuth_deg) == (14, 24, None)
-    assert SuburbConfig().blocks == (4, 4) and isinstance(SuburbConfig().blocks[0], int)
-    assert len(PropConfig().house_shares) == 6 and PropConfig().greenery == 1.0
+@pytest.mark.parametrize("cls", [LabelConfig, PropConfig, SceneConfig, SuburbConfig])
+def test_the_defaults_are_the_cores(core: Any, cls: type[Any]) -> None:
+    literal = {f.name: f.default for f in fields(cls)}
+    for name, (default, _, _, is_whole) in getattr(core, cls.__name__).settings():
+        value = literal[name]
+        values = [] if value is None else [value] if not isinstance(value, tuple) else list(value)
+        assert values == default, name
+        assert all(isinstance(number, int if is_whole else float) for number in values), name

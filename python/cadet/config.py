@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal, TypeVar
 
 from cadet import _cadet
@@ -15,16 +15,10 @@ VEHICLE_CLASSES = tuple(_cadet.SceneConfig.vehicle_classes())
 
 
 class _Numbers:
-    """A configuration's numbers as the core states them: defaults, limits, and whether they count."""
+    """A configuration's numbers as the core states them: how many there are, limits, and whether they count."""
 
     def __init__(self, owner: str, settings: list[tuple[str, tuple[list[float], float, float, bool]]]) -> None:
         self._owner, self._settings = owner, dict(settings)
-
-    def default(self, name: str) -> Any:
-        """Return a number's default, a tuple where a field holds several, None where it is drawn."""
-        numbers, _, _, is_whole = self._settings[name]
-        plain = tuple(map(int, numbers)) if is_whole else tuple(numbers)
-        return plain if len(plain) > 1 else (plain or (None,))[0]
 
     def limits(self, name: str) -> tuple[float, float]:
         """Return a number's least and greatest value, as messages show them: 8 for 8.0."""
@@ -78,7 +72,7 @@ class _Overrides:
 
 @dataclass(frozen=True, kw_only=True)
 class LabelConfig(_Overrides):
-    """Every number of the labels' definitions; the core states their defaults and limits.
+    """Every number of the labels' definitions; the core states their limits.
 
     Raises:
         CadetError: a number outside its range, or an unknown method.
@@ -91,28 +85,28 @@ class LabelConfig(_Overrides):
 
     Annotators' boxes are a little shorter than the vehicle, their bottoms a little over the ground, and their sizes
     are distributed as KITTI's; an actor keeps its box through an episode."""
-    min_height_px: float = _LABEL.default("min_height_px")
+    min_height_px: float = 15.0
     """A label's 2D box is at least this high, in the image before it is resized (`Camera.resized`, `--image-size`)."""
-    min_visible_fraction: float = _LABEL.default("min_visible_fraction")
+    min_visible_fraction: float = 0.1
     """A label's object shows at least this fraction of its silhouette."""
-    max_depth_m: float = _LABEL.default("max_depth_m")
+    max_depth_m: float = 80.0
     """A label's object is at most this deep."""
-    min_depth_m: float = _LABEL.default("min_depth_m")
+    min_depth_m: float = 0.5
     """A label's object is at least this deep."""
-    max_truncation: float = _LABEL.default("max_truncation")
+    max_truncation: float = 0.95
     """A label's object is truncated by at most this."""
-    min_contrast: float = _LABEL.default("min_contrast")
+    min_contrast: float = 0.05
     """An object without returns keeps at least this much of its contrast through fog, rain and snow to get a label."""
-    min_points: int = _LABEL.default("min_points")
+    min_points: int = 0
     """A label's object has at least this many returns."""
-    dontcare_min_pixels: float = _LABEL.default("dontcare_min_pixels")
+    dontcare_min_pixels: float = 8.0
     """An object without a label becomes DontCare if it shows at least this many pixels, in the image before it is
     resized."""
-    occlusion_levels: tuple[float, float] = _LABEL.default("occlusion_levels")
+    occlusion_levels: tuple[float, float] = (0.8, 0.5)
     """Visible fractions from which `occluded` is 0 and 1; below the second it is 2."""
-    corner_tolerance_m: float = _LABEL.default("corner_tolerance_m")
+    corner_tolerance_m: float = 0.1
     """A corner is hidden by what is nearer than it by more than this."""
-    max_hidden_corners: int = _LABEL.default("max_hidden_corners")
+    max_hidden_corners: int = 4
     """With this many hidden corners an object is occluded (method "corners")."""
 
     def scaled(self, image_scale: tuple[float, float]) -> LabelConfig:
@@ -162,39 +156,39 @@ class SuburbConfig(_Overrides):
         CadetError: a number outside its range.
     """
 
-    blocks: tuple[int, int] = _SUBURB.default("blocks")
+    blocks: tuple[int, int] = (4, 4)
     """Number of blocks from side to side, in two directions."""
-    block_m: tuple[float, float] = _SUBURB.default("block_m")
+    block_m: tuple[float, float] = (72.0, 112.0)
     """Shortest and longest block, meters."""
-    parking_share: float = _SUBURB.default("parking_share")
+    parking_share: float = 0.55
     """Share of curbs with parking bays on streets wide enough for them."""
-    angled_share: float = _SUBURB.default("angled_share")
+    angled_share: float = 0.3
     """Share of the streets with bays where cars stand at an angle in some of them."""
-    main_share: float = _SUBURB.default("main_share")
+    main_share: float = 0.0
     """Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both."""
-    cycle_lane_share: float = _SUBURB.default("cycle_lane_share")
+    cycle_lane_share: float = 0.0
     """Share of the streets faster than 30 km/h with a lane for bicycles on both sides of the carriageway."""
-    sidewalk_m: tuple[float, float] = _SUBURB.default("sidewalk_m")
+    sidewalk_m: tuple[float, float] = (1.5, 2.5)
     """Narrowest and widest sidewalk of streets other than main roads, meters."""
-    signal_share: float = _SUBURB.default("signal_share")
+    signal_share: float = 0.0
     """Share of the junctions of streets faster than 30 km/h that have traffic lights."""
-    roundabout_share: float = _SUBURB.default("roundabout_share")
+    roundabout_share: float = 0.0
     """Share of the junctions of streets with one lane a direction that are roundabouts, in town."""
-    tram_share: float = _SUBURB.default("tram_share")
+    tram_share: float = 0.0
     """Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median."""
-    country_share: float = _SUBURB.default("country_share")
+    country_share: float = 0.0
     """Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks."""
-    aisle_share: float = _SUBURB.default("aisle_share")
+    aisle_share: float = 0.0
     """Share of the streets of 30 km/h that are aisles of car parks: bays across on both sides, 20 km/h."""
-    industrial_share: float = _SUBURB.default("industrial_share")
+    industrial_share: float = 0.0
     """Share of the streets that are those of commercial areas: carriageways of 6.5 to 7.5 m, 50 km/h."""
-    campus_share: float = _SUBURB.default("campus_share")
+    campus_share: float = 0.0
     """Share of suburbs that are campuses: lanes of 4.5 to 5 m, paved with setts, without curbs, 10 or 20 km/h."""
-    motorway_share: float = _SUBURB.default("motorway_share")
+    motorway_share: float = 0.0
     """Share of suburbs that are a motorway or a bypass instead: two carriageways that close on themselves."""
-    hilly_share: float = _SUBURB.default("hilly_share")
+    hilly_share: float = 0.2
     """Share of suburbs with hill streets."""
-    max_slope: float = _SUBURB.default("max_slope")
+    max_slope: float = 0.065
     """Steepest slope of a hilly suburb."""
 
     def __post_init__(self) -> None:
@@ -218,21 +212,21 @@ class PropConfig(_Overrides):
         CadetError: a number outside its range, or house shares that are all 0.
     """
 
-    house_shares: tuple[float, float, float, float, float, float] = _PROPS.default("house_shares")
+    house_shares: tuple[float, float, float, float, float, float] = (0.35, 0.15, 0.15, 0.15, 0.08, 0.12)
     """Weights of detached and semi-detached houses, terraces, old village houses, closed blocks, and apartments."""
-    greenery: float = _PROPS.default("greenery")
+    greenery: float = 1.0
     """1 is a common suburb, 0 has no trees."""
-    belt_m: float = _PROPS.default("belt_m")
+    belt_m: float = 40.0
     """Depth of the belt of trees behind the outermost plots, meters."""
-    clutter: float = _PROPS.default("clutter")
+    clutter: float = 1.0
     """What stands about: bins, containers, bicycles, benches, covered cars. 1 is a common suburb, 0 has none."""
-    city_share: float = _PROPS.default("city_share")
+    city_share: float = 0.0
     """Share of the streets lined by closed rows of tall houses at the sidewalk, with shops."""
-    car_park_share: float = _PROPS.default("car_park_share")
+    car_park_share: float = 0.0
     """Share of the streets beside which there are car parks, some with a market."""
-    industrial_share: float = _PROPS.default("industrial_share")
+    industrial_share: float = 0.0
     """Share of the other streets lined by works and offices with their yards."""
-    campus_share: float = _PROPS.default("campus_share")
+    campus_share: float = 0.0
     """Share of the other streets lined by institutes behind lawns."""
 
     def __post_init__(self) -> None:
@@ -250,51 +244,51 @@ class PropConfig(_Overrides):
 class SceneConfig(_Overrides):
     """How full a scene is, what stands in it, where its sun is, and what gets a label.
 
-    The core states the defaults and limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,
+    The core states the limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,
     `stream`), only fields that were given count, those of `suburb`, `props`, and `label` one by one; all else is drawn.
 
     Raises:
         CadetError: a number outside its range.
     """
 
-    num_cars: int = _SCENE.default("num_cars")
+    num_cars: int = 14
     """Driving vehicles kept around the ego: cars, one in eleven a van, and trucks where streets are wide.
 
     Where fewer find room than are asked for here, of these or of the next three, a `CadetWarning` says so."""
-    num_pedestrians: int = _SCENE.default("num_pedestrians")
+    num_pedestrians: int = 24
     """Pedestrians kept around the ego."""
-    num_cyclists: int = _SCENE.default("num_cyclists")
+    num_cyclists: int = 0
     """Cyclists kept around the ego: they ride on the right of driving lanes, and on a map's lanes for bicycles."""
-    num_trams: int = _SCENE.default("num_trams")
+    num_trams: int = 0
     """Trams near the ego where there are tracks (`SuburbConfig.tram_share`, or a map's), of one to three cars."""
-    parking_occupancy: float = _SCENE.default("parking_occupancy")
+    parking_occupancy: float = 0.6
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 
     In side streets and drives it is this to the power of 0.35."""
-    car_radius_m: float = _SCENE.default("car_radius_m")
+    car_radius_m: float = 110.0
     """Driving vehicles start within this distance of the ego."""
-    pedestrian_radius_m: float = _SCENE.default("pedestrian_radius_m")
+    pedestrian_radius_m: float = 80.0
     """Pedestrians start within this distance of the ego."""
-    cyclist_radius_m: float = _SCENE.default("cyclist_radius_m")
+    cyclist_radius_m: float = 70.0
     """Cyclists start within this distance of the ego."""
-    parking_radius_m: float = _SCENE.default("parking_radius_m")
+    parking_radius_m: float = 280.0
     """Parking places and seats are filled within this distance of the ego."""
-    seat_occupancy: float = _SCENE.default("seat_occupancy")
+    seat_occupancy: float = 0.1
     """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits; there are few where
     `PropConfig.clutter` is small."""
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
     """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
 
     "Misc" are trailers and motorbikes, which only park."""
-    suburb: SuburbConfig = field(default_factory=SuburbConfig)
+    suburb: SuburbConfig = SuburbConfig()
     """What kind of suburb is generated where there is no map."""
-    props: PropConfig = field(default_factory=PropConfig)
+    props: PropConfig = PropConfig()
     """Houses, gardens, and trees along the streets."""
-    sun_elevation_deg: float | None = _SCENE.default("sun_elevation_deg")
+    sun_elevation_deg: float | None = None
     """The sun's height over the horizon; the weather's, varied by the seed, if None."""
-    sun_azimuth_deg: float | None = _SCENE.default("sun_azimuth_deg")
+    sun_azimuth_deg: float | None = None
     """The sun's direction, counter-clockwise from east; drawn from the seed if None, south in `Scene.empty`."""
-    label: LabelConfig = field(default_factory=LabelConfig)
+    label: LabelConfig = LabelConfig()
     """What gets a label."""
 
     def __repr__(self) -> str:
