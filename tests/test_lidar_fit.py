@@ -314,7 +314,7 @@ def test_the_command_writes_what_the_generator_reads(
     printed = capsys.readouterr().out
     assert "22 rings, 1500 columns" in printed
     assert printed.endswith(f"wrote {out}\n")
-    assert Lidar.from_toml(out).name == "mine"
+    assert Lidar.read(out).name == "mine"
     assert run(yard, "-o", tmp_path / "mine.txt") == 2
     assert capsys.readouterr().err.startswith("cadet: -o: expected a file that ends in .toml")
     assert run("nothing", "-o", "/nodir/x.toml") == 2

@@ -12,6 +12,7 @@ import pytest
 
 import cadet
 from cadet import generate, kitti
+from cadet.toml_file import TomlFile
 from evaluation_helpers import detected
 from obj_meshes import assets_folder
 from synthetic import make_frame
@@ -32,12 +33,6 @@ class World:
         kitti.write_frame(root, 0, self.frame)
         assets_folder(root)
         (root / "town.xodr").write_text("<OpenDRIVE/>")
-        (root / "frames.toml").write_text("seed = 1")
-        (root / "rules.toml").write_text('[class.Car]\ntypes = ["Car"]\nmin_overlap = 0.5\n')
-        (root / "vlp16.toml").write_text(cadet.Lidar.vlp16().to_toml())
-        (root / "rig.toml").write_text(
-            Path(cadet.__file__).with_name("presets").joinpath("rigs/nuscenes.toml").read_text()
-        )
         (root / "props").mkdir()
         (root / "props" / "bin.toml").write_text(
             'levels_m = [20, 40, 90]\nparts = [{ of = "steel", block = "1, 1, 1" }]\n'
@@ -99,6 +94,7 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "Settings": lambda w: w.settings,
     "Simulation": lambda w: cadet.Simulation(w.policy),
     "Summary": lambda w: generate.generate(w.root / "summary", w.settings, workers=1),
+    "Rules": lambda w: cadet.Rules(classes=(cadet.EvalClass("Car", ("Car",), (0.5, 0.5, 0.5)),)),
     "UniformFiring": lambda w: cadet.UniformFiring(columns=9),
     "Props": lambda w: cadet.Props.read(w.root / "props"),
     "VehicleMesh": lambda w: cadet.Assets.read(w.root).vehicles[0],
@@ -106,8 +102,6 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
 CALLS: dict[str, Callable[[World], Any]] = {
     "Assets.read": lambda w: cadet.Assets.read(w.root),
     "Props.read": lambda w: cadet.Props.read(w.root / "props"),
-    "BeamTable.from_toml": lambda w: cadet.BeamTable.from_toml((w.root / "vlp16.toml").read_text()),
-    "BeamTable.read": lambda w: cadet.BeamTable.read(w.root / "vlp16.toml"),
     "Calibration.cam_to_velo": lambda w: w.frame.calib.cam_to_velo(POINTS),
     "Calibration.velo_to_cam": lambda w: w.frame.calib.velo_to_cam(POINTS),
     "Calibration.from_text": lambda w: cadet.Calibration.from_text(w.frame.calib.to_text()),
@@ -126,7 +120,6 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "LabelConfig.scaled": lambda w: cadet.LabelConfig().scaled((0.5, 0.5)),
     "LabelConfig.over": lambda w: cadet.LabelConfig().over(cadet.LabelConfig()),
     "Lidar.custom": lambda w: cadet.Lidar.custom(cadet.Lidar.vlp16().beam_table()),
-    "Lidar.from_toml": lambda w: cadet.Lidar.from_toml(w.root / "vlp16.toml"),
     "Lidar.named": lambda w: cadet.Lidar.named("vlp16"),
     "Pose.carried_by": lambda w: cadet.Pose().carried_by(np.eye(4)),
     "Pose.from_matrix": lambda w: cadet.Pose.from_matrix(np.eye(4)),
@@ -143,11 +136,11 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "ResetPolicy.with_rig": lambda w: w.policy.with_rig(w.rig),
     "ResetPolicy.with_weathers": lambda w: w.policy.with_weathers("snow"),
     "Rig.ego_from_sensor": lambda w: w.rig.ego_from_sensor("image_2"),
-    "Rig.from_toml": lambda w: cadet.Rig.from_toml(w.root / "rig.toml"),
     "Rig.named": lambda w: cadet.Rig.named("kitti"),
     "Rig.pitched": lambda w: w.rig.pitched(0.5),
     "Rig.sensor": lambda w: w.rig.sensor("image_2"),
     "Rig.wanted": lambda w: w.rig.wanted(None),
+    "Rig.with_each_lidar": lambda w: w.rig.with_each_lidar(lambda lidar: lidar),
     "Rig.with_image_size": lambda w: w.rig.with_image_size(62, 19),
     "Rig.with_lidar": lambda w: w.rig.with_lidar(cadet.Lidar()),
     "RoadMap.read": lambda w: cadet.RoadMap.read(w.root / "town.xodr"),
@@ -163,7 +156,6 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "Settings.place": lambda w: w.settings.place(0),
     "Settings.places_of": lambda w: w.settings.places_of(0),
     "Settings.split": lambda w: w.settings.split(0),
-    "Simulation.read": lambda w: cadet.Simulation.read(w.root / "frames.toml"),
     "SuburbConfig.over": lambda w: cadet.SuburbConfig().over(cadet.SuburbConfig()),
     "Dataset.has": lambda w: kitti.Dataset(w.root).has("calib", "000000"),
     "Dataset.read_frame": lambda w: kitti.Dataset(w.root).read_frame("000000"),
@@ -188,7 +180,6 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "read_image_set": lambda w: kitti.read_image_set(w.root, "trainval"),
     "read_labels": lambda w: kitti.read_labels(w.root, 0),
     "read_meta": lambda w: kitti.read_meta(w.root, 0),
-    "read_rules": lambda w: cadet.read_rules(w.root / "rules.toml"),
     "text_from_labels": lambda w: kitti.text_from_labels(()),
     "write_frame": lambda w: kitti.write_frame(w.root, 7, w.frame),
     "write_image_set": lambda w: kitti.write_image_set(w.root, "test", kitti.ImageSet(())),
@@ -219,6 +210,22 @@ def methods(cls: type[Any]) -> Iterator[str]:
 CLASSES = {name: one for name, one in public() if inspect.isclass(one)}
 FUNCTIONS = [name for name, one in public() if not inspect.isclass(one)]
 METHODS = sorted({f"{name}.{method}" for name, cls in CLASSES.items() for method in methods(cls)})
+
+
+def _from_toml(name: str) -> Callable[[World], Any]:
+    return lambda w: CLASSES[name].from_toml(made(w, name).to_toml())
+
+
+def _read(name: str) -> Callable[[World], Any]:
+    def read(w: World) -> Any:
+        (w.root / f"{name}.toml").write_text(made(w, name).to_toml())
+        return CLASSES[name].read(w.root / f"{name}.toml")
+
+    return read
+
+
+for _name in [name for name, cls in CLASSES.items() if issubclass(cls, TomlFile)]:
+    CALLS |= {f"{_name}.from_toml": _from_toml(_name), f"{_name}.read": _read(_name)}
 
 
 @pytest.fixture(scope="module")

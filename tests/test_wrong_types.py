@@ -185,7 +185,7 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
         lambda **k: cadet.EvalClass(**{"name": "Car", "types": ("Car",), "min_overlap": 0.5, **k}),
         ["name", "types", "min_overlap", "neighbors"],
     ),
-    "read_rules": (cadet.read_rules, ["path"]),
+    "Rules.read": (cadet.Rules.read, ["path"]),
     "nms_bev": (lambda **k: cadet.nms_bev(BOXES, np.array([0.1, 0.2]), **k), ["threshold"]),
     "weather.apply": (
         lambda **k: cadet.weather.apply(frame().points_velo[:9], **k),

@@ -25,11 +25,11 @@ from cadet.evaluation import (
     GroundTruth,
     Level,
     Report,
+    Rules,
     box_iou_3d,
     box_iou_bev,
     evaluate,
     nms_bev,
-    read_rules,
 )
 from cadet.extrinsics import Extrinsics
 from cadet.kitti import Calibration, Frame, Label
@@ -87,6 +87,7 @@ __all__ = [
     "ResetPolicy",
     "Rig",
     "RoadMap",
+    "Rules",
     "Sample",
     "Scan",
     "Scene",
@@ -105,7 +106,6 @@ __all__ = [
     "evaluate",
     "kitti",
     "nms_bev",
-    "read_rules",
     "stream",
     "weather_names",
 ]

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
 from cadet import _cadet
-from cadet.checks import as_path, check_number, make_plain, shown, shown_key
-from cadet.errors import CadetError
-from cadet.plain_text import toml_from_text
+from cadet.checks import check_number, is_one_of, make_plain, shown, shown_key
+from cadet.errors import CadetError, FileFormatError
+from cadet.plain_tables import table_of_object
 from cadet.summary import summary
-from cadet.user_files import read_settings
+from cadet.toml_file import TomlFile
 
 T = TypeVar("T")
 
@@ -151,7 +152,7 @@ _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": Encod
 
 
 @dataclass(frozen=True, kw_only=True)
-class BeamTable:
+class BeamTable(TomlFile):
     """A turning LIDAR.
 
     Raises:
@@ -216,54 +217,37 @@ class BeamTable:
         return firing.firings if isinstance(firing, EncoderFiring) else len(firing.azimuths_deg)
 
     @classmethod
-    def read(cls, path: str | Path) -> BeamTable:
-        """Read a TOML file.
+    def from_toml(cls, text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> BeamTable:
+        """Return what the text of a TOML file says; messages name the line, too, where it is known.
 
         Raises:
-            MissingFileError: there is no such file.
-            CadetError: anything that is wrong with it: one line with the file, its line where known, key and reason.
+            CadetError: anything that is wrong with it, in one line with `file`, key and reason.
         """
-        path = as_path("path", path)
-        data = read_settings(path)
-        try:
-            return cls.from_toml(data.decode("utf-8"), file=path.name)
-        except UnicodeDecodeError as error:
-            raise CadetError(f"{path.name}: {error}") from None
+        with names_lines(text, file):
+            return super().from_toml(text, file=file, folder=folder)
 
     @classmethod
-    def from_toml(cls, text: str, file: str = "lidar.toml") -> BeamTable:
-        """Read TOML text; `file` names it in messages.
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> BeamTable:
+        _check_keys("", table, BeamTable)
+        rings = table["rings"]
+        if not isinstance(rings, list) or not all(isinstance(ring, Mapping) for ring in rings):
+            raise CadetError("rings: expected a list of tables such as { elevation_deg = 2.0, height_m = 0.0 }")
+        if len(rings) > _MAX_RINGS:
+            raise CadetError(f"rings: expected 1 to {_MAX_RINGS} lasers, got {len(rings)}")
+        lasers = []
+        for number, ring in enumerate(rings):
+            owner = f"rings[{number}]"
+            _check_keys(f"{owner}.", ring, Laser)
+            try:
+                lasers.append(Laser(**{key: _as_tuples(value) for key, value in ring.items()}))
+            except CadetError as error:
+                raise CadetError(str(error).replace("laser.", f"{owner}.", 1)) from None
+        return cls(**{**table, "rings": tuple(lasers), "firing": _firing(table["firing"])})
 
-        Raises:
-            CadetError: as `read`.
-        """
-        # Reading endless rings takes minutes.
-        if len(text) > _MAX_LETTERS:
-            most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
-            raise CadetError(f"{file}: {len(text)} letters, {most}: is this a LIDAR's file?")
-        values = toml_from_text(text, file)
-        try:
-            return _table(values)
-        except CadetError as error:
-            line = _line_of(str(error), text)
-            raise CadetError(f"{file}{'' if line is None else f':{line}'}: {error}") from None
-
-    def to_toml(self) -> str:
-        """Return the table as TOML; `from_toml` reads back an equal one."""
-        lines = [f'name = "{self.name}"']
-        lines += [f"{key} = {_number(getattr(self, key))}" for key in _RANGES]
-        lines += ["", "# From the highest ring to the lowest.", "rings = ["]
-        for laser in self.rings:
-            given = (key for key in _NUMBERS if key == "height_m" or getattr(laser, key) != getattr(Laser, key, None))
-            parts = [f"{key} = {_number(getattr(laser, key))}" for key in given]
-            if laser.blind_deg:
-                sectors = ", ".join(f"[{_number(a)}, {_number(b)}]" for a, b in laser.blind_deg)
-                parts.append(f"blind_deg = [{sectors}]")
-            lines.append(f"    {{ {', '.join(parts)} }},")
-        lines += ["]", "", "[firing]", f'pattern = "{_pattern_of(self.firing)}"']
-        for key, value in asdict(self.firing).items():
-            lines.append(f"{key} = {[float(v) for v in value] if isinstance(value, tuple) else _number(value)}")
-        return "\n".join(lines) + "\n"
+    def _table(self) -> dict[str, Any]:
+        rings = [_ring(laser) for laser in self.rings]
+        firing = {"pattern": _pattern_of(self.firing), **table_of_object(self.firing)}
+        return {"name": self.name, **{key: getattr(self, key) for key in _RANGES}, "rings": rings, "firing": firing}
 
     @classmethod
     def from_native(cls, table: _cadet.BeamTable) -> BeamTable:
@@ -311,41 +295,24 @@ def _as_tuples(value: Any) -> Any:
     return tuple(map(_as_tuples, value)) if isinstance(value, list) else value
 
 
-def _plain_firing(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
-
-
-def _number(value: float) -> str:
-    return str(int(value)) if isinstance(value, int) else repr(float(value))
-
-
-def _table(values: Mapping[str, Any]) -> BeamTable:
-    _check_keys("", values, BeamTable)
-    rings = values["rings"]
-    if not isinstance(rings, list) or not all(isinstance(ring, Mapping) for ring in rings):
-        raise CadetError("rings: expected a list of tables such as { elevation_deg = 2.0, height_m = 0.0 }")
-    if len(rings) > _MAX_RINGS:
-        raise CadetError(f"rings: expected 1 to {_MAX_RINGS} lasers, got {len(rings)}")
-    lasers = []
-    for number, ring in enumerate(rings):
-        owner = f"rings[{number}]"
-        _check_keys(f"{owner}.", ring, Laser)
-        try:
-            lasers.append(Laser(**{key: _as_tuples(value) for key, value in ring.items()}))
-        except CadetError as error:
-            raise CadetError(str(error).replace("laser.", f"{owner}.", 1)) from None
-    firing = values["firing"]
-    if not isinstance(firing, Mapping):
-        raise CadetError(f"firing: expected a table, got {shown(firing)}")
-    if "pattern" not in firing:
+def _firing(values: object) -> Firing:
+    if not isinstance(values, Mapping):
+        raise CadetError(f"firing: expected a table, got {shown(values)}")
+    if "pattern" not in values:
         raise CadetError("firing: missing key 'pattern'")
-    cls = _PATTERNS.get(firing["pattern"]) if isinstance(firing["pattern"], str) else None
-    if cls is None:
-        raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {shown(firing['pattern'])}")
-    rest = _plain_firing(firing)
-    del rest["pattern"]
+    if not is_one_of(values["pattern"], _PATTERNS):
+        raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {shown(values['pattern'])}")
+    cls = _PATTERNS[values["pattern"]]
+    rest = {key: _as_tuples(value) for key, value in values.items() if key != "pattern"}
     _check_keys("firing.", rest, cls)
-    return BeamTable(**{**values, "rings": tuple(lasers), "firing": cls(**rest)})
+    return cls(**rest)
+
+
+def _ring(laser: Laser) -> dict[str, Any]:
+    """Return a laser's numbers that are not the default, its height among them all the same."""
+    values = table_of_object(laser)
+    usual = {f.name: f.default for f in fields(Laser) if f.name != "height_m"}
+    return {key: value for key, value in values.items() if getattr(laser, key) != usual.get(key)}
 
 
 def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
@@ -357,6 +324,25 @@ def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
         # Dataclass fields without a default hold a marker of the library's own.
         if key not in values and not isinstance(default, (int, float, str, tuple)):
             raise CadetError(f"{owner}{key}: missing key")
+
+
+@contextmanager
+def names_lines(text: str | bytes, file: str) -> Iterator[None]:
+    """Name the line that an error means, where it can be told, while a LIDAR is read.
+
+    Raises:
+        FileFormatError: text too long for a LIDAR: reading endless rings takes minutes.
+    """
+    if isinstance(text, str | bytes) and len(text) > _MAX_LETTERS:
+        most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
+        raise FileFormatError(f"{len(text)} letters, {most}: is this a LIDAR's file?", file)
+    try:
+        yield
+    except FileFormatError as error:
+        line = _line_of(error.reason, text.decode(errors="replace") if isinstance(text, bytes) else text)
+        if error.file != file or error.line is not None or line is None:
+            raise
+        raise FileFormatError(error.reason, file, line) from None
 
 
 def _line_of(message: str, text: str) -> int | None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +14,8 @@ from cadet import _cadet
 from cadet.checks import check_number, check_three, make_plain, shown
 from cadet.errors import CadetError
 from cadet.kitti_calibrations import MOST_FREQUENT, KittiCalibration, Row3, kitti_calibration
+from cadet.plain_tables import check_keys, object_of_table, table_of_object
+from cadet.toml_file import TomlFile
 
 
 def _offset_m(calibration: KittiCalibration, column: Row3) -> Row3:
@@ -25,13 +30,17 @@ MAX_PIXELS = 1 << 24
 """The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
 
 
+_INTRINSICS = ("width", "height", "fx", "fy", "cx", "cy")
+_OFFSETS = ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m")
+
+
 def _check_side(name: str, size: object) -> None:
     least, most = _cadet.limits()["image_side_px"]
     check_number("Camera", name, size, int(least), int(most), whole=True)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Camera:
+class Camera(TomlFile):
     """A rectified pinhole camera and the other three of its rig, KITTI's of 26 September 2011 by default.
 
     All four have the same intrinsics. The image is that of camera 2, the left color camera; labels stand in the frame
@@ -77,7 +86,7 @@ class Camera:
             check_number("Camera", name, getattr(self, name), 1, 1e6)
         for name in ("cx", "cy"):
             check_number("Camera", name, getattr(self, name), -1e6, 1e6)
-        for name in ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m"):
+        for name in _OFFSETS:
             check_three("Camera", name, getattr(self, name), 10)
         if not isinstance(self.image_scale, tuple) or len(self.image_scale) != 2:
             raise CadetError(f"Camera.image_scale: expected two numbers, got {shown(self.image_scale)}")
@@ -144,6 +153,18 @@ class Camera:
             distortion=distortion,
             rolling_shutter_s=rolling_shutter_s,
         )
+
+    @classmethod
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Camera:
+        """Return a camera alone, unless the table says where the other three stand."""
+        check_keys(table, tuple(f.name for f in fields(cls)), _INTRINSICS, place)
+        alone = dict.fromkeys(_OFFSETS, (0.0, 0.0, 0.0))
+        return object_of_table(cls, {**alone, **table}, folder, place)
+
+    def _table(self) -> dict[str, Any]:
+        usual = {**{f.name: f.default for f in fields(self)}, **dict.fromkeys(_OFFSETS, (0.0, 0.0, 0.0))}
+        table = table_of_object(self)
+        return {key: table[key] for key in table if key in _INTRINSICS or getattr(self, key) != usual[key]}
 
     def resized(self, width: int, height: int) -> Camera:
         """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it.

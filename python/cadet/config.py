@@ -8,7 +8,9 @@ from typing import Any, Literal, TypeVar
 from cadet import _cadet
 from cadet.checks import check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
+from cadet.plain_tables import table_of_object
 from cadet.summary import summary
+from cadet.toml_file import TomlFile
 
 VEHICLE_CLASSES = tuple(_cadet.SceneConfig.vehicle_classes())
 """KITTI's classes of vehicles that drive and park."""
@@ -51,7 +53,7 @@ scene_limits = _SCENE.limits
 _Config = TypeVar("_Config", bound="_Overrides")
 
 
-class _Overrides:
+class _Overrides(TomlFile):
     """A configuration that remembers which of its fields were given, so that the others can be drawn."""
 
     given: frozenset[str]
@@ -60,6 +62,9 @@ class _Overrides:
         self = super().__new__(cls)
         object.__setattr__(self, "given", frozenset(given))
         return self
+
+    def _table(self) -> dict[str, Any]:
+        return {name: value for name, value in table_of_object(self).items() if name in self.given}
 
     def over(self: _Config, drawn: _Config) -> _Config:
         """Return `drawn` with what was given here in its place; configurations in it are merged alike."""

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Final
 
-from cadet.checks import check_kind, check_range, check_text, is_one_of, make_plain, shown
+from cadet.checks import check_kind, check_range, check_text, make_plain
 from cadet.config import PropConfig, SuburbConfig, scene_limits
-from cadet.errors import CadetError
+from cadet.toml_file import NamedFile
 
 
 @dataclass(frozen=True, kw_only=True)
-class District:
+class District(NamedFile):
     """A kind of neighborhood: ranges that a scene's numbers are drawn from, both ends included.
 
     Raises:
         CadetError: a range that is none.
     """
+
+    _KIND = "district"
 
     name: str
     """For the metadata."""
@@ -48,15 +52,8 @@ class District:
         make_plain(self)
 
     @classmethod
-    def named(cls, name: str) -> District:
-        """Return the district of that name, one of `DISTRICTS`.
-
-        Raises:
-            CadetError: there is none.
-        """
-        if not is_one_of(name, _BY_NAME):
-            raise CadetError(f"unknown district {shown(name)}; known: {', '.join(DISTRICTS)}")
-        return _BY_NAME[name]
+    def _presets(cls) -> Mapping[str, Callable[[], District]]:
+        return {name: partial(_BY_NAME.__getitem__, name) for name in DISTRICTS}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the district in plain values, for a manifest: `suburb` and `props` where they are not the default."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -11,25 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet.beam_table import BeamTable
-from cadet.checks import as_path, check_flag, check_kind, check_number, is_one_of, make_plain, shown
+from cadet.beam_table import BeamTable, names_lines
+from cadet.checks import check_flag, check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
 from cadet.summary import summary
+from cadet.toml_file import NamedFile
 
 RETURN_MODES = ("strongest", "last")
+HOW = ("single_origin", "rolling", "returns", "divergence_mrad")
+"""How a scan is taken, besides where the beams go."""
 _FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" / "lidars").glob("*.toml"))}
 LIDAR_PRESETS = (*_cadet.Lidar.presets(), *_FILES)
 """The sensors that the core makes, then those that are data: a file is all that one more takes."""
 
 
 @dataclass(frozen=True)
-class Lidar:
+class Lidar(NamedFile):
     """A LIDAR's beams, by preset or by a custom table, and how it takes a scan (docs/scan.md).
 
     Args:
         name: one of `LIDAR_PRESETS`, or the table's name.
         single_origin: all lasers leave one point, where the HDL-64E's sit at different heights.
-        table: a sensor that is not a preset; `Lidar.custom` and `Lidar.from_toml` give it its name.
+        table: a sensor that is not a preset; `Lidar.custom` and `Lidar.read` give it its name.
         rolling: the car and all actors move during the turn, from 0.05 s before the image to 0.05 s after it, azimuth 0
             (forward) at its instant; points stay in the frame of their own firing.
         returns: "strongest" or "last": what is reported where a beam meets several surfaces.
@@ -40,6 +44,8 @@ class Lidar:
     Raises:
         CadetError: an unknown preset, a table of another name or that makes no sensor, or a setting out of range.
     """
+
+    _KIND = "lidar"
 
     name: str = "hdl64e_kitti"
     single_origin: bool = False
@@ -120,42 +126,36 @@ class Lidar:
         return cls(table.name, table=table)
 
     @classmethod
-    def from_toml(cls, path: str | Path) -> Lidar:
-        """Read a custom sensor from a TOML file (docs/lidars.md says what is in it).
-
-        Raises:
-            MissingFileError: there is no such file.
-            CadetError: anything that is wrong with it: one line with the file, its line where known, key and reason.
-        """
-        table = BeamTable.read(path)
-        try:
-            return cls.custom(table)
-        except CadetError as error:
-            raise CadetError(f"{as_path('path', path).name}: {error}") from None
+    def _presets(cls) -> Mapping[str, Callable[[], Lidar]]:
+        return {name: partial(cls, name) for name in LIDAR_PRESETS}
 
     @classmethod
-    def named(cls, name_or_file: str | Path) -> Lidar:
-        """Return the preset of that name, or what a TOML file holds.
+    def from_toml(cls, text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> Lidar:
+        """Return what the text of a TOML file says (docs/lidars.md); messages name the line, too, where it is known.
 
         Raises:
-            CadetError: neither, or as `from_toml`.
+            CadetError: anything that is wrong with it, in one line with `file`, key and reason.
         """
-        path = as_path("lidar", name_or_file)
-        if str(path) in LIDAR_PRESETS:
-            return cls(str(path))
-        if path.suffix == ".toml":
-            return cls.from_toml(path)
-        raise CadetError(
-            f"unknown lidar {shown(str(path))}; known: {', '.join(LIDAR_PRESETS)}, or the path of a .toml file"
-        )
+        with names_lines(text, file):
+            return super().from_toml(text, file=file, folder=folder)
+
+    @classmethod
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Lidar:
+        how = {key: table[key] for key in HOW if key in table}
+        beams = {key: value for key, value in table.items() if key not in how}
+        if beams.keys() == {"name"}:
+            return cls(beams["name"], **how)
+        made = BeamTable._of_table(beams, folder, place)
+        return cls(made.name, table=made, **how)
+
+    def _table(self) -> dict[str, Any]:
+        how = {key: getattr(self, key) for key in HOW if getattr(self, key) != getattr(Lidar, key)}
+        beams = {"name": self.name} if self.table is None or self._is_shipped() else self.table._table()
+        return {**how, **beams}
 
     def beam_table(self) -> BeamTable:
         """Return every laser and number of the sensor, presets' too."""
         return BeamTable.from_native(self.to_native().table())
-
-    def to_toml(self) -> str:
-        """Return the sensor as TOML, to start a custom one from; `from_toml` reads it."""
-        return self.beam_table().to_toml()
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
         """Return every beam of a turn, in the order of an ideal scan's rows.

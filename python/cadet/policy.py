@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from cadet.assets import Assets
@@ -16,7 +17,6 @@ from cadet.checks import (
     check_number,
     check_range,
     check_text,
-    is_one_of,
     make_plain,
     shown,
 )
@@ -24,10 +24,13 @@ from cadet.config import VEHICLE_CLASSES, LabelConfig, PropConfig, SceneConfig, 
 from cadet.districts import KITTI_DISTRICTS, District
 from cadet.draws import Draws
 from cadet.errors import CadetError
+from cadet.plain_tables import check_keys
+from cadet.policy_table import changed, keys_of_policy, table_of_policy
 from cadet.props import Props
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.summary import summary
+from cadet.toml_file import NamedFile
 from cadet.weather import check_weather, weather_names
 
 STEPS_PER_S = 60
@@ -70,12 +73,14 @@ class EpisodeSpec:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ResetPolicy:
+class ResetPolicy(NamedFile):
     """How the world is drawn at each reset, and how samples follow each other.
 
     Raises:
         CadetError: a number outside its range, no district, or an unknown weather.
     """
+
+    _KIND = "policy"
 
     name: str = "custom"
     """For the metadata."""
@@ -204,18 +209,28 @@ class ResetPolicy:
         )
 
     @classmethod
-    def named(cls, name: str) -> ResetPolicy:
-        """Return the preset of that name, one of `POLICIES`.
+    def _presets(cls) -> Mapping[str, Callable[[], ResetPolicy]]:
+        return {"kitti": cls.kitti, "paper": cls.paper}
 
-        Raises:
-            CadetError: there is none.
-        """
-        presets = {"kitti": cls.kitti, "paper": cls.paper}
-        if not is_one_of(name, presets):
-            raise CadetError(f"unknown policy {shown(name)}; known: {', '.join(POLICIES)}")
-        return presets[name]()
+    @classmethod
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> ResetPolicy:
+        check_keys(table, cls._keys())
+        changes = {key: value for key, value in table.items() if key != "policy"}
+        try:
+            policy = cls.named(table.get("policy", "kitti"), folder=folder)
+        except CadetError as error:
+            raise CadetError(f"policy: {error}") from None
+        return changed(policy, changes, folder)
 
-    def as_sequence(self, *, hz: float, length_s: float) -> ResetPolicy:
+    @classmethod
+    def _keys(cls) -> tuple[str, ...]:
+        """Return the keys of a file, that of the policy that it changes first."""
+        return ("policy", *keys_of_policy(cls))
+
+    def _table(self) -> dict[str, Any]:
+        return table_of_policy(self)
+
+    def as_sequence(self, *, hz: float = 2.0, length_s: float = 20.0) -> ResetPolicy:
         """Return the policy with episodes of `length_s` seconds, in which `hz` samples a second are taken.
 
         The first sample shows a labeled object; the others show what is there.
@@ -224,13 +239,13 @@ class ResetPolicy:
             CadetError: a rate that does not divide the 60 steps of a second, or a length without a sample.
         """
         check_number("", "hz", hz, 1 / 600, STEPS_PER_S)
-        check_number("", "length", length_s, 0, 36_000)
+        check_number("", "length_s", length_s, 0, 36_000)
         steps = STEPS_PER_S / hz
         if abs(steps - round(steps)) > 1e-6:
             raise CadetError(f"hz: expected a rate that divides the {STEPS_PER_S} steps of a second, got {hz:g}")
         count = int(length_s * hz + 1e-6)
         if count < 1:
-            raise CadetError(f"length: expected at least {1 / hz:g} s for a sample, got {length_s:g}")
+            raise CadetError(f"length_s: expected at least {1 / hz:g} s for a sample, got {length_s:g}")
         return replace(self, time_step_s=round(steps) / STEPS_PER_S, samples_per_episode=count)
 
     def with_rig(self, rig: Rig) -> ResetPolicy:

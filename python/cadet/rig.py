@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,9 @@ from cadet.kitti_calibrations import KITTI_CALIBRATIONS, MOST_FREQUENT, Row3, ki
 from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
 from cadet.pose import inverse, product, rotation_of_angles
-from cadet.rig_file import rig_fields
+from cadet.rig_file import fields_of_table, table_of_rig
 from cadet.summary import summary
+from cadet.toml_file import NamedFile
 
 _FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" / "rigs").glob("*.toml"))}
 RIG_PRESETS = ("kitti", "paper", "cadet", *_FILES)
@@ -35,7 +37,7 @@ _DEFAULT = kitti_calibration(MOST_FREQUENT)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rig:
+class Rig(NamedFile):
     """Named sensors on the ego vehicle: a LIDAR and a camera beside it, KITTI's by default, and any number more.
 
     The first camera and the first LIDAR give `Frame.image` and `Frame.points_velo`, and labels stand in that camera's
@@ -44,6 +46,8 @@ class Rig:
     Raises:
         CadetError: a number outside its range, or two sensors of a name.
     """
+
+    _KIND = "rig"
 
     name: str = "custom"
     """For the metadata."""
@@ -80,6 +84,8 @@ class Rig:
         for mounted in self.more:
             if not isinstance(mounted, (MountedCamera, MountedLidar)):
                 raise CadetError(f"Rig.more: expected MountedCamera or MountedLidar, got {shown(mounted)}")
+        # Cameras first: what is one rig is equal, and reads alike.
+        object.__setattr__(self, "more", tuple(sorted(self.more, key=lambda one: isinstance(one, MountedLidar))))
         make_plain(self)
         names = [self.camera_name, self.lidar_name, *(mounted.name for mounted in self.more)]
         for name in names:
@@ -150,30 +156,19 @@ class Rig:
         The first camera is CAM_FRONT. Unlike nuScenes' own, the ego's frame begins under the middle of the car, ahead
         of the rear axle; `origin_in_ego_m` says where nuScenes' does.
         """
-        return cls.from_toml(_FILES["nuscenes"])
+        return cls.read(_FILES["nuscenes"])
 
     @classmethod
-    def from_toml(cls, path: str | Path) -> Rig:
-        """Read a custom rig from a TOML file (docs/rigs.md says what is in it).
-
-        Raises:
-            MissingFileError: there is no such file.
-            CadetError: anything that is wrong with it: one line with the file, key and reason.
-        """
-        return cls(**rig_fields(path))
+    def _presets(cls) -> Mapping[str, Callable[[], Rig]]:
+        own = {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet}
+        return {**own, **{name: partial(cls.read, file) for name, file in _FILES.items()}}
 
     @classmethod
-    def named(cls, name: str) -> Rig:
-        """Return the preset of that name, one of `RIG_PRESETS`.
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Rig:
+        return cls(**fields_of_table(table, folder))
 
-        Raises:
-            CadetError: there is none.
-        """
-        if not is_one_of(name, RIG_PRESETS):
-            raise CadetError(f"unknown rig {shown(name)}; known: {', '.join(RIG_PRESETS)}")
-        if name in _FILES:
-            return cls.from_toml(_FILES[name])
-        return {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet}[name]()
+    def _table(self) -> dict[str, Any]:
+        return table_of_rig(self)
 
     def __repr__(self) -> str:
         return summary(
@@ -199,6 +194,14 @@ class Rig:
         check_kind("Rig", "lidar", lidar, Lidar)
         is_same = lidar.name == self.lidar.name
         return replace(self, lidar=lidar, name=self.name if is_same else f"{self.name}_{lidar.name}")
+
+    def with_each_lidar(self, change: Callable[[Lidar], Lidar]) -> Rig:
+        """Return the rig with each of its LIDARs changed."""
+        more = tuple(
+            replace(mounted, lidar=change(mounted.lidar)) if isinstance(mounted, MountedLidar) else mounted
+            for mounted in self.more
+        )
+        return replace(self, lidar=change(self.lidar), more=more)
 
     def with_image_size(self, width: int, height: int) -> Rig:
         """Return the rig with the image of its first camera scaled, in pixels.

@@ -1,101 +1,148 @@
-"""Rigs as TOML: every sensor with its name, its numbers and its pose (docs/rigs.md)."""
+"""Rigs as tables of a TOML file: every sensor with its name, its numbers and its pose (docs/rigs.md)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet.camera import Camera
-from cadet.checks import as_path, check_number, check_three, shown, shown_key
+from cadet.checks import check_three, shown
 from cadet.errors import CadetError
 from cadet.extrinsics import Extrinsics
-from cadet.lidar import Lidar
+from cadet.lidar import HOW, Lidar
 from cadet.mounted import MountedCamera, MountedLidar
-from cadet.plain_text import toml_from_text
+from cadet.plain_tables import check_keys, object_of_table, table_of_object
 from cadet.pose import Pose, Row3, inverse, product, rotation_of_angles
-from cadet.user_files import read_settings
 
-_MOST = 1e9
-_POSE = {"position_m", "quaternion_wxyz"}
-_CAMERA = {"name", "size", "focal_px", "center_px", "distortion", "rolling_shutter_s"} | _POSE
-_LIDAR = {"name", "model", "rolling", "returns", "divergence_mrad"} | _POSE
+_CAMERA: Final = tuple(f.name for f in fields(Camera))
+_PLACES: Final = ("position_m", "position_in_ego_m")
+_TURNS: Final = ("quaternion_wxyz", "roll_pitch_yaw_deg")
+_POSE: Final = (*_PLACES, *_TURNS)
 
 
-def rig_fields(path: str | Path) -> dict[str, Any]:
-    """Read the fields of a `Rig` from a TOML file; its first camera and LIDAR are the rig's first.
+def fields_of_table(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the fields of a `Rig`; the first camera and LIDAR of the table are the rig's first.
+
+    Args:
+        table: what the file holds.
+        folder: what the names of LIDARs' files are relative to.
 
     Raises:
-        MissingFileError: there is no such file.
-        CadetError: anything that is wrong with it, in one line with the file's name.
+        CadetError: anything that is wrong with it; the key is named.
     """
-    path = as_path("rig", path)
-    values = toml_from_text(read_settings(path), path.name)
-    try:
-        return _fields(values)
-    except CadetError as error:
-        raise CadetError(f"{path.name}: {error}") from None
-
-
-def _fields(values: Mapping[str, Any]) -> dict[str, Any]:
-    _check_keys("", values, {"name", "origin_in_ego_m", "camera", "lidar"}, {"name", "camera", "lidar"})
-    origin = _numbers("origin_in_ego_m", values.get("origin_in_ego_m", [0.0, 0.0, 0.0]), 3)
-    cameras = [_camera(i, table, origin) for i, table in enumerate(_tables("camera", values["camera"]))]
-    lidars = [_lidar(i, table, origin) for i, table in enumerate(_tables("lidar", values["lidar"]))]
-    camera, lidar = cameras[0], lidars[0]
-    velo = lidar.pose.matrix()
-    angles = _angles_of(velo[:3, :3])
-    # What the rounded angles leave is the camera's to take.
-    velo[:3, :3] = rotation_of_angles(*angles)
-    cam_from_velo = product(inverse(camera.pose.matrix()), velo)
-    rows: Any = tuple(tuple(row) for row in cam_from_velo[:3].tolist())
-    here = Extrinsics.aligned()
+    check_keys(table, ("name", "origin_in_ego_m", "camera", "lidar"), ("name", "camera", "lidar"))
+    origin = _three("origin_in_ego_m", table.get("origin_in_ego_m", [0.0, 0.0, 0.0]))
+    lidars = [_lidar(place, one, origin, folder) for place, one in _tables("lidar", table["lidar"])]
+    cameras = [_camera(place, one, origin) for place, one in _tables("camera", table["camera"])]
+    lidar, angles = lidars[0]
+    camera, at = cameras[0]
+    if isinstance(at, Pose):
+        at = _extrinsics(at, lidar.pose.position_m, angles)
+    more = [MountedCamera(name=one["name"], camera=one["camera"], pose=pose) for one, pose in cameras[1:]]
     return {
-        "name": values["name"],
+        "name": table["name"],
         "lidar": lidar.lidar,
-        "camera": camera.camera,
-        "extrinsics": Extrinsics(r0_rect=here.r0_rect, tr_velo_to_cam=rows, tr_imu_to_velo=here.tr_imu_to_velo),
+        "camera": camera["camera"],
+        "extrinsics": at,
         "velo_in_ego_m": lidar.pose.position_m,
         "velo_roll_pitch_yaw_deg": angles,
-        "camera_name": camera.name,
+        "camera_name": camera["name"],
         "lidar_name": lidar.name,
-        "more": (*cameras[1:], *lidars[1:]),
+        "more": (*more, *(one for one, _ in lidars[1:])),
         "origin_in_ego_m": origin,
     }
 
 
-def _camera(number: int, table: Mapping[str, Any], origin: Row3) -> MountedCamera:
-    owner = f"camera[{number}]"
-    _check_keys(f"{owner}.", table, _CAMERA, _CAMERA - {"distortion", "rolling_shutter_s"})
-    size = _numbers(f"{owner}.size", table["size"], 2)
-    if not all(value.is_integer() for value in size):
-        raise CadetError(f"{owner}.size: expected whole numbers of pixels, got {shown(table['size'])}")
-    fx, fy = _numbers(f"{owner}.focal_px", table["focal_px"], 2)
-    cx, cy = _numbers(f"{owner}.center_px", table["center_px"], 2)
-    bent = _numbers(f"{owner}.distortion", table.get("distortion", [0.0] * 5), 5)
-    (rolling_s,) = _numbers(f"{owner}.rolling_shutter_s", [table.get("rolling_shutter_s", 0.0)], 1)
-    camera = Camera.single(
-        int(size[0]), int(size[1]), fx=fx, fy=fy, cx=cx, cy=cy, distortion=bent, rolling_shutter_s=rolling_s
-    )
-    return MountedCamera(name=table["name"], camera=camera, pose=_pose(owner, table, origin))
+def table_of_rig(rig: Any) -> dict[str, Any]:
+    """Return the table of a rig, from which `fields_of_table` makes the same one."""
+    lidar = {
+        "name": rig.lidar_name,
+        "position_in_ego_m": list(rig.velo_in_ego_m),
+        "roll_pitch_yaw_deg": list(rig.velo_roll_pitch_yaw_deg),
+        **_lidar_table(rig.lidar),
+    }
+    extrinsics = {"extrinsics": table_of_object(rig.extrinsics)}
+    cameras = [{"name": rig.camera_name, **rig.camera._table(), **extrinsics}]
+    lidars = [lidar]
+    for mounted in rig.more:
+        pose = {
+            "name": mounted.name,
+            "position_in_ego_m": list(mounted.pose.position_m),
+            "quaternion_wxyz": list(mounted.pose.quaternion_wxyz),
+        }
+        if isinstance(mounted, MountedCamera):
+            cameras.append({**pose, **mounted.camera._table()})
+        else:
+            lidars.append({**pose, **_lidar_table(mounted.lidar)})
+    origin = list(rig.origin_in_ego_m)
+    return {"name": rig.name, "origin_in_ego_m": origin, "lidar": lidars, "camera": cameras}
 
 
-def _lidar(number: int, table: Mapping[str, Any], origin: Row3) -> MountedLidar:
-    owner = f"lidar[{number}]"
-    _check_keys(f"{owner}.", table, _LIDAR, {"name", "model"} | _POSE)
-    how = {key: table[key] for key in ("rolling", "returns", "divergence_mrad") if key in table}
-    return MountedLidar(name=table["name"], lidar=Lidar(table["model"], **how), pose=_pose(owner, table, origin))
+def _lidar_table(lidar: Lidar) -> dict[str, Any]:
+    table = lidar._table()
+    how = {key: table.pop(key) for key in HOW if key in table}
+    return {**how, "lidar": table["name"] if table.keys() == {"name"} else table}
 
 
-def _pose(owner: str, table: Mapping[str, Any], origin: Row3) -> Pose:
-    x, y, z = _numbers(f"{owner}.position_m", table["position_m"], 3)
-    check_three(owner, "position_m", (x, y, z), 20)
-    turned = _numbers(f"{owner}.quaternion_wxyz", table["quaternion_wxyz"], 4)
-    return Pose(position_m=(origin[0] + x, origin[1] + y, origin[2] + z), quaternion_wxyz=turned)
+def _camera(place: str, table: Mapping[str, Any], origin: Row3) -> tuple[dict[str, Any], Any]:
+    """Return a camera with its name, and its pose; of the first one its `Extrinsics`, if they are given instead."""
+    is_beside = "extrinsics" in table and place == "camera[0]"
+    mount = ("extrinsics",) if is_beside else _POSE
+    check_keys(table, ("name", *mount, *_CAMERA), ("name",), place)
+    camera = Camera._of_table({key: table[key] for key in _CAMERA if key in table}, Path(), place)
+    if is_beside:
+        at: Any = object_of_table(Extrinsics, table["extrinsics"], Path(), f"{place}.extrinsics")
+    else:
+        at, _ = _pose(place, table, origin, Pose.of_camera)
+    return {"name": table["name"], "camera": camera}, at
+
+
+def _lidar(place: str, table: Mapping[str, Any], origin: Row3, folder: Path) -> tuple[MountedLidar, Row3]:
+    """Return a LIDAR with its pose, and the pose's angles."""
+    check_keys(table, ("name", "lidar", *HOW, *_POSE), ("name", "lidar"), place)
+    named = table["lidar"]
+    try:
+        lidar = Lidar._of_table(named, folder) if isinstance(named, Mapping) else Lidar.named(named, folder=folder)
+    except CadetError as error:
+        raise CadetError(f"{place}.lidar: {error}") from None
+    lidar = replace(lidar, **{key: table[key] for key in HOW if key in table})
+    pose, angles = _pose(place, table, origin, Pose.of_angles)
+    return MountedLidar(name=table["name"], lidar=lidar, pose=pose), angles
+
+
+def _pose(place: str, table: Mapping[str, Any], origin: Row3, turned: Callable[..., Pose]) -> tuple[Pose, Row3]:
+    """Return a pose, and its roll, pitch and yaw in degrees, of which `turned` makes one."""
+    for keys in (_PLACES, _TURNS):
+        if sum(key in table for key in keys) != 1:
+            raise CadetError(f"{place}.{keys[0]}: expected one of {' and '.join(keys)}")
+    given = next(key for key in _PLACES if key in table)
+    position = _three(f"{place}.{given}", table[given])
+    if given == "position_m":
+        x, y, z = position
+        position = (origin[0] + x, origin[1] + y, origin[2] + z)
+    if "roll_pitch_yaw_deg" in table:
+        angles = _three(f"{place}.roll_pitch_yaw_deg", table["roll_pitch_yaw_deg"], 180)
+        roll, pitch, yaw = angles
+        return turned(position, roll_deg=roll, pitch_deg=pitch, yaw_deg=yaw), angles
+    given_turn = table["quaternion_wxyz"]
+    pose = Pose(position_m=position, quaternion_wxyz=tuple(given_turn) if isinstance(given_turn, list) else given_turn)
+    return pose, _angles_of(pose.matrix()[:3, :3])
+
+
+def _extrinsics(camera: Pose, velo_in_ego_m: Row3, angles_deg: Row3) -> Extrinsics:
+    # What the rounded angles leave is the camera's to take.
+    velo = np.eye(4)
+    velo[:3, :3] = rotation_of_angles(*angles_deg)
+    velo[:3, 3] = velo_in_ego_m
+    cam_from_velo = product(inverse(camera.matrix()), velo)
+    rows: Any = tuple(tuple(row) for row in cam_from_velo[:3].tolist())
+    return replace(Extrinsics.aligned(), tr_velo_to_cam=rows)
 
 
 def _angles_of(rotation: NDArray[np.float64]) -> Row3:
@@ -106,25 +153,15 @@ def _angles_of(rotation: NDArray[np.float64]) -> Row3:
     return roll, pitch, yaw
 
 
-def _tables(name: str, tables: object) -> list[Mapping[str, Any]]:
+def _tables(name: str, tables: object) -> list[tuple[str, Mapping[str, Any]]]:
     if not isinstance(tables, list) or not tables or not all(isinstance(table, Mapping) for table in tables):
         raise CadetError(f"{name}: expected at least one table [[{name}]]")
-    return tables
+    return [(f"{name}[{number}]", table) for number, table in enumerate(tables)]
 
 
-def _check_keys(owner: str, values: Mapping[str, Any], known: set[str], needed: set[str]) -> None:
-    for key in values:
-        if key not in known:
-            raise CadetError(f"{owner}{shown_key(key)}: unknown key; known: {', '.join(sorted(known))}")
-    for key in sorted(needed):
-        if key not in values:
-            raise CadetError(f"{owner}{key}: missing key")
-
-
-def _numbers(name: str, values: object, count: int) -> Any:
-    is_list = isinstance(values, list) and len(values) == count
-    if not is_list or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):  # type: ignore[attr-defined]
-        raise CadetError(f"{name}: expected {count} numbers, got {shown(values)}")
-    for value in values:  # type: ignore[attr-defined]
-        check_number("", name, value, -_MOST, _MOST)
-    return tuple(float(value) for value in values)  # type: ignore[attr-defined]
+def _three(name: str, values: object, limit: float = 20) -> Row3:
+    if not isinstance(values, list):
+        raise CadetError(f"{name}: expected three numbers, got {shown(values)}")
+    check_three("", name, tuple(values), limit)
+    x, y, z = map(float, values)
+    return x, y, z

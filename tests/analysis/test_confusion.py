@@ -19,22 +19,22 @@ from cadet.evaluation import LEVELS, Rules
 from cadet.kitti import Label, text_from_labels
 
 RULES = """
-[[level]]
+[[levels]]
 name = "Any"
 min_height_px = 10
 inclusive = true
 
-[[level]]
+[[levels]]
 name = "Seen"
 min_height_px = 25
 max_occlusion = 0
 max_truncation = 0.1
 
-[class.Car]
+[classes.Car]
 min_overlap = 0.5
 neighbors = ["Van"]
 
-[class.Vehicle]
+[classes.Vehicle]
 types = ["Car", "Van", "Truck"]
 neighbors = ["Misc"]
 min_overlap = { 2d = 0.7, bev = 0.5, 3d = 0.25 }
@@ -143,25 +143,25 @@ def test_a_class_of_several_types_is_that_of_the_same_types_renamed() -> None:
     ("old", "new", "message"),
     [
         ("min_height_px = 25", "min_height_px = -1", "level Seen.min_height_px: expected a number of at least 0"),
-        ("min_height_px = 25", "", "level 2: min_height_px is missing"),
+        ("min_height_px = 25", "", r"level 2\.min_height_px: missing key"),
         ('name = "Seen"', 'name = "Any"', "each name once"),
-        ("inclusive", "inclusiv", "level 1: unknown key 'inclusiv', expected some of name, min_height_px"),
-        ("[[level]]", "[[levels]]", "unknown key 'levels', expected some of level, class"),
+        ("inclusive", "inclusiv", r"level 1\.inclusiv: unknown key; known: name, min_height_px"),
+        ("[[levels]]", "[[level]]", "level: unknown key; known: levels, classes"),
         ('"Truck"]', '"DontCare"]', r"class Vehicle\.types: expected types of labels such as Car, got 'D"),
         ('["Misc"]', '["Van"]', r"class Vehicle\.neighbors: Van is one of its own types"),
         (", 3d = 0.25", "", r"class Vehicle\.min_overlap: no limit for 3d"),
         ("3d = 0.25", "3d = 1.0", "1.0 is no limit"),
-        ("min_overlap = 0.5", "", "class Car: min_overlap is missing"),
-        (RULES, "", r"neither a \[\[level\]\] nor a \[class.NAME\]"),
-        (RULES, "level = 3", r"level: expected tables \[\[level\]\]"),
-        (RULES, "class = 3", r"class: expected tables \[class.NAME\]"),
+        ("min_overlap = 0.5", "", r"class Car\.min_overlap: missing key"),
+        (RULES, "", r"neither a \[\[levels\]\] nor a \[classes.NAME\]"),
+        (RULES, "levels = 3", r"levels: expected tables \[\[levels\]\]"),
+        (RULES, "classes = 3", r"classes: expected tables \[classes.NAME\]"),
         ("]]", "]", "mine.toml: no TOML"),
     ],
 )
 def test_rules_that_make_no_sense_are_refused(old: str, new: str, message: str) -> None:
     assert old in RULES
     with pytest.raises(CadetError, match=f"^mine.toml: .*{message}" if "TOML" not in message else message):
-        Rules.from_toml(RULES.replace(old, new), "mine.toml")
+        Rules.from_toml(RULES.replace(old, new), file="mine.toml")
 
 
 @pytest.fixture

@@ -52,7 +52,7 @@ _MANIFEST = {
 }
 _PRESETS = Path(cadet.__file__).parent / "presets"
 _RIG = toml_from_text((_PRESETS / "rigs" / "nuscenes.toml").read_bytes(), "nuscenes.toml")
-_LIDAR = toml_from_text(cadet.Lidar.vlp16().to_toml(), "vlp16.toml")
+_LIDAR = toml_from_text(cadet.Lidar.vlp16().beam_table().to_toml(), "vlp16.toml")
 
 
 def _toml(value: Any) -> str:
@@ -90,7 +90,7 @@ def _beside(name: str, read: Callable[[Path], object]) -> Callable[[str], object
 
 
 SETTINGS_TARGETS = (
-    _target("rigs, values", _RIG, _as_toml, _beside("r.toml", lambda folder: cadet.Rig.from_toml(folder / "r.toml"))),
+    _target("rigs, values", _RIG, _as_toml, _beside("r.toml", lambda folder: cadet.Rig.read(folder / "r.toml"))),
     _target("LIDARs, values", _LIDAR, _as_toml, lambda text: cadet.Lidar.custom(BeamTable.from_toml(text)).to_native()),
     _target("BDD100K, values", _BDD, json.dumps, lambda text: labels_from_text(text, "labels.json")),
     _target("banks, values", _BANK, json.dumps, _beside("bank.json", ObjectBank)),

@@ -108,11 +108,11 @@ weathers = ["snow", "dusk"]
 samples_per_episode = 3
 """
 RULES = """
-[[level]]
+[[levels]]
 name = "Near"
 min_height_px = 40
 max_occlusion = 1
-[class.Vehicle]
+[classes.Vehicle]
 types = ["Car", "Van"]
 neighbors = ["Truck"]
 min_overlap = { 2d = 0.7, bev = 0.5, 3d = 0.5 }
@@ -144,9 +144,11 @@ TARGETS = (
     _files("scans of five columns", _FIVE.tobytes(), _read_points),
     *(_files(f"scans as {name}", data, _read_scan) for name, data in _SCANS.items()),
     _texts("JSON", _META, lambda text: json_from_text(text, "meta.json"), nests=True),
-    _texts("TOML", cadet.Lidar.vlp16().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True),
-    _texts("LIDARs", cadet.Lidar.vlp16().to_toml(), _read_lidar, nests=True),
-    _texts("rules of evaluation", RULES, lambda text: Rules.from_toml(text, "rules.toml"), nests=True),
+    _texts(
+        "TOML", cadet.Lidar.vlp16().beam_table().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True
+    ),
+    _texts("LIDARs", cadet.Lidar.vlp16().beam_table().to_toml(), _read_lidar, nests=True),
+    _texts("rules of evaluation", RULES, lambda text: Rules.from_toml(text, file="rules.toml"), nests=True),
     _texts("groups", "000001 a\n000002 a\n000017 b\n", lambda text: groups_from_text(text, "groups.txt")),
     *MESH_TARGETS,
     _texts("roads", ROADS, _read_roads),

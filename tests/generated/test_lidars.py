@@ -108,7 +108,9 @@ def cadet_gen(*arguments: object) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("lidar", ["vlp16", "os1_128", "mine.toml"])
 def test_datasets_of_other_sensors_are_whole(tmp_path: Path, lidar: str) -> None:
     if lidar.endswith(".toml"):
-        (tmp_path / lidar).write_text(Lidar.hdl32e().to_toml().replace("max_range_m = 100.0", "max_range_m = 30.0"))
+        (tmp_path / lidar).write_text(
+            Lidar.hdl32e().beam_table().to_toml().replace("max_range_m = 100.0", "max_range_m = 30.0")
+        )
     named = tmp_path / lidar if lidar.endswith(".toml") else lidar
     out = tmp_path / "out"
     arguments = (out, "-n", 2, "--workers", 1, "--image-size", "310x94", "--lidar", named)

@@ -220,13 +220,13 @@ def test_a_rolling_shutter_sees_each_row_at_its_time(tmp_path: Path) -> None:
     with pytest.raises(cadet.CadetError, match=r"Camera.rolling_shutter_s.*0 to 0.1"):
         replace(rolling, rolling_shutter_s=1.0)
     text = (
-        'name = "mine"\n[[lidar]]\nname = "top"\nmodel = "vlp16"\nposition_m = [0.9, 0.0, 1.8]\n'
-        'quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\n[[camera]]\nname = "front"\nsize = [400, 200]\n'
-        "focal_px = [300.0, 300.0]\ncenter_px = [199.5, 99.5]\nrolling_shutter_s = 0.06\n"
+        'name = "mine"\n[[lidar]]\nname = "top"\nlidar = "vlp16"\nposition_m = [0.9, 0.0, 1.8]\n'
+        'quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\n[[camera]]\nname = "front"\nwidth = 400\nheight = 200\n'
+        "fx = 300.0\nfy = 300.0\ncx = 199.5\ncy = 99.5\nrolling_shutter_s = 0.06\n"
         "position_m = [1.7, 0.0, 1.5]\nquaternion_wxyz = [0.5, -0.5, 0.5, -0.5]\n"
     )
     (tmp_path / "mine.toml").write_text(text)
-    assert Rig.from_toml(tmp_path / "mine.toml").camera.rolling_shutter_s == 0.06
+    assert Rig.read(tmp_path / "mine.toml").camera.rolling_shutter_s == 0.06
 
 
 def test_nuscenes_rig_is_nuscenes() -> None:

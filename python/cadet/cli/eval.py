@@ -16,7 +16,7 @@ from cadet.analysis.result import PARTS
 from cadet.analysis.run import DRAWS, MAX_DRAWS
 from cadet.checks import MAX_SEED
 from cadet.errors import CadetError
-from cadet.evaluation import LEVELS, EvalClass, Report, read_rules
+from cadet.evaluation import LEVELS, EvalClass, Report, Rules
 from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
 from cadet.evaluation.sources import BOXES_2D
@@ -147,7 +147,7 @@ def _rules(levels: str, classes: str | None) -> dict[str, Any]:
     if levels not in LEVELS:
         if not levels.endswith(".toml"):
             raise CadetError(f"--levels: expected {' or '.join(LEVELS)}, or a .toml file, got {levels!r}")
-        read = read_rules(levels)
+        read = Rules.read(levels)
         own = {entry.name: entry for entry in read.classes}
         rules = {"levels": read.levels or "kitti", "classes": read.classes or CLASSES}
     if classes is not None:

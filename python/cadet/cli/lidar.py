@@ -13,6 +13,7 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.files import write_whole
 from cadet.lidar import LIDAR_PRESETS, Lidar
 from cadet.lidar_fit import LidarFit, fit_lidar
+from cadet.plain_tables import toml_of_table
 
 
 @click.command(name="lidar")
@@ -26,7 +27,8 @@ def lidar_command(name: str) -> None:
 
     Known: {presets}
     """  # noqa: D301 - click reads the backspace
-    click.echo(Lidar.named(name).to_toml(), nl=False)
+    lidar = Lidar.named(name)
+    click.echo(toml_of_table({**lidar._table(), **lidar.beam_table()._table()}), nl=False)
 
 
 lidar_command.help = (lidar_command.help or "").replace("{presets}", ", ".join(LIDAR_PRESETS))

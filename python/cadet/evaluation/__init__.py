@@ -6,7 +6,7 @@ from cadet.evaluation.levels import LEVELS, Level
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.overlaps import box_iou_3d, box_iou_bev, nms_bev
 from cadet.evaluation.report import Report
-from cadet.evaluation.rules_file import Rules, read_rules
+from cadet.evaluation.rules_file import Rules
 from cadet.evaluation.run import evaluate
 
 __all__ = [
@@ -22,5 +22,4 @@ __all__ = [
     "box_iou_bev",
     "evaluate",
     "nms_bev",
-    "read_rules",
 ]

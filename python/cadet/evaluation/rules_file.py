@@ -2,93 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final
 
-from cadet.checks import as_path
-from cadet.errors import CadetError, FileFormatError
+from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.levels import Level, resolve_levels
-from cadet.plain_text import toml_from_text
-from cadet.user_files import read_settings
+from cadet.plain_tables import check_keys, table_of_object
+from cadet.toml_file import TomlFile
 
-T = TypeVar("T")
-_SECTIONS = ("level", "class")
+_LEVEL: Final = tuple(f.name for f in fields(Level))
+_CLASS: Final = tuple(f.name for f in fields(EvalClass) if f.name != "name")
 
 
 @dataclass(frozen=True)
-class Rules:
-    """What a file says must be found.
+class Rules(TomlFile):
+    """What a file says must be found: `[[levels]]` and `[classes.NAME]`, with the fields of `Level` and `EvalClass`.
 
     Attributes:
         levels: its levels, in the order of the file; empty if it has none.
         classes: its classes, likewise.
     """
 
-    levels: tuple[Level, ...]
-    classes: tuple[EvalClass, ...]
+    levels: tuple[Level, ...] = ()
+    classes: tuple[EvalClass, ...] = ()
 
     @classmethod
-    def from_toml(cls, text: str | bytes, file: str = "rules") -> Rules:
-        """Parse a file of levels (`[[level]]`) and classes (`[class.NAME]`).
-
-        Args:
-            text: the file's text.
-            file: its name for messages.
-
-        Raises:
-            FileFormatError: no TOML, an unknown or missing key, or a value that its class refuses.
-        """
-        table = toml_from_text(text, file)
-        for name in table:
-            if name not in _SECTIONS:
-                raise FileFormatError(f"unknown key {name!r}, expected some of {', '.join(_SECTIONS)}", file)
-        levels, classes = table.get("level", []), table.get("class", {})
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Rules:
+        check_keys(table, ("levels", "classes"))
+        levels, classes = table.get("levels", []), table.get("classes", {})
         if not isinstance(levels, list) or not all(isinstance(level, dict) for level in levels):
-            raise FileFormatError("level: expected tables [[level]]", file)
+            raise CadetError("levels: expected tables [[levels]]")
         if not isinstance(classes, dict) or not all(isinstance(entry, dict) for entry in classes.values()):
-            raise FileFormatError("class: expected tables [class.NAME]", file)
+            raise CadetError("classes: expected tables [classes.NAME]")
         if not levels and not classes:
-            raise FileFormatError("neither a [[level]] nor a [class.NAME]", file)
-        found = tuple(_made(Level, level, f"level {number}", file) for number, level in enumerate(levels, start=1))
-        own = tuple(_made(_class, {"name": n, **c}, f"class {n}", file, EvalClass) for n, c in classes.items())
+            raise CadetError("neither a [[levels]] nor a [classes.NAME]")
+        found = []
+        for number, level in enumerate(levels, start=1):
+            check_keys(level, _LEVEL, _LEVEL[:2], f"level {number}")
+            found.append(Level(**level))
         if found:
-            _checked(lambda: resolve_levels(found), file)
-        return cls(found, own)
+            resolve_levels(tuple(found))
+        return cls(tuple(found), tuple(_class(name, entry) for name, entry in classes.items()))
+
+    def _table(self) -> dict[str, Any]:
+        classes = {one.name: table_of_object(one) for one in self.classes}
+        for entry in classes.values():
+            del entry["name"]
+        return {"levels": [table_of_object(level) for level in self.levels], "classes": classes}
 
 
-def read_rules(path: str | Path) -> Rules:
-    """Read a file of own levels and classes.
-
-    Raises:
-        MissingFileError: no such file.
-        FileFormatError: a file that says anything else, named with what is wrong.
-    """
-    path = as_path("rules", path)
-    return Rules.from_toml(read_settings(path, missing=f"{path}: no such file of levels"), str(path))
-
-
-def _class(**values: Any) -> EvalClass:
+def _class(name: str, entry: Mapping[str, Any]) -> EvalClass:
+    check_keys(entry, _CLASS, ("min_overlap",), f"class {name}")
     # A class of the name of a type is that type, unless it says otherwise.
-    return EvalClass(**{"types": (values["name"],), **values})
-
-
-def _made(make: Callable[..., T], values: dict[str, Any], where: str, file: str, kind: type | None = None) -> T:
-    known = [field.name for field in fields(kind or make)]  # type: ignore[arg-type]
-    for key in values:
-        if key not in known:
-            raise FileFormatError(f"{where}: unknown key {key!r}, expected some of {', '.join(known)}", file)
-    needed = {"class": ("min_overlap",), "level": ("name", "min_height_px")}[where.split()[0]]
-    for key in needed:
-        if key not in values:
-            raise FileFormatError(f"{where}: {key} is missing", file)
-    return _checked(lambda: make(**values), file)
-
-
-def _checked(make: Callable[[], T], file: str) -> T:
-    try:
-        return make()
-    except CadetError as error:
-        raise FileFormatError(str(error), file) from None
+    return EvalClass(**{"name": name, "types": (name,), **entry})
