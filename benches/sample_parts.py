@@ -49,7 +49,7 @@ class Clock:
 
 def make_episode(settings: Settings, episode: int, sink: LocalSink, clock: Clock) -> None:
     """Write an episode as `cadet.episode.Episode` takes its views."""
-    policy, wanted = settings.policy, settings.exporter.wanted(settings.extras)
+    policy, wanted = settings.policy, settings.exporter.wanted(settings.write)
     places = settings.places_of(episode)
     number, attempt = 0, 0
     while number < len(places):
@@ -87,7 +87,7 @@ def main() -> None:
     options = parser.parse_args()
     extras = tuple(options.write.split(",")) if options.write else ()
     settings = Settings(
-        seed=options.seed, num_frames=options.n, policy=cadet.ResetPolicy.kitti(), format="kitti", extras=extras
+        seed=options.seed, num_frames=options.n, policy=cadet.ResetPolicy.kitti(), format="kitti", write=extras
     )
     clock = Clock()
     with TemporaryDirectory() as folder:

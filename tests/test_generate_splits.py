@@ -72,7 +72,7 @@ def test_the_manifest_names_test_frames(split_set: Path) -> None:
     files = tree(split_set)
     del files["manifest.json"], files["run.json"]
     assert manifest["sha256"] == files
-    assert manifest["test_period"] == 3
+    assert manifest["test_fraction"] == 0.34
     assert manifest["counts"]["frames"] == 26
 
 
@@ -100,9 +100,9 @@ def test_labels_of_test_frames_can_be_evaluated(split_set: Path) -> None:
 @pytest.mark.parametrize("num_first", [9, 22])
 def test_more_frames_move_no_test_frame(split_set: Path, tmp_path: Path, num_first: int) -> None:
     out = tmp_path / "out"
-    make(out, num_first, test_period=3)
+    make(out, num_first, test_fraction=0.34)
     before = tree(out)
-    make(out, 26, test_period=3)
+    make(out, 26, test_fraction=0.34)
     after = tree(out)
     assert after == tree(split_set)
     assert all(after[name] == digest for name, digest in before.items() if name.startswith(("training", "testing")))
@@ -114,7 +114,7 @@ def test_resuming_mends_test_frames(split_set: Path, tmp_path: Path) -> None:
     (out / "testing" / "velodyne" / "000009.bin").write_bytes(b"short")
     (out / "testing" / "meta" / "000022.json").unlink()
     shutil.rmtree(out / "testing" / "calib")
-    make(out, 26, test_period=3)
+    make(out, 26, test_fraction=0.34)
     assert tree(out) == tree(split_set)
 
 
@@ -134,7 +134,7 @@ def test_fewer_frames_than_testing_has_are_refused(split_set: Path, tmp_path: Pa
 def test_another_test_fraction_is_another_run(split_set: Path) -> None:
     done = run(split_set, "-n", 26, "--seed", 3, *SIZE, "--resume")
     assert done.returncode == FAILED
-    assert "was begun with other settings: test_period was 3, now 0" in done.stderr
+    assert "was begun with other settings: test_fraction was 0.34, now 0.0" in done.stderr
 
 
 @pytest.mark.parametrize("fraction", ["nan", "1e-9"])
@@ -148,7 +148,7 @@ def test_fractions_that_are_no_share_are_refused(tmp_path: Path, option: str, fr
 
 
 def test_a_split_is_a_function_of_the_episode() -> None:
-    settings = Settings(num_frames=20, policy=ResetPolicy.kitti(), test_period=4)
+    settings = Settings(num_frames=20, policy=ResetPolicy.kitti(), test_fraction=0.25)
     assert [settings.split(episode) for episode in range(8)] == "train val test train train train test train".split()
 
 

@@ -59,7 +59,7 @@ def test_an_environment_alone_warns_too(lossy: Path) -> None:
 
 
 def test_cadet_gen_prints_a_maps_losses_in_one_line_however_many_workers_read_it(lossy: Path, tmp_path: Path) -> None:
-    done = run(tmp_path / "out", "-n", 8, *SIZE, "--map", lossy, "--workers", 2)
+    done = run(tmp_path / "out", "-n", 8, *SIZE, "--maps", lossy, "--workers", 2)
     assert done.returncode == FINE, done.stderr
     assert [line for line in done.stderr.splitlines() if "lossy" in line] == [f"cadet-gen: warning: {LINE}"]
 

@@ -60,7 +60,7 @@ def test_simulations_differ_where_their_frames_do(tmp_path: Path) -> None:
         ("policy = 3", "policy: unknown policy 3; known: kitti, paper"),
         ('rig = "car"', "rig: "),
         ('lidar = "missing.toml"', "lidar: "),
-        ("image_size = [310]", "image_size: value: expected (width, height), got [310]"),
+        ("image_size = [310]", "image_size: expected (width, height), got [310]"),
         ('weathers = "snow"', "weathers: expected a list of strings, got 'snow'"),
         ('weathers = ["hail"]', "weathers: "),
         ('maps = ["missing.xodr"]', "maps: "),

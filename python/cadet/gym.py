@@ -132,7 +132,7 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Start an episode.
 
         Args:
-            seed: starts its episode 0: the first view is that of `cadet-gen --sequence --seed` with the same policy and
+            seed: starts its episode 0: the first view is that of `cadet gen --hz 2 --seed` with the same policy and
                 rig. None goes on to the next episode of the seed, which is drawn if none was given yet.
             options: {"episode": N} names the episode; none else is known.
 

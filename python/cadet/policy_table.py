@@ -47,7 +47,9 @@ def changed(
             try:
                 policy = _CHANGES.get(key, _with_field)(policy, key, table, folder)
             except (CadetError, OSError) as error:
-                raise CadetError(f"{name_of(key)}: {str(error).removeprefix(f'{key}: ')}") from None
+                first, _, rest = str(error).partition(": ")
+                named, reason = (first, rest) if first in table else (key, str(error))
+                raise CadetError(f"{name_of(named)}: {reason}") from None
     return policy
 
 
@@ -76,7 +78,7 @@ def _name_or_table(one: Rig | District) -> Any:
 
 
 def _with_field(policy: ResetPolicy, key: str, table: Mapping[str, Any], folder: Path) -> ResetPolicy:
-    return replace(policy, **{key: value_of(get_type_hints(type(policy))[key], table[key], folder, "value")})
+    return replace(policy, **{key: value_of(get_type_hints(type(policy))[key], table[key], folder, key)})
 
 
 def _with_weathers(policy: ResetPolicy, key: str, table: Mapping[str, Any], folder: Path) -> ResetPolicy:
@@ -107,7 +109,7 @@ def _scanning(policy: ResetPolicy, key: str, table: Mapping[str, Any], folder: P
 
 
 def _with_image_size(policy: ResetPolicy, key: str, table: Mapping[str, Any], folder: Path) -> ResetPolicy:
-    width, height = check_image_size(table[key], "value")
+    width, height = check_image_size(table[key], key)
     return policy.with_each_rig(lambda rig: rig.with_image_size(width, height))
 
 

@@ -41,7 +41,7 @@ class Air(NamedTuple):
 
 
 def weather_names() -> tuple[str, ...]:
-    """Return the names of the presets, as `Scene.random(weather=...)` and `cadet-gen --weather` take them."""
+    """Return the names of the presets, as `Scene.random(weather=...)` and `cadet gen --weathers` take them."""
     return tuple(_cadet.weather_names())
 
 

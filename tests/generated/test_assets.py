@@ -217,7 +217,7 @@ def test_a_real_mesh_looks_ahead_and_stands_on_its_wheels(real: cadet.Assets, nu
 @needs_meshes
 def test_a_dataset_with_real_meshes_is_clean_and_the_same_for_any_workers(tmp_path: Path) -> None:
     own = real_assets(tmp_path / "own")
-    arguments = ("-n", 3, "--seed", 6, "--weather", "clear_noon", "--assets", own)
+    arguments = ("-n", 3, "--seed", 6, "--weathers", "clear_noon", "--assets", own)
     gen(tmp_path / "one", *arguments, "--workers", 1)
     gen(tmp_path / "two", *arguments, "--workers", 2)
     assert tree(tmp_path / "one") == tree(tmp_path / "two")

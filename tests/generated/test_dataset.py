@@ -131,7 +131,7 @@ def test_the_papers_towns_drive(name: str, tmp_path: Path) -> None:
     if not source.exists():
         pytest.skip(f"needs the paper's map {name}.xodr in ../shared/maps")
     # One episode, longer than a red light.
-    cadet_gen(tmp_path / "out", "-n", 20, "--seed", 4, "--policy", "paper", "--rig", "paper", "--map", source)
+    cadet_gen(tmp_path / "out", "-n", 20, "--seed", 4, "--policy", "paper", "--rig", "paper", "--maps", source)
     frames = list(cadet.kitti.Dataset(tmp_path / "out"))
     assert cadet.kitti.lint(tmp_path / "out", strict=True) == []
     assert len(frames) == 20

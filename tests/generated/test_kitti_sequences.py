@@ -48,7 +48,7 @@ def tracking(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def raw(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("raw") / "out"
-    generate(root, settings("kitti_raw", extras=CAMERAS), workers=1)
+    generate(root, settings("kitti_raw", write=CAMERAS), workers=1)
     return root
 
 
@@ -333,7 +333,7 @@ def test_workers_and_interruptions_change_no_byte(
     dataset_format: str, tracking: Path, raw: Path, tmp_path: Path
 ) -> None:
     whole = tracking if dataset_format == "kitti_tracking" else raw
-    chosen = settings(dataset_format, extras=CAMERAS if dataset_format == "kitti_raw" else ())
+    chosen = settings(dataset_format, write=CAMERAS if dataset_format == "kitti_raw" else ())
     out = tmp_path / "out"
     # As a run that was killed leaves it: the last record and the files of the end are missing.
     shutil.copytree(whole, out)
@@ -359,6 +359,6 @@ def test_what_does_not_fit_is_refused() -> None:
         with pytest.raises(cadet.CadetError, match=f"{dataset_format} has no distortion"):
             settings(dataset_format, rig=cadet.Rig(camera=bent))
         with pytest.raises(cadet.CadetError, match="no right color camera"):
-            settings(dataset_format, rig=cadet.Rig.paper(), extras=("image_3",))
+            settings(dataset_format, rig=cadet.Rig.paper(), write=("image_3",))
     with pytest.raises(cadet.CadetError, match="cannot write image_0: the rig paper has no gray camera"):
-        settings("kitti_raw", rig=cadet.Rig.paper(), extras=("image_0",))
+        settings("kitti_raw", rig=cadet.Rig.paper(), write=("image_0",))

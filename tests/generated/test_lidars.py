@@ -131,5 +131,5 @@ def test_datasets_of_other_sensors_are_whole(tmp_path: Path, lidar: str) -> None
 def test_an_unknown_sensor_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     done = cadet_gen(tmp_path / "out", "-n", 1, "--lidar", "hdl65e")
     assert done.returncode == 2
-    assert done.stderr.startswith("cadet-gen: unknown lidar 'hdl65e'; known: hdl64e_kitti,")
+    assert done.stderr.startswith("cadet-gen: --lidar: unknown lidar 'hdl65e'; known: hdl64e_kitti,")
     assert not (tmp_path / "out").exists()

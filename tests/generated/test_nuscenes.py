@@ -277,7 +277,7 @@ def test_the_devkits_splits_are_ours() -> None:
 def test_test_scenes_have_tables_of_their_own() -> None:
     of_version = {"v1.0-trainval": ["scene-0001", "scene-0003", "scene-0002"], "v1.0-test": ["scene-0077"]}
     policy = cadet.ResetPolicy.kitti().as_sequence(hz=2, length_s=0.5)
-    settings = Settings(num_frames=4, policy=policy, format="nuscenes", test_period=3)
+    settings = Settings(num_frames=4, policy=policy, format="nuscenes", test_fraction=1 / 3)
     record = {"time_s": 0.0, "map": "m", "weather": "w", "sensors": {}, "objects": []}
     sink = Memory({settings.exporter.path(place, "record"): json.dumps(record).encode() for place in settings.places()})
     files = settings.exporter.finish(cast(Sink, sink), settings.places()).files
@@ -286,13 +286,12 @@ def test_test_scenes_have_tables_of_their_own() -> None:
     assert json.loads(files["v1.0-test/splits.json"]) == {"test": ["scene-0077"]}
 
 
-@pytest.mark.parametrize(("num_frames", "periods", "split"), [(701, (0, 0), "train"), (302, (2, 0), "val")])
-def test_more_scenes_than_names_are_refused(num_frames: int, periods: tuple[int, int], split: str) -> None:
+@pytest.mark.parametrize(("num_frames", "val_fraction", "split"), [(701, 0, "train"), (302, 0.5, "val")])
+def test_more_scenes_than_names_are_refused(num_frames: int, val_fraction: float, split: str) -> None:
     policy = cadet.ResetPolicy.kitti().as_sequence(hz=2, length_s=0.5)
     given: dict[str, Any] = {
         "policy": policy,
-        "val_period": periods[0],
-        "test_period": periods[1],
+        "val_fraction": val_fraction,
         "format": "nuscenes",
     }
     Settings(num_frames=num_frames - 1, **given)
@@ -328,7 +327,7 @@ def test_what_does_not_fit_is_refused() -> None:
     ):
         Settings(policy=cadet.ResetPolicy.kitti(), format="coco")
     with pytest.raises(cadet.CadetError, match="cannot write 'depth'; known: none"):
-        Settings(policy=policy, format="nuscenes", extras=("depth",))
+        Settings(policy=policy, format="nuscenes", write=("depth",))
     with pytest.raises(cadet.CadetError, match="a rate that divides the 60 steps of a second, got 7"):
         cadet.ResetPolicy.kitti().as_sequence(hz=7, length_s=1)
 

@@ -264,7 +264,7 @@ def test_a_loaded_car_turns_all_its_sensors_together() -> None:
 
 def test_the_right_image_is_written_beside_the_left_one(tmp_path: Path) -> None:
     settings = cadet.generate.Settings(
-        num_frames=1, policy=cadet.ResetPolicy.kitti(), extras=("image_3", "point_labels")
+        num_frames=1, policy=cadet.ResetPolicy.kitti(), write=("image_3", "point_labels")
     )
     cadet.generate.generate(tmp_path / "out", settings, workers=1)
     training = tmp_path / "out" / "training"
@@ -288,7 +288,7 @@ def test_the_right_image_is_written_beside_the_left_one(tmp_path: Path) -> None:
 
 def test_rigs_without_a_right_camera_have_no_right_image() -> None:
     with pytest.raises(cadet.CadetError, match="cannot write image_3: the rig paper has no right color camera"):
-        cadet.generate.Settings(policy=cadet.ResetPolicy.paper(), extras=("image_3",))
+        cadet.generate.Settings(policy=cadet.ResetPolicy.paper(), write=("image_3",))
     with pytest.raises(
         cadet.CadetError,
         match="the rig kitti has no sensor 'image_4'; it has image_2, image_3, image_0, image_1, velodyne",

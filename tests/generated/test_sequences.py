@@ -49,7 +49,7 @@ def test_formats_of_sequences_imply_one(dataset_format: str, tmp_path: Path, mon
 
     monkeypatch.setattr("cadet.cli.gen.generate", note)
     is_sequence = dataset_format in ("nuscenes", "kitti_tracking", "kitti_raw")
-    options = ["--hz", "10", "--length", "3s"] if is_sequence else []
+    options = ["--hz", "10", "--length-s", "3"] if is_sequence else []
     monkeypatch.setattr("sys.argv", ["cadet-gen", str(tmp_path / "out"), "--format", dataset_format, *options])
     with pytest.raises(SystemExit) as ended:
         run_cadet_gen()
@@ -72,11 +72,9 @@ def test_kitti_folders_hold_sequences_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--hz", "2"], "--hz: only for a --sequence"),
-        (["--length", "3s"], "--length: only for a --sequence"),
-        (["--sequence", "--hz", "7"], "--hz: expected a rate that divides the 60 steps of a second, got 7"),
-        (["--sequence", "--length", "0.2s"], "--length: expected at least 0.5 s for a sample, got 0.2"),
-        (["--sequence", "--length", "long"], "--length: expected seconds such as 20s, got 'long'"),
+        (["--hz", "7", "--length-s", "3"], "--hz: expected a rate that divides the 60 steps of a second, got 7"),
+        (["--length-s", "0.2"], "--length-s: expected at least 0.5 s for a sample, got 0.2"),
+        (["--length-s", "long"], "Invalid value for '--length-s': 'long' is not a valid float."),
     ],
 )
 def test_rates_and_lengths_are_checked(

@@ -31,7 +31,7 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Four episodes of two frames: train, val, test, train."""
     out = tmp_path_factory.mktemp("toolboxes") / "out"
     policy = replace(cadet.ResetPolicy.kitti(), samples_per_episode=2)
-    generate(out, Settings(seed=5, num_frames=NUM_FRAMES, policy=policy, test_period=4), workers=2)
+    generate(out, Settings(seed=5, num_frames=NUM_FRAMES, policy=policy, test_fraction=0.25), workers=2)
     return out
 
 

@@ -233,10 +233,14 @@ def test_formats_without_shards_have_no_size_of_them() -> None:
         Settings(policy=ResetPolicy.kitti(), shard_size=9)
 
 
-@pytest.mark.parametrize(("val_period", "test_period"), [(5, 0), (2, 3), (0, 4), (0, 0), (4, 4)])
-def test_ranks_count_the_samples_of_each_split(val_period: int, test_period: int) -> None:
+@pytest.mark.parametrize(("val_fraction", "test_fraction"), [(0.2, 0), (0.5, 1 / 3), (0, 0.25), (0, 0), (0.25, 0.25)])
+def test_ranks_count_the_samples_of_each_split(val_fraction: float, test_fraction: float) -> None:
     settings = Settings(
-        policy=ResetPolicy.kitti(), num_frames=1234, val_period=val_period, test_period=test_period, format="webdataset"
+        policy=ResetPolicy.kitti(),
+        num_frames=1234,
+        val_fraction=val_fraction,
+        test_fraction=test_fraction,
+        format="webdataset",
     )
     ranks: dict[str, list[int]] = {"train": [], "val": [], "test": []}
     for place in settings.places():

@@ -1,4 +1,4 @@
-"""`cadet`: shows, checks, and evaluates datasets, generated or real."""
+"""`cadet`: generates, shows, checks, and evaluates datasets."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from cadet.cli.check import check_command
 from cadet.cli.convert import convert_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
+from cadet.cli.gen import cadet_gen
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
@@ -31,7 +32,7 @@ _NAMED: Final = 4
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(_cadet.__version__, prog_name="cadet")
 def cadet() -> None:
-    """Show, check, and evaluate datasets in KITTI's format, generated or real."""
+    """Generate, show, check, and evaluate datasets in KITTI's format."""
 
 
 @cadet.command()
@@ -124,5 +125,6 @@ cadet.add_command(convert_command)
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
 cadet.add_command(gallery_command)
+cadet.add_command(cadet_gen, "gen")
 cadet.add_command(lidar_command)
 cadet.add_command(report_command)

@@ -23,7 +23,7 @@ _HASHES = "sha256"
 def put_sample(sink: Sink, settings: Settings, place: Place, sample: Sample) -> dict[str, Any]:
     """Write a sample's files, the record last, and return the record."""
     exporter = settings.exporter
-    files = exporter.encode(sample, settings.extras)
+    files = exporter.encode(sample, settings.write)
     hashes = {kind: sha256(data).hexdigest() for kind, data in files.items()}
     sink.put_all({exporter.path(place, kind): data for kind, data in files.items()})
     record = {**exporter.record(sample), _HASHES: {**hashes, SEAL: BLANK}}

@@ -36,6 +36,7 @@ EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
 EXTRAS = tuple(dict.fromkeys(extra for exporter in _ALL for extra in exporter.extras))
 """Files that some format writes on demand."""
 _TEST_EPISODE: Final = 2
+_LEAST_FRACTION: Final = 1e-6
 _COUNTED_AT_ONCE: Final = 65536
 
 
@@ -44,7 +45,7 @@ class Settings:
     """Everything that decides a dataset's bytes. Workers, order and resuming don't.
 
     Raises:
-        CadetError: a number outside its range, or an unknown extra.
+        CadetError: a number outside its range, or what no format writes.
     """
 
     seed: int = 0
@@ -57,14 +58,14 @@ class Settings:
     """The sensors of every episode, in place of those that the policy draws. Not kept: `policy` then draws this rig."""
     format: str = "kitti"
     """One of `EXPORTERS`."""
-    extras: tuple[str, ...] = ()
+    write: tuple[str, ...] = ()
     """What to write besides what every sample of the format has."""
     shard_size: int | None = None
     """Samples of a shard, for a format that has shards; None for its own."""
-    val_period: int = 5
-    """Episode e is validation if e % val_period == 1, so that two episodes have some; 0 for none."""
-    test_period: int = 0
-    """Episode e is test, and not validation, if e % test_period == 2; 0 for none."""
+    val_fraction: float = 0.2
+    """Share of the episodes that are validation, 0 to 0.5: the second of every round(1 / val_fraction)."""
+    test_fraction: float = 0.0
+    """Share of the episodes that are test, 0 to 0.34: the third of every round(1 / test_fraction)."""
 
     def __post_init__(self, rig: Rig | None) -> None:
         as_seed(self.seed)
@@ -74,27 +75,26 @@ class Settings:
         if rig is not None:
             object.__setattr__(self, "policy", self.policy.with_rig(rig))
         check_number("Settings", "num_frames", self.num_frames, 1, 1_000_000, whole=True)
-        check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
-        if self.val_period == 1:
-            raise CadetError("Settings.val_period: expected 0 or at least 2, got 1")
-        check_number("Settings", "test_period", self.test_period, 0, 1_000_000, whole=True)
-        if self.test_period in (1, 2):
-            raise CadetError(f"Settings.test_period: expected 0 or at least 3, got {self.test_period}")
-        object.__setattr__(self, "extras", as_tuple("Settings", "extras", self.extras, "folders' names"))
+        for name, most in (("val_fraction", 0.5), ("test_fraction", 0.34)):
+            check_number("Settings", name, getattr(self, name), 0, most)
+            if 0.0 < getattr(self, name) < _LEAST_FRACTION:
+                least = f"{_LEAST_FRACTION:g}"
+                raise CadetError(f"Settings.{name}: expected 0 or at least {least}, got {getattr(self, name):g}")
+        object.__setattr__(self, "write", as_tuple("Settings", "write", self.write, "folders' names"))
         if not is_one_of(self.format, EXPORTERS):
             raise CadetError(f"unknown format {shown(self.format)}; known: {', '.join(EXPORTERS)}")
         if self.exporter.needs_sequence and self.policy.time_step_s is None:
-            raise CadetError(f"{self.format}: expected a sequence (--sequence, or ResetPolicy.as_sequence)")
+            raise CadetError(f"{self.format}: expected a sequence (--hz, or ResetPolicy.as_sequence)")
         if self.shard_size is not None:
             check_number("Settings", "shard_size", self.shard_size, 1, 10_000, whole=True)
             if not isinstance(EXPORTERS[self.format], WebdatasetExporter):
                 raise CadetError(f"Settings.shard_size: the format {self.format} has no shards")
-        for extra in self.extras:
+        for extra in self.write:
             if not is_one_of(extra, self.exporter.extras):
                 known = ", ".join(self.exporter.extras) or "none"
-                raise CadetError(f"cannot write {shown(extra)}; known: {known}")
+                raise CadetError(f"Settings.write: cannot write {shown(extra)}; known: {known}")
         for rig, _ in self.policy.rigs:
-            self.exporter.check(rig, self.extras)
+            self.exporter.check(rig, self.write)
         self.exporter.check_size(Counter(map(self.split, range(self.num_episodes))))
         make_plain(self)
 
@@ -117,7 +117,7 @@ class Settings:
     @property
     def kinds(self) -> tuple[str, ...]:
         """The kinds of files that each sample has, besides its record."""
-        return self.exporter.kinds([rig for rig, _ in self.policy.rigs], self.extras)
+        return self.exporter.kinds([rig for rig, _ in self.policy.rigs], self.write)
 
     @property
     def num_episodes(self) -> int:
@@ -132,7 +132,7 @@ class Settings:
     def place(self, number: int) -> Place:
         """Return which sample of the dataset a number means."""
         episode, sample = divmod(number, self.policy.samples_per_episode)
-        rank = self.policy.samples_per_episode * _num_before(episode, self.val_period, self.test_period) + sample
+        rank = self.policy.samples_per_episode * _num_before(episode, *self._periods) + sample
         return Place(number, episode, sample, self.split(episode), rank)
 
     def places(self) -> Iterator[Place]:
@@ -146,7 +146,13 @@ class Settings:
 
     def split(self, episode: int) -> Split:
         """Return the split of an episode: a function of its number alone, so that more frames move none."""
-        return _split(episode, self.val_period, self.test_period)
+        return _split(episode, *self._periods)
+
+    @property
+    def _periods(self) -> tuple[int, int]:
+        """Every how many episodes one is validation, and test; 0 for none."""
+        val, test = (round(1.0 / share) if share > 0.0 else 0 for share in (self.val_fraction, self.test_fraction))
+        return val, test
 
     def identity(self) -> dict[str, Any]:
         """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""
@@ -161,8 +167,8 @@ class Settings:
             "cadet": _cadet.__version__,
             "seed": self.seed,
             "write": list(self.kinds),
-            "val_period": self.val_period,
-            "test_period": self.test_period,
+            "val_fraction": self.val_fraction,
+            "test_fraction": self.test_fraction,
             "policy": self.policy.to_dict(),
             "rig": rigs[0].to_dict(),
             "other_rigs": {rig.name: rig.sha256() for rig in rigs[1:]},

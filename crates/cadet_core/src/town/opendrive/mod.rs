@@ -124,7 +124,13 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
     said.extend(levels::warnings(&lanes, road_name));
     said.extend(unused_lights);
-    said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
+    said.extend(
+        provenance
+            .warnings
+            .iter()
+            .filter(|w| !is_of_passed_over(w) && !is_of_unused_link(w, &map))
+            .map(Said::by_reader),
+    );
     let network =
         RoadNetwork { lanes, lane_marks, lights, signs, roundabouts, offset_m, geo_reference: geo_reference(&map) };
     said.extend(warnings::of_travel_direction(&document).filter(|_| !network.is_left_hand()));
@@ -181,6 +187,17 @@ fn roundabouts(map: &xodr::RoadNetwork, junctions: &BTreeMap<&str, u32>) -> Vec<
 /// Whether the reader speaks of what was passed over, of which more is known.
 fn is_of_passed_over(warning: &xodr::Warning) -> bool {
     matches!(warning, xodr::Warning::GeometryDropped { .. } | xodr::Warning::RoadSkipped { .. })
+}
+
+/// Whether a warning is of a gap between lanes that neither cars nor people follow, such as the shoulders of CARLA's towns.
+fn is_of_unused_link(warning: &xodr::Warning, map: &xodr::RoadNetwork) -> bool {
+    let xodr::Warning::LinkGap { road_id, lane: od_id, .. } = warning else { return false };
+    let is_meant = |lane: &&xodr::Lane| {
+        let place = map.road_lane(lane.id).filter(|place| place.od_id == *od_id);
+        place.and_then(|place| map.road(place.road)).is_some_and(|road| road.od_id() == road_id)
+    };
+    let is_used = |kind: xodr::LaneType| kind.is_drivable() || kind == xodr::LaneType::Sidewalk;
+    !map.lanes().iter().filter(is_meant).any(|lane| is_used(lane.kind))
 }
 
 /// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.
