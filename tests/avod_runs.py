@@ -10,7 +10,6 @@ import numpy as np
 import torch
 
 from avod.config import Config
-from avod.config_file import load_config
 from avod.data.mixture import Folders
 from avod.model.layers import ShiftBatchNorm
 from avod.model.network import AvodNetwork
@@ -59,7 +58,7 @@ class Frozen(AvodNetwork):
 def small_config(folder: Path, text: str = TEXT) -> Config:
     file = folder / "small.toml"
     file.write_text(text)
-    return load_config(str(file))
+    return Config.named(str(file))
 
 
 def write_set(root: Path, num_train: int = 3, num_val: int = 2) -> Path:

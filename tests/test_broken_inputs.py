@@ -22,8 +22,8 @@ def scene_of(xodr: str) -> Any:
         map_name="m.xodr",
         map_xodr=xodr,
         weather="clear_noon",
-        rig=rig.to_native(),
-        config=cadet.SceneConfig().to_native(),
+        rig=rig._to_native(),
+        config=cadet.SceneConfig()._to_native(),
         assets=None,
     )
 

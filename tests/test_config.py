@@ -109,7 +109,7 @@ def test_the_normative_thresholds_are_the_defaults() -> None:
 def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any, cls: type[Any]) -> None:
     native = getattr(core, cls.__name__)
     defaults = {f.name: getattr(cls(), f.name) for f in fields(cls)}
-    parts = {name: value.to_native() for name, value in defaults.items() if hasattr(value, "to_native")}
+    parts = {name: value._to_native() for name, value in defaults.items() if hasattr(value, "_to_native")}
     numbers = dict(native.settings())
     others = {"method", "boxes", "vehicle_classes", *parts}
     assert set(numbers) == set(defaults) - others
@@ -121,7 +121,7 @@ def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any, cls: type
 
         for limit in {least, most} - {float("inf")}:
             if name != "house_shares" or limit > 0.0:
-                cls(**{**defaults, name: filled(limit)}).to_native()
+                cls(**{**defaults, name: filled(limit)})._to_native()
         with pytest.raises(CadetError, match=f"{cls.__name__}.{name}"):
             cls(**{**defaults, name: filled(least - 1)})
         # The core refuses it by itself.

@@ -86,7 +86,7 @@ def test_the_core_enforces_the_limits_that_it_states(core: Any) -> None:
         with pytest.raises(CadetError, match="seconds"):
             scene._native.step(beyond)
     most = limits["divergence_mrad"][1]
-    Lidar.vlp16(divergence_mrad=most).to_native()
+    Lidar.vlp16(divergence_mrad=most)._to_native()
     for divergence_mrad in (most * 1.01, -0.1):
         with pytest.raises(CadetError, match="divergence"):
             core.Lidar.preset("hdl64e_kitti").scanning(

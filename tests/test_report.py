@@ -310,7 +310,7 @@ def test_what_cannot_be_reported_is_one_line(dataset: Path, tmp_path: Path) -> N
 def test_the_command(dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     out = tmp_path / "page.html"
     monkeypatch.setattr(
-        sys, "argv", ["cadet", "report", str(dataset), "-o", str(out), "--frames", "2", "--workers", "1"]
+        sys, "argv", ["cadet", "report", str(dataset), "-o", str(out), "--num-frames", "2", "--workers", "1"]
     )
     with pytest.raises(SystemExit) as ended:
         run_cadet()

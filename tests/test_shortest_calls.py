@@ -18,8 +18,6 @@ from obj_meshes import assets_folder
 from synthetic import make_frame
 
 NAMESPACES = (cadet, kitti, generate)
-OURS = {"to_native", "from_native", "core"}
-"""Methods that the package calls to hand objects to its core."""
 BOXES = np.array([[0.0, 1.7, 10.0, 4.0, 1.6, 1.5, 0.1], [9.0, 1.7, 12.0, 4.0, 1.6, 1.5, 0.2]])
 POINTS = np.array([[0.0, 1.0, 10.0], [2.0, 1.0, 20.0]])
 
@@ -203,7 +201,7 @@ def methods(cls: type[Any]) -> Iterator[str]:
     for base in cls.__mro__:
         for name, one in vars(base).items() if base.__module__.startswith("cadet") else ():
             is_method = inspect.isroutine(one) or isinstance(one, (classmethod, staticmethod))
-            if is_method and callable(getattr(cls, name)) and not name.startswith("_") and name not in OURS:
+            if is_method and callable(getattr(cls, name)) and not name.startswith("_"):
                 yield name
 
 

@@ -38,7 +38,7 @@ def test_every_key_changes_what_it_names(tmp_path: Path) -> None:
     assert policy.assets is not None
     for rig, _ in policy.rigs:
         assert (rig.camera.width, rig.camera.height) == (310, 94)
-        assert rig.lidar.to_native().num_rings == 16
+        assert rig.lidar._to_native().num_rings == 16
     assert read(tmp_path, 'rig = "nuscenes"').policy.rigs[0][0].name == "nuscenes"
 
 

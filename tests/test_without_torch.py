@@ -28,7 +28,7 @@ def test_the_command_is_one_clear_line() -> None:
 
 
 def test_configurations_are_read_and_the_detector_says_what_it_needs() -> None:
-    done = run("import avod; print(len(avod.load_config('car_default').classes)); avod.Detector")
+    done = run("import avod; print(len(avod.Config.named('car_default').classes)); avod.Detector")
     assert done.stdout == "1\n"
     assert done.stderr.splitlines()[-1] == (
         "ModuleNotFoundError: avod.Detector needs torch: pip install 'cadet-sim[avod]'"

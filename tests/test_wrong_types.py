@@ -113,14 +113,14 @@ def what_is_wrong(use: Callable[[], Any]) -> str | None:
 
 
 CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
-    "Camera": (lambda **k: cadet.Rig(camera=cadet.Camera(**k)).to_native(), fields(cadet.Camera)),
+    "Camera": (lambda **k: cadet.Rig(camera=cadet.Camera(**k))._to_native(), fields(cadet.Camera)),
     "Camera.resized": (lambda **k: cadet.Camera().resized(**{"width": 100, "height": 50, **k}), ["width", "height"]),
     "Extrinsics": (cadet.Extrinsics, fields(cadet.Extrinsics)),
     "Extrinsics.aligned": (cadet.Extrinsics.aligned, ["cam0_in_velo_m"]),
     "Rig": (lambda **k: cadet.Rig(**k).to_dict(), fields(cadet.Rig)),
     "Rig.kitti": (cadet.Rig.kitti, ["calibration"]),
     "Rig.named": (cadet.Rig.named, ["name"]),
-    "Lidar": (lambda **k: cadet.Lidar(**k).to_native(), fields(cadet.Lidar)),
+    "Lidar": (lambda **k: cadet.Lidar(**k)._to_native(), fields(cadet.Lidar)),
     "Lidar.custom": (cadet.Lidar.custom, ["table"]),
     "Lidar.named": (cadet.Lidar.named, ["name_or_file"]),
     "Laser": (lambda **k: cadet.Laser(**{"elevation_deg": 0.0, **k}), fields(cadet.Laser)),
@@ -136,7 +136,7 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     ),
     "BeamTable.read": (cadet.BeamTable.read, ["path"]),
     "LabelConfig": (cadet.LabelConfig, fields(cadet.LabelConfig)),
-    "SceneConfig": (lambda **k: cadet.SceneConfig(**k).to_native(), fields(cadet.SceneConfig)),
+    "SceneConfig": (lambda **k: cadet.SceneConfig(**k)._to_native(), fields(cadet.SceneConfig)),
     "BevConfig": (lambda **k: cadet.BevConfig(**k).shape, fields(cadet.BevConfig)),
     "bev.maps": (
         lambda **k: cadet.bev.maps(**{"points_cam": np.ones((2, 3)), "plane": np.array([0, -1, 0, 1.7]), **k}),

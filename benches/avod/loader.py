@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from avod.augmentation_config import AugmentationConfig
 from avod.config import Config
-from avod.config_file import load_config
 from avod.data.augmentation import Augmentation
 from avod.data.build import _points_cam_in_image, build_sample, ground_plane
 from avod.data.images import jitter_colors, resize_bilinear, shift_colors
@@ -60,7 +59,7 @@ def main() -> None:
     args = parser.parse_args()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
-    config = load_config(args.config)
+    config = Config.named(args.config)
     times: dict[str, list[float]] = {}
     dataset = kitti.Dataset(args.data)
     bank = None if args.bank is None else ObjectBank(args.bank)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from avod.config_file import load_config
+from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.sample import Sample
 from avod.device import resolve_device
@@ -52,7 +52,7 @@ def main() -> None:
     parser.add_argument("--compile", action="store_true", help="a third variant: bfloat16 with compiled pyramids")
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
-    config, device = load_config(args.config), resolve_device(args.device)
+    config, device = Config.named(args.config), resolve_device(args.device)
     data = TrainingData(args.data, None, config, 0)
     count = args.frames_per_step
     frames = [

@@ -22,12 +22,12 @@ CONFIG=${CONFIG:-car_default}
 BATCH=${BATCH:-2}                  # frames a step
 RATE=${RATE:-4e-4}                 # the first learning rate
 DEVICE=${DEVICE:-cuda}
-AMP=${AMP-bf16}                    # empty: float32
+PRECISION=${PRECISION-bfloat16}        # empty: float32
 COMPILE=${COMPILE-1}               # empty: do not compile the pyramids
 PYTHON=${PYTHON:-python3}
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-arithmetic=(--device "$DEVICE" ${AMP:+--amp "$AMP"})
+arithmetic=(--device "$DEVICE" ${PRECISION:+--precision "$PRECISION"})
 mkdir -p "$OUT" "$WORK"
 exec > >(tee -a "$OUT/run.log") 2>&1
 ulimit -Sn "$(ulimit -Hn)"         # the samples that workers hand over are open files
@@ -45,7 +45,7 @@ seconds() { awk "BEGIN { printf \"%.1f\", $EPOCHREALTIME - $start }"; }
 report() { echo "$*" | tee -a "$OUT/report.md"; }
 
 machine() {
-    report "$(cadet --version), $CONFIG, $BATCH frames a step, ${AMP:-float32}, on $("$PYTHON" -c '
+    report "$(cadet --version), $CONFIG, $BATCH frames a step, ${PRECISION:-float32}, on $("$PYTHON" -c '
 import os, sys, platform, torch
 is_gpu = sys.argv[1].startswith("cuda")
 print(torch.cuda.get_device_name(sys.argv[1]) if is_gpu else platform.machine(), end=", ")
@@ -143,4 +143,4 @@ once weights
 if [ -n "$REAL" ]; then once ap real "$REAL"; fi
 once ap held_out "$WORK/held_out"
 once inference float32
-once inference bf16 --amp bf16
+once inference bf16 --precision bfloat16

@@ -7,12 +7,12 @@ needs it: `pip install 'cadet-sim[avod]'`.
 from typing import TYPE_CHECKING, Any
 
 from avod.config import Config
-from avod.config_file import config_names, load_config
+from avod.config_base import config_names
 
 if TYPE_CHECKING:
     from avod.detector import Detector
 
-__all__ = ["Config", "Detector", "config_names", "load_config"]
+__all__ = ["Config", "Detector", "config_names"]
 
 
 def __getattr__(name: str) -> Any:

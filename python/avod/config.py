@@ -1,20 +1,23 @@
-"""Every number of the detector and its training: frozen, checked when made.
-
-The defaults are AVOD-FPN's for cars; `avod.config_file` reads the rest from TOML.
-"""
+"""Every number of the detector and its training, by default AVOD-FPN's for cars: frozen, checked when made."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, Literal
 
 from avod.augmentation_config import AugmentationConfig
+from avod.config_base import CONFIGS, with_base
 from avod.training_config import TrainingConfig
 from cadet.bev import BevConfig
 from cadet.checks import check_number, check_range, shown
 from cadet.errors import CadetError
 from cadet.kitti.label import is_object_type, kitti_spelling
+from cadet.plain_tables import object_of_table
+from cadet.toml_file import NamedFile
 
 __all__ = [
     "CAR_SIZES",
@@ -319,13 +322,15 @@ class DetectionConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Config:
+class Config(NamedFile):
     """A detector and its training.
 
     Raises:
         CadetError: no class, one twice, inputs that the extractor's strides do not divide, more than `MAX_PIXELS` cells
             or `MAX_ANCHORS` anchors.
     """
+
+    _KIND = "configuration"
 
     classes: tuple[ObjectClass, ...] = (ObjectClass(),)
     """Classes to detect; class k of the network is the k-th, 0 is background."""
@@ -373,6 +378,14 @@ class Config:
             raise CadetError(
                 f"Config.anchors.stride_m: expected at most {MAX_ANCHORS:,} anchors, got about {anchors:,}"
             )
+
+    @classmethod
+    def _presets(cls) -> Mapping[str, Callable[[], Config]]:
+        return {name: partial(cls.read, path) for name, path in CONFIGS.items()}
+
+    @classmethod
+    def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Config:
+        return object_of_table(cls, with_base(table, folder), folder, place)
 
     @property
     def class_names(self) -> tuple[str, ...]:

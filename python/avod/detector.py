@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from avod.config import Config
+from avod.config_file import changed_config, differences, table_from_config
 from avod.data.build import build_sample
 from avod.data.sample import Sample
 from avod.device import resolve_device
@@ -19,6 +21,9 @@ from avod.train.checkpoint import read_checkpoint, trained_network
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Label
 from cadet.summary import summary
+
+_FREE: Final = ("detection.", "rpn.proposals", "rpn.nms_iou", "ground")
+"""Settings that no weight depends on."""
 
 
 class Detector:
@@ -72,27 +77,20 @@ class Detector:
         device = resolve_device(device)
         return cls(trained_network(read_checkpoint(path)), device=device, precision=precision)
 
-    def configure(
-        self, *, proposals: int | None = None, min_score: float | None = None, nms_iou: float | None = None
-    ) -> None:
-        """Change settings of detection, which no weight depends on; None leaves one as it is.
+    def configure(self, changes: Mapping[str, Any]) -> None:
+        """Change settings of detection, which no weight depends on, for this detector alone.
 
         Args:
-            proposals: that the second stage looks at (`rpn.proposals`).
-            min_score: detections below this are left out (`detection.min_score`).
-            nms_iou: boxes that overlap a better one by more than this are left out (`detection.nms_iou`).
+            changes: tables as a configuration's file has them: `{"detection": {"min_score": 0.3}, "ground": "file"}`.
 
         Raises:
-            CadetError: a number outside its range.
+            CadetError: an unknown key, a value that is refused, or one that training has settled.
         """
-        config = self.config
-        rpn = config.rpn if proposals is None else replace(config.rpn, proposals=proposals)
-        detection = config.detection
-        if min_score is not None:
-            detection = replace(detection, min_score=min_score)
-        if nms_iou is not None:
-            detection = replace(detection, nms_iou=nms_iou)
-        self.config = replace(config, rpn=rpn, detection=detection)
+        config = changed_config(self.config, changes)
+        for name, was, now in differences(table_from_config(self.config), table_from_config(config)):
+            if not name.startswith(_FREE):
+                raise CadetError(f"{name}: training has settled that it is {was!r}, and {now!r} comes too late")
+        self.config = config
 
     def __repr__(self) -> str:
         num_weights = sum(parameter.numel() for parameter in self.network.parameters())

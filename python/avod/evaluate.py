@@ -12,6 +12,7 @@ from avod.config import PathDropConfig
 from avod.detector import Detector
 from avod.predict import Data, opened, predict_all
 from cadet.analysis import Analysis, analyze
+from cadet.analysis.tables import Section
 from cadet.errors import CadetError
 from cadet.evaluation import Report
 from cadet.evaluation.limits import MinOverlap
@@ -55,6 +56,7 @@ def analyze_detectors(
     by: tuple[str, ...] = (),
     levels: str = "kitti",
     min_overlap: MinOverlap = "strict",
+    recall: str = "r40",
     workers: int = 0,
     on_frame: Callable[[], None] = lambda: None,
 ) -> list[Analysis]:
@@ -72,6 +74,7 @@ def analyze_detectors(
         by: as for `cadet.analyze`, without points.
         levels: "kitti" or "large_small".
         min_overlap: as for `cadet.evaluate`.
+        recall: as for `cadet.evaluate`.
         workers: processes that prepare frames.
         on_frame: hears of each frame that is done.
     """
@@ -87,11 +90,21 @@ def analyze_detectors(
     truths = {frame_id: frames.read_labels(frame_id) for frame_id in found[0]}
     names = detectors[0].config.class_names
     return [
-        analyze(truths, results, parts=parts, by=by, classes=names, levels=levels, min_overlap=min_overlap)
+        analyze(
+            truths,
+            results,
+            parts=parts,
+            by=by,
+            classes=names,
+            levels=levels,
+            min_overlap=min_overlap,
+            recall=recall,
+        )
         for results in found
     ]
 
 
+_METRICS: Final = {"3d": "AP 3D", "bev": "AP BEV"}
 ABLATIONS: Final[Mapping[str, tuple[bool, bool]]] = {"image masked": (False, True), "LIDAR masked": (True, False)}
 """Whether (image, LIDAR) are left, by name."""
 
@@ -134,17 +147,18 @@ def ablation(detector: Detector, data: Data, ids: tuple[str, ...], **settings: A
     return analyses
 
 
-def ablation_table(analyses: Mapping[str, Analysis], class_names: tuple[str, ...]) -> list[list[str]]:
-    """Return AP 3D and BEV, R40, and nuScenes' mean AP by distance of centers, by what was masked; the header first."""
-    rows: list[list[str]] = []
+def ablation_table(analyses: Mapping[str, Analysis], class_names: tuple[str, ...]) -> Section:
+    """Tabulate AP 3D and BEV and nuScenes' mean AP by distance of centers, by what was masked."""
+    levels = [level.name for level in next(iter(analyses.values())).report.levels]
+    rows = [("Sensors", "Class", *(f"{what} {name}" for what in _METRICS.values() for name in levels), "AP centers")]
     for name, analysis in analyses.items():
-        header, *inner = table(analysis.report, class_names)
-        rows = rows or [["Sensors", *header, "AP centers"]]
-        for row in inner:
-            if row[1] == "R40":
-                centers = (analysis.centers or {}).get(row[0])
-                rows.append([name, *row, "-" if centers is None else f"{centers.mean_ap:.2f}"])
-    return rows
+        for class_name in class_names:
+            found = analysis.report.ap.get(class_name, {})
+            values = [found.get(metric, {}).get(level) for metric in _METRICS for level in levels]
+            centers = (analysis.centers or {}).get(class_name)
+            values.append(None if centers is None else centers.mean_ap)
+            rows.append((name, class_name, *("-" if value is None else f"{value:.2f}" for value in values)))
+    return Section("AP without a sensor", tuple(rows), num_left=2)
 
 
 def score(report: Report, class_names: tuple[str, ...]) -> float:
@@ -163,18 +177,3 @@ def best(scored: list[Scored]) -> Scored:
     if not scored:
         raise CadetError("no checkpoint to choose from")
     return max(enumerate(scored), key=lambda item: (item[1].value, item[0]))[1]
-
-
-def table(report: Report, class_names: tuple[str, ...]) -> list[list[str]]:
-    """Return the paper's rows: for each class and recall rule, AP 3D and AP BEV by level; the header first."""
-    names = [level.name for level in report.levels]
-    rows = [["Class", "Recall", *(f"AP 3D {name}" for name in names), *(f"AP BEV {name}" for name in names)]]
-    for class_name in class_names:
-        metrics = report.curves.get(class_name, {})
-        for rule in ("r11", "r40"):
-            cells = [class_name, rule.upper()]
-            for metric in ("3d", "bev"):
-                curves = metrics.get(metric, {})
-                cells += [f"{getattr(curves[name], rule):.2f}" if name in curves else "-" for name in names]
-            rows.append(cells)
-    return rows

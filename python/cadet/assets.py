@@ -105,7 +105,7 @@ class VehicleMesh:
         ]
         return hashlib.sha256(json.dumps(values).encode()).hexdigest()
 
-    def to_native(self) -> _cadet.VehicleMesh:
+    def _to_native(self) -> _cadet.VehicleMesh:
         """Return the fields as the core takes them."""
         return _cadet.VehicleMesh(
             name=self.name,
@@ -161,7 +161,7 @@ class Assets:
             if names.count(name) > 1:
                 raise CadetError(f"assets: two vehicles are named {name!r}")
         # Bad meshes are refused here rather than in the middle of a run.
-        assumed = self.to_native().assumptions()
+        assumed = self._to_native().assumptions()
         notes = [note for vehicle in self.vehicles for note in vehicle.mesh.notes]
         notice([*notes, *assumed], about=tuple(vehicle.sha256 for vehicle in self.vehicles))
 
@@ -206,7 +206,7 @@ class Assets:
         values: dict[str, Any] = {"share": float(self.share), "vehicles": vehicles} if vehicles else {}
         return values if self.props is None else {**values, "props": self.props.to_list()}
 
-    def to_native(self) -> _cadet.Assets:
+    def _to_native(self) -> _cadet.Assets:
         """Return the core's own; the meshes are built once a process."""
         return _native(self)
 
@@ -214,7 +214,7 @@ class Assets:
 @lru_cache(maxsize=4)
 def _native(assets: Assets) -> _cadet.Assets:
     files = () if assets.props is None else assets.props.files
-    return _cadet.Assets(float(assets.share), [vehicle.to_native() for vehicle in assets.vehicles], files)
+    return _cadet.Assets(float(assets.share), [vehicle._to_native() for vehicle in assets.vehicles], files)
 
 
 def as_assets(assets: Assets | str | Path | None) -> Assets | None:

@@ -250,7 +250,7 @@ class BeamTable(TomlFile):
         return {"name": self.name, **{key: getattr(self, key) for key in _RANGES}, "rings": rings, "firing": firing}
 
     @classmethod
-    def from_native(cls, table: _cadet.BeamTable) -> BeamTable:
+    def _from_native(cls, table: _cadet.BeamTable) -> BeamTable:
         """Return the table of a LIDAR of the core."""
         kind = next(kind for kind in _PATTERNS.values() if kind.__name__ == type(table.firing).__name__)
         return cls(
@@ -260,7 +260,7 @@ class BeamTable(TomlFile):
             **{key: getattr(table, key) for key in _RANGES},
         )
 
-    def to_native(self) -> _cadet.BeamTable:
+    def _to_native(self) -> _cadet.BeamTable:
         """Return the table as the core takes it."""
         kind = getattr(_cadet, type(self.firing).__name__)
         return _cadet.BeamTable(

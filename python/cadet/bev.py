@@ -119,7 +119,7 @@ class BevConfig:
         columns = round((self.x_m[1] - self.x_m[0]) / self.cell_m)
         return len(self.slice_maps) * self.num_slices + len(self.cloud_maps), rows, columns
 
-    def to_native(self) -> _cadet.BevConfig:
+    def _to_native(self) -> _cadet.BevConfig:
         """Return the configuration as the core takes it."""
         return _cadet.BevConfig(
             slice_maps=self.slice_maps,
@@ -168,4 +168,4 @@ def maps(
         check_array(out, "out", config.shape, np.float32)
         if not (out.flags.c_contiguous and out.flags.writeable and out.flags.aligned):
             raise ShapeError("out: expected a writeable, aligned array in C order")
-    return _cadet.bev_maps(points_cam, [float(v) for v in plane], config.to_native(), out)
+    return _cadet.bev_maps(points_cam, [float(v) for v in plane], config._to_native(), out)

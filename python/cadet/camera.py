@@ -197,7 +197,7 @@ class Camera(TomlFile):
             found["rolling_shutter_s"] = self.rolling_shutter_s
         return found
 
-    def to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
+    def _to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
         """Return the camera as the core takes it.
 
         Args:

@@ -136,7 +136,7 @@ class LabelConfig(_Overrides):
             raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
         make_plain(self)
 
-    def to_native(self) -> _cadet.LabelConfig:
+    def _to_native(self) -> _cadet.LabelConfig:
         """Return the numbers as the core takes them."""
         return _cadet.LabelConfig(**asdict(self))
 
@@ -204,7 +204,7 @@ class SuburbConfig(_Overrides):
                 raise CadetError(f"SuburbConfig.{name}: expected the second to be the larger, got {(least, most)!r}")
         make_plain(self)
 
-    def to_native(self) -> _cadet.SuburbConfig:
+    def _to_native(self) -> _cadet.SuburbConfig:
         """Return the numbers as the core takes them."""
         return _cadet.SuburbConfig(**asdict(self))
 
@@ -240,7 +240,7 @@ class PropConfig(_Overrides):
             raise CadetError(f"PropConfig.house_shares: expected a weight above 0, got {shown(self.house_shares)}")
         make_plain(self)
 
-    def to_native(self) -> _cadet.PropConfig:
+    def _to_native(self) -> _cadet.PropConfig:
         """Return the numbers as the core takes them."""
         return _cadet.PropConfig(**asdict(self))
 
@@ -313,8 +313,8 @@ class SceneConfig(_Overrides):
         """Return the configuration for an image that was stretched: see `LabelConfig.scaled`."""
         return replace(self, label=self.label.scaled(image_scale))
 
-    def to_native(self) -> _cadet.SceneConfig:
+    def _to_native(self) -> _cadet.SceneConfig:
         """Return the configuration as the core takes it."""
         numbers = {f.name: getattr(self, f.name) for f in fields(self)}
-        parts = {name: getattr(self, name).to_native() for name in ("suburb", "props", "label")}
+        parts = {name: getattr(self, name)._to_native() for name in ("suburb", "props", "label")}
         return _cadet.SceneConfig(**{**numbers, **parts})

@@ -27,9 +27,9 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
         map_name=None if spec.road_map is None else spec.road_map.name,
         map_xodr=None if spec.road_map is None else spec.road_map.xodr,
         weather=spec.weather,
-        rig=spec.mounted_rig.to_native(),
-        config=spec.config.scaled(spec.rig.camera.image_scale).to_native(),
-        assets=None if spec.assets is None else spec.assets.to_native(),
+        rig=spec.mounted_rig._to_native(),
+        config=spec.config.scaled(spec.rig.camera.image_scale)._to_native(),
+        assets=None if spec.assets is None else spec.assets._to_native(),
     )
     if spec.road_map is not None:
         notice(scene.map_warnings(), about=spec.road_map)

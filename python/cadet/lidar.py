@@ -68,7 +68,7 @@ class Lidar(NamedFile):
             if not is_one_of(self.name, (self.table.name,)):
                 raise CadetError(f"Lidar.name: expected the table's, {self.table.name!r}, got {shown(self.name)}")
             # What the table's own checks cannot see is refused here rather than in the middle of a run.
-            self.to_native()
+            self._to_native()
         elif not is_one_of(self.name, LIDAR_PRESETS):
             raise CadetError(f"unknown lidar {shown(self.name)}; known: {', '.join(LIDAR_PRESETS)}")
 
@@ -155,7 +155,7 @@ class Lidar(NamedFile):
 
     def beam_table(self) -> BeamTable:
         """Return every laser and number of the sensor, presets' too."""
-        return BeamTable.from_native(self.to_native().table())
+        return BeamTable._from_native(self._to_native().table())
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
         """Return every beam of a turn, in the order of an ideal scan's rows.
@@ -163,11 +163,11 @@ class Lidar(NamedFile):
         Returns:
             origins_velo (B, 3) meters, directions_velo (B, 3) of unit length, ring (B,) from the top, column (B,).
         """
-        return self.to_native().rays()
+        return self._to_native().rays()
 
     def range_m(self) -> list[float]:
         """Return the nearest and the farthest range, meters."""
-        beams = self.to_native().table()
+        beams = self._to_native().table()
         return [beams.min_range_m, beams.max_range_m]
 
     def to_dict(self) -> dict[str, Any]:
@@ -180,9 +180,9 @@ class Lidar(NamedFile):
             "divergence_mrad": float(self.divergence_mrad),
         }
 
-    def to_native(self) -> _cadet.Lidar:
+    def _to_native(self) -> _cadet.Lidar:
         """Return the core's LIDAR; the last few made are kept, as each holds tables of its beams."""
-        return _to_native(self)
+        return _native_of(self)
 
     def _is_shipped(self) -> bool:
         """Tell whether the table is the one that its name stands for."""
@@ -192,7 +192,7 @@ class Lidar(NamedFile):
         if self.table is None:
             native = _cadet.Lidar.preset(self.name)
         else:
-            native = _cadet.Lidar.from_table(self.table.to_native())
+            native = _cadet.Lidar.from_table(self.table._to_native())
         native = native.single_origin() if self.single_origin else native
         return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
 
@@ -206,5 +206,5 @@ def _shipped(name: str) -> BeamTable:
 
 
 @lru_cache(maxsize=8)
-def _to_native(lidar: Lidar) -> _cadet.Lidar:
+def _native_of(lidar: Lidar) -> _cadet.Lidar:
     return lidar._make_native()

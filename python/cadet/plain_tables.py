@@ -31,7 +31,7 @@ def check_keys(table: object, known: tuple[str, ...], needed: tuple[str, ...] = 
         CadetError: naming the key.
     """
     if not isinstance(table, Mapping):
-        raise CadetError(f"{place or 'file'}: expected a table, got {shown(table)}")
+        raise CadetError(f"{place}{': ' if place else ''}expected a table, got {shown(table)}")
     for key in table:
         if key not in known:
             name = _join(place, shown_key(key))
@@ -91,6 +91,8 @@ def value_of(kind: Any, value: object, folder: Path, place: str) -> Any:
     """
     origin, inner = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
+        if value is None and type(None) in inner:
+            return None
         (kind,) = (one for one in inner if one is not type(None))
         return value_of(kind, value, folder, place)
     if dataclasses.is_dataclass(kind):

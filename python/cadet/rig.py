@@ -299,23 +299,23 @@ class Rig(NamedFile):
                 return mounted.camera if isinstance(mounted, MountedCamera) else mounted.lidar
         return self.lidar if name == self.lidar_name else self.camera
 
-    def to_native(self) -> _cadet.Rig:
+    def _to_native(self) -> _cadet.Rig:
         """Return the rig as the core takes it."""
         velo = _cadet.Pose.mounted(list(self.velo_in_ego_m), list(self.velo_roll_pitch_yaw_deg))
         beside = [velo, _cadet.Pose.rigid(self.extrinsics.cam_from_velo()).inverse()]
         projections = self.camera.projections()
-        cameras = [self.camera.to_native(self.camera_name, projections["P2"], beside)]
+        cameras = [self.camera._to_native(self.camera_name, projections["P2"], beside)]
         if self.has_right_camera:
-            cameras.append(self.camera.to_native(RIGHT_CAMERA, projections["P3"], beside))
-        lidars = [(self.lidar_name, self.lidar.to_native(), [velo])]
+            cameras.append(self.camera._to_native(RIGHT_CAMERA, projections["P3"], beside))
+        lidars = [(self.lidar_name, self.lidar._to_native(), [velo])]
         for mounted in self.more:
             at = [_cadet.Pose.rigid(mounted.pose.matrix()[:3].copy())]
             if isinstance(mounted, MountedCamera):
-                cameras.append(mounted.camera.to_native(mounted.name, mounted.camera.projections()["P2"], at))
+                cameras.append(mounted.camera._to_native(mounted.name, mounted.camera.projections()["P2"], at))
             else:
-                lidars.append((mounted.name, mounted.lidar.to_native(), at))
+                lidars.append((mounted.name, mounted.lidar._to_native(), at))
         for name, key in zip(self.gray_cameras, ("P0", "P1"), strict=False):
-            cameras.append(self.camera.to_native(name, projections[key], beside))
+            cameras.append(self.camera._to_native(name, projections[key], beside))
         return _cadet.Rig(self.name, cameras=cameras, lidars=lidars)
 
     def to_dict(self) -> dict[str, Any]:

@@ -224,7 +224,7 @@ class Sample:
         return tuple(agent_from_native(native) for native in self._native.agents)
 
     @cached_property
-    def sightings(self) -> list[_cadet.Sighting]:
+    def _sightings(self) -> list[_cadet.Sighting]:
         """What the first camera sees of agents: those that get a label by rising id, then the others."""
         return self._native.sightings
 

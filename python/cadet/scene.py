@@ -136,9 +136,9 @@ class Scene:
             map_name=None if road_map is None else road_map.name,
             map_xodr=None if road_map is None else road_map.xodr,
             weather=check_weather(weather),
-            rig=rig.to_native(),
-            config=config.scaled(rig.camera.image_scale).to_native(),
-            assets=None if own is None else own.to_native(),
+            rig=rig._to_native(),
+            config=config.scaled(rig.camera.image_scale)._to_native(),
+            assets=None if own is None else own._to_native(),
         )
         if road_map is not None:
             notice(native.map_warnings(), about=road_map)
@@ -304,7 +304,7 @@ class Scene:
         if lidar is not None:
             check_kind("", "lidar", lidar, Lidar)
         check_flag("scan", "ideal", ideal)
-        native = None if lidar is None else lidar.to_native()
+        native = None if lidar is None else lidar._to_native()
         return Scan(**self._native.scan(native, bool(ideal), self._num_moves))
 
     def cast_rays(

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from avod.config import AnchorConfig
-from avod.config_file import load_config
+from avod.config import AnchorConfig, Config
 from avod.data.build import build_sample, normal_plane
 from avod.geometry.anchors import anchor_grid, anchors_over, occupancy
 from cadet.bev import BevConfig
@@ -18,7 +17,7 @@ PLANE = normal_plane(np.array([0.02, -0.999, 0.01, 1.65]))
 
 @pytest.mark.parametrize("name", ["car_default", "people_default"])
 def test_the_grid_has_the_published_places(name: str) -> None:
-    config = load_config(name)
+    config = Config.named(name)
     grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
     assert grid.shape == (89_600, 6)
     assert grid[:, 0].min() == -39.75 and grid[:, 0].max() == 39.75
@@ -27,7 +26,7 @@ def test_the_grid_has_the_published_places(name: str) -> None:
 
 
 def test_the_grids_order_is_z_then_x_then_size_then_rotation() -> None:
-    config = load_config("car_default")
+    config = Config.named("car_default")
     grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
     first, second = config.classes[0].anchor_sizes_lwh_m
     assert grid[:4, 3:].tolist() == [
@@ -38,7 +37,7 @@ def test_the_grids_order_is_z_then_x_then_size_then_rotation() -> None:
     ]
     assert grid[4, 0] == -39.25 and grid[4, 2] == 69.75
     assert grid[160 * 4, 0] == -39.75 and grid[160 * 4, 2] == 69.25
-    people = load_config("people_default")
+    people = Config.named("people_default")
     grid = anchor_grid(PLANE, people.classes, people.anchors, people.bev)
     assert set(grid[: 22_400 * 2, 4]) == {1.768} and set(grid[22_400 * 2 :, 4]) == {1.723}
 
@@ -47,7 +46,7 @@ def test_the_filter_counts_cells() -> None:
     rng = np.random.default_rng(0)
     bev = BevConfig(x_m=(-8.0, 8.0), z_m=(0.0, 12.0))
     config = AnchorConfig(stride_m=0.7, min_occupied_cells=2)
-    classes = load_config("all_default").classes
+    classes = Config.named("all_default").classes
     anchors = anchor_grid(PLANE, classes, config, bev)
     points = np.column_stack([rng.uniform(-9, 9, 300), rng.uniform(-1, 2, 300), rng.uniform(-1, 13, 300)])
     cells = occupancy(points, PLANE, config, bev)
@@ -78,7 +77,7 @@ def test_points_over_and_under_the_range_of_the_maps_do_not_count() -> None:
 
 
 def test_no_points_leave_no_anchors() -> None:
-    config = load_config("car_default")
+    config = Config.named("car_default")
     cells = occupancy(np.zeros((0, 3)), PLANE, config.anchors, config.bev)
     assert not len(anchors_over(cells, PLANE, config.classes, config.anchors, config.bev))
 
@@ -88,5 +87,5 @@ def test_no_points_leave_no_anchors() -> None:
 def test_a_real_frame_keeps_as_many_anchors_as_in_the_original(name: str, count: int) -> None:
     frame = read_frame(ROOT, "000001")
     assert frame.plane is not None
-    sample = build_sample(frame.points_velo, frame.image, frame.calib, frame.plane, load_config(name))
+    sample = build_sample(frame.points_velo, frame.image, frame.calib, frame.plane, Config.named(name))
     assert len(sample.anchors) == count

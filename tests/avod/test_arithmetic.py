@@ -108,7 +108,7 @@ def test_compiled_pyramids_train_as_the_others(
         self._compiled_call_impl = torch.compile(self._call_impl, backend="aot_eager", fullgraph=True, **options)
 
     monkeypatch.setattr(torch.nn.Module, "compile", compile_quickly)
-    short_run(config, data, tmp_path / "compiled", 3, is_compiled=True)
+    short_run(config, data, tmp_path / "compiled", 3, compile=True)
     assert compiled == ["FeaturePyramid", "FeaturePyramid"]
     short_run(config, data, tmp_path / "plain", 3)
     (one,), (other,) = (read_log(tmp_path / name / "log.csv") for name in ("compiled", "plain"))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from avod.augmentation_config import AugmentationConfig
 from avod.clusters import mean_sizes_of
 from avod.config import Config
-from avod.config_file import config_names, load_config
+from avod.config_base import config_names
 from avod.data.augmentation import OFF, Augmentation
 from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.images import shift_colors
@@ -28,7 +28,7 @@ from cadet.errors import CadetError
 from cadet.kitti import write_frame
 from synthetic import make_calib, make_frame, make_label
 
-CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+CONFIG = Config.named(Path(__file__).parents[1] / "overfit.toml")
 WORLD: dict[str, Any] = {"rotation_deg": 20.0, "scaling": 0.1, "translation_m": (1.0, 0.3, 2.0)}
 EACH: dict[str, dict[str, Any]] = {
     "rotation": {"rotation_deg": 20.0},
@@ -183,7 +183,7 @@ def test_sizes_are_shifted_to_the_means_that_are_wanted(tmp_path: Path) -> None:
         write_frame(tmp_path / "set", index, make_frame(labels=(label,)))
         other = make_label("Car", (-2.0, 1.65, 14.0, length - 0.7, 1.6, 1.6, 1.5), calib)
         write_frame(tmp_path / "target", index, make_frame(labels=(other,)))
-    config = load_config("tiny_car")
+    config = Config.named("tiny_car")
     wanted = mean_sizes_of(tmp_path / "target", ("Car",))
     assert wanted == ((3.5, 1.6, 1.6),)
     with pytest.raises(CadetError, match="none of 2 frames has a label of Cyclist, whose mean size is wanted"):
@@ -245,7 +245,7 @@ def test_switches_leave_each_others_draws_alone() -> None:
 
 @pytest.mark.parametrize("name", config_names())
 def test_everything_is_off_in_the_papers_configurations(name: str) -> None:
-    config = load_config(name)
+    config = Config.named(name)
     if not name.startswith("tiny_"):
         assert config.augmentation == OFF and config.training.average_decay == 0.0
 

@@ -60,7 +60,7 @@ def test_a_checkpoint_says_where_it_comes_from(config: Config, data: Path, tmp_p
     assert settings["data"] == str(data) and settings["split"] == "train" and settings["seed"] == 3
     assert settings["made_with"]["cadet"] == __version__ and settings["made_with"]["torch"] == torch.__version__
     record = json.loads((tmp_path / "run.json").read_text())
-    assert record["num_frames"] == 3 and record["made_with"] == settings["made_with"]
+    assert record["num_used"] == 3 and record["made_with"] == settings["made_with"]
 
 
 def test_the_commit_is_that_of_the_packages_own_working_copy(tmp_path: Path) -> None:

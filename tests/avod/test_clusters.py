@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from avod.cli.commands import avod
 from avod.clusters import anchor_sizes, k_means, toml_of
-from avod.config_file import load_config
+from avod.config import Config
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti import write_frame
 from synthetic import make_calib, make_frame, make_label
@@ -55,12 +55,12 @@ def data(tmp_path: Path) -> Path:
 
 
 def test_the_command_prints_a_configuration(data: Path, tmp_path: Path) -> None:
-    arguments = ["clusters", str(data), "--class", "Car=2", "--class", "Cyclist=1"]
+    arguments = ["clusters", str(data), "--classes", "Car=2,Cyclist=1"]
     result = CliRunner().invoke(avod, arguments, catch_exceptions=False)
     assert result.exit_code == 0
     file = tmp_path / "mine.toml"
     file.write_text('base = "car_default"\n' + result.output)
-    car, cyclist = load_config(str(file)).classes
+    car, cyclist = Config.named(str(file)).classes
     assert (car.name, cyclist.name) == ("Car", "Cyclist")
     assert car.anchor_sizes_lwh_m == ((3.55, 1.6, 1.5), (4.4, 1.6, 1.5))
     assert cyclist.anchor_sizes_lwh_m == ((1.8, 0.6, 1.7),)
@@ -70,12 +70,12 @@ def test_the_command_prints_a_configuration(data: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--class", "Car"], "--class: expected a type of labels and a count, such as Car=2, got 'Car'"),
-        (["--class", "1.5=1"], "got '1.5=1'"),
-        (["--class", "Bus=1"], "expected labels of Bus in at least 1 sizes, got 0 among 0 labels of 3 frames"),
-        (["--class", "Car=0"], "--class: expected 1 to 64 sizes, got 'Car=0'"),
-        (["--class", "Car=4"], "expected labels of Car in at least 4 sizes, got 3 among 3 labels of 3 frames"),
-        (["--class", "Van=1"], "expected labels of Van in at least 1 sizes, got 0 among 0 labels of 3 frames"),
+        (["--classes", "Car"], "--classes: expected a type of labels and a count, such as Car=2, got 'Car'"),
+        (["--classes", "1.5=1"], "got '1.5=1'"),
+        (["--classes", "Bus=1"], "expected labels of Bus in at least 1 sizes, got 0 among 0 labels of 3 frames"),
+        (["--classes", "Car=0"], "--classes: expected 1 to 64 sizes, got 'Car=0'"),
+        (["--classes", "Car=4"], "expected labels of Car in at least 4 sizes, got 3 among 3 labels of 3 frames"),
+        (["--classes", "Van=1"], "expected labels of Van in at least 1 sizes, got 0 among 0 labels of 3 frames"),
     ],
 )
 def test_mistakes_are_named(data: Path, arguments: list[str], message: str) -> None:

@@ -14,7 +14,7 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from avod.config import Config
-from avod.config_file import config_from_table, load_config
+from avod.config_file import config_from_table
 from avod.detector import Detector
 from avod.device import resolve_device
 from avod.model.network import AvodNetwork, abstract_network
@@ -24,7 +24,7 @@ from avod.train.log import COLUMNS, read_log
 from avod.train.step import MAX_WEIGHTS, new_network
 from cadet.errors import CadetError, MissingFileError
 
-CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+CONFIG = Config.named(Path(__file__).parents[1] / "overfit.toml")
 HEADER = ",".join(COLUMNS) + "\n"
 ROW = "10,0.0001,0.5,0.4,0.3,0.2,0.1,1.5,0.9\n"
 

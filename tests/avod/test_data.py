@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 import torch
 
-from avod.config import TrainingConfig
-from avod.config_file import load_config
+from avod.config import Config, TrainingConfig
 from avod.data import mirror
 from avod.data.augmentation import Augmentation
 from avod.data.build import _points_cam_in_image, build_sample, normal_plane
@@ -33,7 +32,7 @@ from cadet.errors import CadetError, CadetWarning, NonFiniteError, ShapeError
 from cadet.kitti import Calibration, estimate_plane, points_in_image, write_frame
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
-CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+CONFIG = Config.named(Path(__file__).parents[1] / "overfit.toml")
 PLANE = normal_plane(np.array([0.05, -0.99, 0.02, 1.7]))
 
 
@@ -175,7 +174,7 @@ def vars_of(calib: Calibration) -> dict[str, Any]:
 
 
 def test_anchors_of_the_mirrored_plane_are_the_mirrored_anchors_heights_too() -> None:
-    config = load_config("car_default")
+    config = Config.named("car_default")
     grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
     mirrored = anchor_grid(mirror.mirror_plane(PLANE), config.classes, config.anchors, config.bev)
     expected = mirror.mirror_anchors(grid)
@@ -211,7 +210,7 @@ def test_a_mirrored_sample_is_the_sample_mirrored() -> None:
 def test_a_sample_holds_the_objects_of_the_classes_alone() -> None:
     sample = sample_from_frame(make_frame(), "000000", CONFIG)
     assert sample.classes.tolist() == [1, 1, 2]
-    cars = sample_from_frame(make_frame(), "000000", load_config("tiny_car"))
+    cars = sample_from_frame(make_frame(), "000000", Config.named("tiny_car"))
     assert cars.classes.tolist() == [1, 1]
     assert sample.bev.shape == CONFIG.bev.shape and sample.image.shape == (3, 96, 304)
 

@@ -64,7 +64,7 @@ def test_masking_leaves_the_detector_as_it_was(detector: avod.Detector, frames: 
     before, config = detect(detector, frames[0]), detector.network.config
     blind = without(detector, has_image=False, has_lidar=True)
     # One network, which both only read: what a detector is told to do differently is not written into it.
-    blind.configure(min_score=0.9, proposals=3)
+    blind.configure({"detection": {"min_score": 0.9}, "rpn": {"proposals": 3}})
     assert blind.network is detector.network and detector.network.config is config
     assert detect(detector, frames[0]) == before != detect(blind, frames[0])
     with pytest.raises(CadetError, match="nothing to detect in"):
@@ -87,6 +87,8 @@ def test_the_command_writes_everything_as_json(
     assert data["ablation"]["both"] == {"ap": data["ap"], "centers": data["centers"]}
     shown = CliRunner().invoke(command, [*arguments, "--ablate", "--details"], catch_exceptions=False).stdout
     masked = ablation_table({"both": analysis}, ("Car",))
-    assert [line.split() for line in shown.splitlines() if line.startswith("both ")] == [masked[1]]
+    assert [line.split() for line in shown.splitlines() if line.lstrip().startswith("both ")] == [
+        " ".join(masked.rows[1]).split()
+    ]
     for text in ("image masked ", "LIDAR masked ", "AP by occlusion", "Car: found minus true"):
         assert text in shown

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from avod.config_file import load_config
+from avod.config import Config
 from avod.experiments.few_frames import few_frame_cells
 from avod.experiments.matrix import matrix_cells
 from avod.experiments.scales import CLASSES, MAPS, SCALES
@@ -31,7 +31,7 @@ def test_the_matrix_has_every_way_of_training_for_each_class_maps_and_seed() -> 
         assert cell.source == source and (source is None or names.index(source) < names.index(cell.name))
         assert cell.tests == {"sim": ("sim", "real"), "real": ("real",), "tuned": ("real", "sim")}[cell.trained]
         short = {"Car": "car", "Pedestrian": "ped"}[cell.class_name]
-        expected = load_config(f"{short}_{cell.maps}")
+        expected = Config.named(f"{short}_{cell.maps}")
         assert dataclasses.replace(cell.config, training=expected.training) == expected
 
 
@@ -39,7 +39,7 @@ def test_the_full_scale_is_the_papers() -> None:
     sim, real, tuned = matrix_cells(SCALES["full"], ("Car",), ("default",), 1)
     assert (sim.stops, real.stops, tuned.stops) == ((90_000, 120_000), (120_000,), (150_000,))
     assert (tuned.branch_step, tuned.num_steps, tuned.first_step) == (90_000, 60_000, 90_000)
-    assert sim.config == real.config == load_config("car_default")
+    assert sim.config == real.config == Config.named("car_default")
     # A tuning of its own begins with the rate that the schedule has come to.
     training = sim.config.training
     rate = training.learning_rate * training.decay_factor ** (90_000 // training.decay_steps)
@@ -49,8 +49,8 @@ def test_the_full_scale_is_the_papers() -> None:
 
 def test_the_tiny_scale_tunes_as_its_configuration_does() -> None:
     sim, _, tuned = matrix_cells(SCALES["tiny"], ("Car",), ("default",), 1)
-    assert sim.config == load_config("tiny_car") and sim.stops == (3_000,)
-    assert tuned.config == load_config("tiny_car_tune")
+    assert sim.config == Config.named("tiny_car") and sim.stops == (3_000,)
+    assert tuned.config == Config.named("tiny_car_tune")
     assert (tuned.stops, tuned.branch_step, tuned.last) == ((350,), None, 1)
 
 

@@ -119,7 +119,7 @@ def test_a_tuning_begins_where_it_should(finished: Path, scale: Scale, sets: Set
     sim, real, tuned = micro_cells(scale)
     record = read_record(cell_folder(finished, tuned.name) / "run")
     assert record.init == str(cell_folder(finished, sim.name) / "best")
-    assert (Path(str(record.data)), record.num_frames) == (sets["real"].folder.resolve(), 4)
+    assert (Path(str(record.data)), record.num_used) == (sets["real"].folder.resolve(), 4)
     assert Path(str(read_record(cell_folder(finished, sim.name) / "run").data)) == sets["sim"].folder.resolve()
     assert (read_record(cell_folder(finished, real.name) / "run").init, record.config.training.steps) == (None, 2)
     # The paper's way: optimizer and schedule of a step in the middle, and the source goes on as if nothing had been.
@@ -163,7 +163,7 @@ def test_pairs_on_a_few_frames_learn_from_the_same_ones(sets: Sets, folder: Path
     checksums = {}
     for cell in cells[1:]:
         record = read_record(cell_folder(finished, cell.name) / "run")
-        assert record.num_frames == cell.frames and record.config.training.steps == cell.stops[-1]
+        assert record.num_used == cell.frames and record.config.training.steps == cell.stops[-1]
         checksums[cell.trained, cell.frames] = record.frames_crc32
     for count in (1, 3):
         assert checksums["real", count] == checksums["tuned", count]

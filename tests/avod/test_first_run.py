@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 
 from avod.cli import options
 from avod.cli.commands import avod
-from avod.config_file import load_config
+from avod.config import Config
 from avod.figures import loss_figure
 from avod.train import train
 from avod.train.log import COLUMNS, TERMS, read_log
@@ -29,7 +29,7 @@ from cadet.view import style
 from synthetic import make_frame
 
 CONFIG_FILE = Path(__file__).parents[1] / "overfit.toml"
-CONFIG = load_config(CONFIG_FILE)
+CONFIG = Config.named(CONFIG_FILE)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ import torch
 from click import Command
 
 from avod.cli.commands import avod
-from avod.config_file import load_config
+from avod.config import Config
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import load_network, read_checkpoint, save_checkpoint
 from avod_runs import small_config
@@ -96,13 +96,13 @@ def test_everything_runs_once_and_is_reported(script: Script, tmp_path: Path) ->
 
 def test_the_trial_says_how_many_steps_fit(script: Script, tmp_path: Path) -> None:
     assert script(MINUTES=1, BATCH=3, RATE=2e-4).returncode == 0
-    config = load_config(tmp_path / "work" / "run.toml")
+    config = Config.named(tmp_path / "work" / "run.toml")
     # Nine tenths of a minute by half a second each, the trial's last row.
     assert config.training.steps == 109
     assert config.training.frames_per_step == 3
     assert config.training.learning_rate == 2e-4
     assert config.second_stage.truth_steps == 54
-    paper = load_config("car_default")
+    paper = Config.named("car_default")
     for part in ("classes", "bev", "image", "anchors", "path_drop", "rpn", "detection"):
         assert getattr(config, part) == getattr(paper, part)
 

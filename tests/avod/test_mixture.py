@@ -115,7 +115,7 @@ def test_a_mixed_training_goes_on_as_if_it_had_not_stopped(tmp_path: Path) -> No
     short_run(config, sets, out, 7, should_stop=StopAfter(4))
     found = json.loads((out / "run.json").read_text())
     assert found["data"] == [str(folder) for folder, _ in sets] and found["shares"] == [0.75, 0.25]
-    assert found["num_frames"] == 5
+    assert found["num_used"] == 5
     command = ["train", "--out", str(out), "--resume", "--threads", "1", "--workers", "0"]
     done = CliRunner().invoke(avod, command, catch_exceptions=False, standalone_mode=False)
     assert done.return_value == 0, done.output

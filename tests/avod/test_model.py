@@ -8,7 +8,6 @@ import pytest
 import torch
 
 from avod.config import Config, ExtractorConfig, PathDropConfig
-from avod.config_file import load_config
 from avod.model.layers import Convolution, Dropout, ShiftBatchNorm, UpConvolution
 from avod.model.network import AvodNetwork
 from avod.model.path_drop import detection_masks, draw_masks, fuse
@@ -31,7 +30,7 @@ def count(module: torch.nn.Module) -> int:
     ],
 )
 def test_the_number_of_parameters_is_the_published_one(name: str, expected: int) -> None:
-    network = AvodNetwork(load_config(name))
+    network = AvodNetwork(Config.named(name))
     assert count(network) == expected
     if name == "car_default":
         assert count(network.bev_pyramid) == 2_454_880
@@ -149,7 +148,7 @@ def test_dropout_keeps_the_mean_and_leaves_detection_alone() -> None:
 
 
 def test_biases_begin_at_zero_and_weights_are_glorots() -> None:
-    network = AvodNetwork(load_config("tiny_car"))
+    network = AvodNetwork(Config.named("tiny_car"))
     for name, parameter in network.named_parameters():
         if parameter.ndim == 1:
             assert (parameter == 0).all(), name
@@ -161,7 +160,7 @@ def test_biases_begin_at_zero_and_weights_are_glorots() -> None:
 
 
 def test_dropping_channels_of_the_birds_eye_view_changes_its_pyramid_alone() -> None:
-    config = load_config("tiny_car")
+    config = Config.named("tiny_car")
     fewer = dataclasses.replace(config, bev=dataclasses.replace(config.bev, num_slices=2))
     shapes = [{name: tuple(p.shape) for name, p in AvodNetwork(c).named_parameters()} for c in (config, fewer)]
     assert {name for name in shapes[0] if shapes[0][name] != shapes[1][name]} == {

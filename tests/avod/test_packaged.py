@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import avod
 import cadet
 from avod.cli.commands import avod as command
-from avod.config_file import load_config
+from avod.config import Config
 from avod.train.checkpoint import packaged_checkpoints
 from cadet.errors import MissingFileError
 from cadet.evaluation import box_iou_3d
@@ -36,7 +36,7 @@ def frames() -> list[cadet.Frame]:
 def test_every_packaged_checkpoint_loads_and_is_small(name: str) -> None:
     assert packaged_checkpoints() == _NAMES
     detector = avod.Detector.load(name)
-    assert detector.config == load_config(name)
+    assert detector.config == Config.named(name)
     folder = Path(avod.__file__).parent / "checkpoints" / name
     assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.json", "model.safetensors"]
     assert sum(path.stat().st_size for path in folder.iterdir()) < 5_000_000

@@ -219,11 +219,11 @@ def test_a_step_without_a_finite_loss_is_named_and_can_be_left_out(
     monkeypatch.setattr(run_module, "training_step", step_without)
     out = tmp_path / "run"
     message = (
-        rf"^step 4: the box loss of frame 000001 is nan; look .* or go on .* by --out {out} --resume --skip-step 4$"
+        rf"^step 4: the box loss of frame 000001 is nan; look .* or go on .* by --out {out} --resume --skip-steps 4$"
     )
     with pytest.raises(NonFiniteLossError, match=message):
         short_run(config, data, out, STEPS)
-    with pytest.raises(CadetError, match="--skip-step 2: 3 steps are done"):
+    with pytest.raises(CadetError, match="--skip-steps 2: 3 steps are done"):
         short_run(config, data, out, STEPS, resume=True, skip_steps=(2,))
     trained.clear()
     # It stops once more before the step; what was said is remembered.

@@ -53,9 +53,9 @@ def test_a_training_reads_the_drawn_frames_alone(config: Config, data: Path) -> 
 
 
 def test_more_frames_than_there_are_are_refused(config: Config, data: Path) -> None:
-    with pytest.raises(CadetError, match=r"--frames 7: \S+set: 6 frames of the split 'train' hold enough objects"):
+    with pytest.raises(CadetError, match=r"--num-frames 7: \S+set: 6 frames of the split 'train' hold enough objects"):
         TrainingData(data, "train", config, 0, frames=7)
-    with pytest.raises(CadetError, match="--frames 2: several folders have shares instead"):
+    with pytest.raises(CadetError, match="--num-frames 2: several folders have shares instead"):
         TrainingData(((data, 0.5), (data, 0.5)), "train", config, 0, frames=2)
 
 
@@ -66,12 +66,12 @@ def test_a_class_that_no_label_has_is_refused_by_name(config: Config, data: Path
 
 
 def test_a_training_on_few_frames_goes_on_with_the_same_ones(config: Config, data: Path, tmp_path: Path) -> None:
-    short_run(config, data, tmp_path / "unbroken", 5, frames=2, seed=3)
-    short_run(config, data, tmp_path / "parts", 5, frames=2, seed=3, should_stop=StopAfter(2))
+    short_run(config, data, tmp_path / "unbroken", 5, num_frames=2, seed=3)
+    short_run(config, data, tmp_path / "parts", 5, num_frames=2, seed=3, should_stop=StopAfter(2))
     record = read_record(tmp_path / "parts")
-    assert (record.frames, record.num_frames) == (2, 2)
+    assert (record.num_frames, record.num_used) == (2, 2)
     with pytest.raises(CadetError, match="has frames to learn from = 2, and is to go on with 3"):
-        short_run(config, data, tmp_path / "parts", 5, frames=3, resume=True)
+        short_run(config, data, tmp_path / "parts", 5, num_frames=3, resume=True)
     # The command knows how many from the training's own record.
     arguments = ["train", "--out", str(tmp_path / "parts"), "--resume", "--steps", "5", "--workers", "0"]
     assert CliRunner().invoke(avod, arguments, catch_exceptions=False).exit_code == 0

@@ -15,7 +15,6 @@ import pytest
 import torch
 
 from avod.config import Config, TrainingConfig
-from avod.config_file import load_config
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.detector import Detector
@@ -40,7 +39,7 @@ from cadet.evaluation import box_iou_3d
 from cadet.kitti import write_frame
 from synthetic import make_frame
 
-CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+CONFIG = Config.named(Path(__file__).parents[1] / "overfit.toml")
 
 
 @pytest.fixture(scope="module")
@@ -281,7 +280,7 @@ def test_tensorboard_is_named_where_it_is_asked_for_and_missing(
 ) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(CadetError, match=r"^--tensorboard needs tensorboard: pip install tensorboard$"):
-        run(dataset, tmp_path, 1, has_tensorboard=True)
+        run(dataset, tmp_path, 1, tensorboard=True)
 
 
 def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:

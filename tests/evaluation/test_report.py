@@ -95,7 +95,7 @@ def test_the_command_prints_the_table(folders: tuple[str, str], tmp_path: Path) 
 
 def test_the_command_prints_json_and_markdown(folders: tuple[str, str]) -> None:
     report = cadet.evaluate(*folders, classes=["Car"], recall="r11", levels="large_small", frames="all")
-    options = ["--classes", "Car", "--recall", "r11", "--levels", "large_small", "--all-frames"]
+    options = ["--classes", "Car", "--recall", "r11", "--levels", "large_small", "--frames", "all"]
     assert run(*folders, *options, "--json").output == report.to_json()
     assert run(*folders, *options, "--markdown").output == report.to_markdown()
     limits = cadet.evaluate(*folders, min_overlap={"Car": 0.5, "Cyclist": (0.5, 0.25, 0.1)})

@@ -91,7 +91,9 @@ def _beside(name: str, read: Callable[[Path], object]) -> Callable[[str], object
 
 SETTINGS_TARGETS = (
     _target("rigs, values", _RIG, _as_toml, _beside("r.toml", lambda folder: cadet.Rig.read(folder / "r.toml"))),
-    _target("LIDARs, values", _LIDAR, _as_toml, lambda text: cadet.Lidar.custom(BeamTable.from_toml(text)).to_native()),
+    _target(
+        "LIDARs, values", _LIDAR, _as_toml, lambda text: cadet.Lidar.custom(BeamTable.from_toml(text))._to_native()
+    ),
     _target("BDD100K, values", _BDD, json.dumps, lambda text: labels_from_text(text, "labels.json")),
     _target("banks, values", _BANK, json.dumps, _beside("bank.json", ObjectBank)),
     _target("manifests, values", _MANIFEST, json.dumps, _beside("manifest.json", read_manifest)),

@@ -67,7 +67,7 @@ def _read_calib(text: str) -> object:
 
 
 def _read_lidar(text: str) -> object:
-    return cadet.Lidar.custom(BeamTable.from_toml(text)).to_native().num_rings
+    return cadet.Lidar.custom(BeamTable.from_toml(text))._to_native().num_rings
 
 
 def _read_points(data: bytes) -> object:
@@ -92,8 +92,8 @@ def _read_roads(text: str) -> object:
         map_name="map.xodr",
         map_xodr=text,
         weather="clear_noon",
-        rig=_small_rig().to_native(),
-        config=cadet.SceneConfig(num_cars=2, num_pedestrians=2).to_native(),
+        rig=_small_rig()._to_native(),
+        config=cadet.SceneConfig(num_cars=2, num_pedestrians=2)._to_native(),
         assets=None,
     )
 

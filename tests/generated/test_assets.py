@@ -185,7 +185,7 @@ def test_a_mesh_that_makes_no_vehicle_is_refused_when_read(toml: str, message: s
 
 @needs_meshes
 def test_real_meshes_have_the_size_of_vehicles(real: cadet.Assets) -> None:
-    sizes = {name: size for name, _, size in real.to_native().models()}
+    sizes = {name: size for name, _, size in real._to_native().models()}
     # A Prius of 2009 is 4.46 m long without bumpers' trim, a coach 12 m; mirrors count.
     for name, (low, high) in {"prius_hybrid": (4.4, 4.7), "hatchback": (3.7, 4.2), "suv": (4.5, 5.2)}.items():
         assert low < sizes[name][0] < high

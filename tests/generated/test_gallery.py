@@ -62,7 +62,7 @@ def test_a_page_has_room_for_every_tile() -> None:
 def test_pages_are_written_as_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pages, "_PER_FAMILY", 2)
     monkeypatch.setattr(pages, "_PEOPLE", {"pedestrian": 1.3})
-    result = CliRunner().invoke(command, ["gallery", str(tmp_path / "sheets"), "--only", "people"])
+    result = CliRunner().invoke(command, ["gallery", str(tmp_path / "sheets"), "--parts", "people"])
     assert result.exit_code == 0, result.output
     (path,) = (tmp_path / "sheets").iterdir()
     assert path.name == "people_pedestrian.jpg"

@@ -208,7 +208,7 @@ def test_damaged_files_are_named(tmp_path: Path) -> None:
 def test_the_command_cuts_a_folder(tmp_path: Path) -> None:
     for number in range(2):
         write_frame(tmp_path / "set", number, make_frame(has_maps=True))
-    command = ["bank", str(tmp_path / "set"), "-o", str(tmp_path / "bank"), "--split", "train", "--class", "Car"]
+    command = ["bank", str(tmp_path / "set"), "-o", str(tmp_path / "bank"), "--split", "train", "--classes", "Car"]
     done = CliRunner().invoke(cadet, command, catch_exceptions=False)
     assert f"wrote {tmp_path / 'bank'}: 2 Car from 2 frames" in done.output
     assert [item.source.rpartition("/")[2] for item in map(ObjectBank(tmp_path / "bank").__getitem__, range(2))] == [

@@ -8,6 +8,7 @@ import click
 
 from avod.cli.options import check_split, resolve_split, split_option
 from avod.clusters import anchor_sizes, toml_of
+from cadet.cli.names import Names
 from cadet.errors import CadetError
 from cadet.kitti.label import is_object_type, kitti_spelling
 
@@ -18,19 +19,18 @@ _MOST = 64
 @click.argument("data", metavar="DATA", type=click.Path(path_type=Path))
 @split_option("train")
 @click.option(
-    "--class",
-    "classes",
-    metavar="NAME=COUNT",
-    multiple=True,
-    default=("Car=2", "Pedestrian=1", "Cyclist=1"),
+    "--classes",
+    type=Names(),
+    metavar="LIST",
+    default="Car=2,Pedestrian=1,Cyclist=1",
     show_default=True,
-    help="A class and how many sizes its anchors get; several times for several classes.",
+    help="Classes and how many sizes the anchors of each get.",
 )
 def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) -> None:
     """Fit anchor sizes to the labels of a KITTI folder, and print them as a configuration holds them.
 
     \b
-    avod clusters kitti --split train --class Car=2 > sizes.toml
+    avod clusters kitti --split train --classes Car=2 > sizes.toml
     """  # noqa: D301 - click reads the backspace
     name = resolve_split(split)
     check_split(data, name)
@@ -40,7 +40,7 @@ def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) ->
 def _count(text: str) -> tuple[str, int]:
     name, _, count = text.partition("=")
     if not is_object_type(name) or not count.isascii() or not count.isdecimal():
-        raise CadetError(f"--class: expected a type of labels and a count, such as Car=2, got {text!r}")
+        raise CadetError(f"--classes: expected a type of labels and a count, such as Car=2, got {text!r}")
     if not 1 <= int(count[:9]) <= _MOST:
-        raise CadetError(f"--class: expected 1 to {_MOST} sizes, got {text!r}")
+        raise CadetError(f"--classes: expected 1 to {_MOST} sizes, got {text!r}")
     return kitti_spelling(name), int(count)

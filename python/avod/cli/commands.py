@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,19 +15,21 @@ from avod.cli.options import (
     checkpoint_option,
     data_option,
     detection_options,
+    detection_settings,
     device_options,
     frames_of,
-    frames_option,
+    num_frames_option,
     progress,
     resolve_device,
     resolve_precision,
     resolve_workers,
+    set_option,
     split_option,
 )
 from avod.cli.paper import paper_command
 from avod.cli.train import train_command
 from avod.detector import Detector
-from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score, table
+from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score
 from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_checkpoint
@@ -35,6 +38,7 @@ from avod.train.validation_log import read_validations
 from cadet import __version__
 from cadet.analysis import Analysis
 from cadet.analysis.result import PARTS
+from cadet.cli.eval import print_analysis, recall_option
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.kitti import text_from_labels
@@ -60,7 +64,7 @@ avod.add_command(paper_command)
 @checkpoint_option
 @data_option
 @split_option("all")
-@frames_option
+@num_frames_option
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A file for each frame.")
 @detection_options
 @device_options
@@ -68,19 +72,20 @@ def predict_command(
     checkpoint: Path,
     data: Path,
     split: str | None,
-    frames: int | None,
+    num_frames: int | None,
     out: Path,
     proposals: int | None,
     min_score: float | None,
     nms_iou: float | None,
+    settings: tuple[str, ...],
     device: str,
-    amp: str | None,
+    precision: str,
     workers: int | None,
 ) -> None:
     """Write KITTI's result files; a frame where nothing is found has an empty one, and one that cannot be read none."""
-    detector = _detector(checkpoint, device, amp)
-    detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
-    samples, ids = frames_of(data, split, frames)
+    changes = detection_settings(settings, proposals, min_score, nms_iou)
+    detector = _detector(checkpoint, device, precision, changes)
+    samples, ids = frames_of(data, split, num_frames)
     sink, unreadable = LocalSink(out), Unreadable(data)
     count = 0
     results = predict(detector, samples, ids, workers=resolve_workers(workers), unreadable=unreadable)
@@ -99,12 +104,13 @@ def predict_command(
 @checkpoint_option
 @data_option
 @split_option("val")
-@frames_option
+@num_frames_option
 @click.option(
     "--last", type=click.IntRange(1), help="Evaluate this many last checkpoints of a training; keep the best in best/."
 )
 @click.option("--levels", type=click.Choice(["kitti", "large_small"]), default="kitti", show_default=True)
 @click.option("--min-overlap", type=click.Choice(list(MIN_OVERLAP)), default="strict", show_default=True)
+@recall_option
 @click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
 @click.option("--details", is_flag=True, help="Show all that cadet eval --details does.")
 @click.option("--ablate", is_flag=True, help="Evaluate again without the image and without the LIDAR.")
@@ -115,10 +121,11 @@ def evaluate_command(
     checkpoint: Path,
     data: Path,
     split: str | None,
-    frames: int | None,
+    num_frames: int | None,
     last: int | None,
     levels: str,
     min_overlap: str,
+    recall: str,
     plot: Path | None,
     details: bool,
     ablate: bool,
@@ -126,27 +133,28 @@ def evaluate_command(
     proposals: int | None,
     min_score: float | None,
     nms_iou: float | None,
+    settings: tuple[str, ...],
     device: str,
-    amp: str | None,
+    precision: str,
     workers: int | None,
 ) -> None:
-    """Print AP 3D and BEV, with 11 and with 40 recall positions; with --details, where AP is lost."""
+    """Print KITTI's AP as cadet eval does; with --details, where AP is lost."""
     if plot is not None:
         check_picture_path(plot)
-    samples, ids = frames_of(data, split, frames)
+    samples, ids = frames_of(data, split, num_frames)
     paths = [checkpoint]
     if last is not None:
         folder = checkpoint / "checkpoints"
         paths = checkpoints(folder if folder.is_dir() else checkpoint)[-last:]
         if not paths:
             raise MissingFileError(f"{checkpoint}: no checkpoints")
-    detectors = [_detector(path, device, amp) for path in paths]
-    for detector in detectors:
-        detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
+    changes = detection_settings(settings, proposals, min_score, nms_iou)
+    detectors = [_detector(path, device, precision, changes) for path in paths]
     names = detectors[0].config.class_names
     ablated: dict[str, Analysis] = {}
     done = itertools.count(1)
-    rules: dict[str, Any] = {"levels": levels, "min_overlap": min_overlap, "workers": resolve_workers(workers)}
+    rules: dict[str, Any] = {"levels": levels, "min_overlap": min_overlap, "recall": recall}
+    rules["workers"] = resolve_workers(workers)
     rules |= {"parts": ("centers",)} if ablate else {}
     rules |= {"parts": PARTS, "by": ("distance", "occlusion")} if details or as_json else {}
     with progress((1 + len(ABLATIONS) * ablate) * len(ids), "evaluating") as advance:
@@ -170,7 +178,10 @@ def evaluate_command(
         values = analysis.to_dict() | ({"ablation": masked} if masked else {})
         click.echo(json.dumps(values, indent=1, allow_nan=False))
     else:
-        _show(analysis, ablated, names, f"{len(ids)} frames, {chosen.path}")
+        click.echo(f"{len(ids)} frames, {chosen.path}")
+        print_analysis(analysis)
+        if ablated:
+            click.echo(f"\n{ablation_table(ablated, names).to_text()}")
 
 
 def _ablation_values(analysis: Analysis) -> dict[str, Any]:
@@ -178,30 +189,28 @@ def _ablation_values(analysis: Analysis) -> dict[str, Any]:
     return {name: values.get(name, {}) for name in ("ap", "centers")}
 
 
-def _show(analysis: Analysis, ablated: dict[str, Analysis], names: tuple[str, ...], title: str) -> None:
-    _print(table(analysis.report, names), title)
-    if ablated:
-        _print(ablation_table(ablated, names), "\nAP without a sensor")
-    for section in analysis.sections():
-        click.echo(f"\n{section.to_text()}")
-    for warning in analysis.report.warnings:
-        click.echo(f"Note: {warning}")
-
-
 @avod.command(name="bench")
 @checkpoint_option
 @data_option
 @split_option("all")
-@click.option("--frames", type=click.IntRange(1), default=2000, show_default=True, help="The first so many.")
+@click.option("--num-frames", type=click.IntRange(1), default=2000, show_default=True, help="The first so many.")
+@set_option
 @device_options
 def bench_command(
-    checkpoint: Path, data: Path, split: str | None, frames: int, device: str, amp: str | None, workers: int | None
+    checkpoint: Path,
+    data: Path,
+    split: str | None,
+    num_frames: int,
+    settings: tuple[str, ...],
+    device: str,
+    precision: str,
+    workers: int | None,
 ) -> None:
     """Print the mean time of inference by stage, as the paper measures it, in one process."""
     if workers:
         raise CadetError("--workers: stages are timed one after the other, in one process")
-    detector = _detector(checkpoint, device, amp)
-    timing = measure(detector, *frames_of(data, split, frames))
+    detector = _detector(checkpoint, device, precision, detection_settings(settings))
+    timing = measure(detector, *frames_of(data, split, num_frames))
     stages = {
         "maps, anchors, image": timing.prepare_ms,
         "network": timing.network_ms,
@@ -218,41 +227,48 @@ def bench_command(
 @avod.command(name="view")
 @click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw its detections ...")
 @click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="... in a frame of this folder.")
-@click.option("--frame", "frame_id", metavar="ID", help="The frame.")
+@click.option("--frame-id", metavar="ID", help="The frame.")
 @click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this training instead.")
-@click.option("-o", "--output", metavar="FILE", required=True, help="A .png or .jpg.")
+@click.option("-o", "--out", metavar="FILE", required=True, help="A .png or .jpg.")
+@set_option
 @device_options
 def view_command(
     checkpoint: Path | None,
     data: Path | None,
     frame_id: str | None,
     log: Path | None,
-    output: str,
+    out: str,
+    settings: tuple[str, ...],
     device: str,
-    amp: str | None,
+    precision: str,
     workers: int | None,
 ) -> None:
     """Draw detections beside labels, in the image and from above; or the losses of a training."""
     if workers:
         raise CadetError("--workers: one frame needs none")
-    check_picture_path(output)
+    check_picture_path(out)
     if log is not None:
         if checkpoint is not None or data is not None or frame_id is not None:
-            raise CadetError("--log draws losses and takes no --checkpoint, --data or --frame")
+            raise CadetError("--log draws losses and takes no --checkpoint, --data or --frame-id")
         validations = read_validations(log / "val.csv") if (log / "val.csv").is_file() else []
         figure = loss_figure(read_log(log / "log.csv"), validations)
-        click.echo(f"wrote {write_picture(output, figure)}")
+        click.echo(f"wrote {write_picture(out, figure)}")
         return
     if checkpoint is None or data is None or frame_id is None:
-        raise CadetError("view needs --checkpoint, --data and --frame, or --log")
-    detector = _detector(checkpoint, device, amp)
+        raise CadetError("view needs --checkpoint, --data and --frame-id, or --log")
+    detector = _detector(checkpoint, device, precision, detection_settings(settings))
     frame = open_dataset(data).read_frame(check_id(frame_id))
     found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
-    click.echo(f"wrote {write_picture(output, detection_figure(frame, found))}")
+    click.echo(f"wrote {write_picture(out, detection_figure(frame, found))}")
 
 
-def _detector(checkpoint: Path, device: str, amp: str | None) -> Detector:
-    return Detector.load(checkpoint, device=resolve_device(device), precision=resolve_precision(amp))
+def _detector(checkpoint: Path, device: str, precision: str, changes: Mapping[str, Any]) -> Detector:
+    detector = Detector.load(checkpoint, device=resolve_device(device), precision=resolve_precision(precision))
+    try:
+        detector.configure(changes)
+    except CadetError as error:
+        raise CadetError(f"--set: {str(error).removeprefix('--set: ')}") from None
+    return detector
 
 
 def _print(rows: list[list[str]], title: str) -> None:

@@ -12,6 +12,7 @@ import torch
 from rich.console import Console
 
 from avod import device
+from avod.config_base import table_of_settings
 from avod.data.simulated import is_simulation
 from cadet import kitti
 from cadet.cli.progress import reporter
@@ -32,7 +33,7 @@ DEFAULT_WORKERS = 16
 """The most processes that read frames unasked."""
 
 _USUAL = ("train", "val", "trainval")
-_PRECISIONS = {"bf16": torch.bfloat16}
+_PRECISIONS = {"float32": None, "bfloat16": torch.bfloat16}
 
 data_option = click.option(
     "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or ours."
@@ -44,7 +45,7 @@ checkpoint_option = click.option(
     type=click.Path(path_type=Path),
     help="A checkpoint, a training's folder, whose last is meant, or the package's own tiny_car.",
 )
-frames_option = click.option("--frames", type=click.IntRange(1), help="No more than this many, the first.")
+num_frames_option = click.option("--num-frames", type=click.IntRange(1), help="No more than this many, the first.")
 
 
 def split_option(default: str | None) -> Callable[[F], F]:
@@ -58,7 +59,13 @@ def device_options(command: F) -> F:
     """Add the options that say where and how the network runs."""
     options = (
         click.option("--device", metavar="NAME", default="cpu", show_default=True, help="cpu, cuda, cuda:1, ..."),
-        click.option("--amp", type=click.Choice(list(_PRECISIONS)), help="Arithmetic of layers.  [default: float32]"),
+        click.option(
+            "--precision",
+            type=click.Choice(list(_PRECISIONS)),
+            default="float32",
+            show_default=True,
+            help="Arithmetic of layers.",
+        ),
         click.option(
             "--workers",
             type=click.IntRange(0, 256),
@@ -77,20 +84,41 @@ def device_options(command: F) -> F:
     return command
 
 
+set_option = click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Change the configuration, as in training.learning_rate=1e-4; may be repeated.",
+)
+
+
 def detection_options(command: F) -> F:
     """Add the options that change settings of detection for one run."""
     options = (
-        click.option("--proposals", type=click.IntRange(1, 65536), help="That the second stage looks at."),
-        click.option(
-            "--score-threshold", "min_score", type=click.FloatRange(0, 1), help="The least score that is written."
-        ),
-        click.option(
-            "--nms-iou", type=click.FloatRange(0, 1), help="Boxes that overlap a better one by more are dropped."
-        ),
+        click.option("--proposals", type=click.IntRange(1, 65536), help="Short for --set rpn.proposals=N."),
+        click.option("--min-score", type=click.FloatRange(0, 1), help="Short for --set detection.min_score=S."),
+        click.option("--nms-iou", type=click.FloatRange(0, 1), help="Short for --set detection.nms_iou=IOU."),
+        set_option,
     )
     for option in options:
         command = option(command)
     return command
+
+
+def detection_settings(
+    settings: tuple[str, ...],
+    proposals: int | None = None,
+    min_score: float | None = None,
+    nms_iou: float | None = None,
+) -> dict[str, Any]:
+    """Return what the options of `detection_options` change, as tables of a configuration.
+
+    Raises:
+        CadetError: a setting that is none.
+    """
+    short = {"rpn.proposals": proposals, "detection.min_score": min_score, "detection.nms_iou": nms_iou}
+    return table_of_settings([*settings, *(f"{key}={value}" for key, value in short.items() if value is not None)])
 
 
 def resolve_workers(count: int | None) -> int:
@@ -115,9 +143,9 @@ def _set_threads(context: click.Context, parameter: click.Parameter, value: int 
     torch.set_num_threads(min(torch.get_num_threads(), DEFAULT_THREADS) if value is None else value)
 
 
-def resolve_precision(name: str | None) -> torch.dtype | None:
-    """Find a type of arithmetic; None for float32."""
-    return None if name is None else _PRECISIONS[name]
+def resolve_precision(name: str) -> torch.dtype | None:
+    """Find a type of arithmetic; None is float32."""
+    return _PRECISIONS[name]
 
 
 def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[kitti.Dataset | ShardDataset, tuple[str, ...]]:

@@ -69,7 +69,7 @@ _DEVICES = (1, 2, 4, 8)
 )
 @click.option("--dry-run", is_flag=True, help="List the cells, time a few steps, and estimate the hours.")
 @click.option("--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after so long.")
-@click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids in training.")
+@click.option("--compile", "compile", is_flag=True, help="Compile the feature pyramids in training.")
 @device_options
 def paper_command(**options: Any) -> int:
     """Run the paper's experiments: trained on simulated frames, on real ones, and on both.
@@ -79,7 +79,7 @@ def paper_command(**options: Any) -> int:
 
     \b
     avod paper --scale tiny --data-real kitti --data-sim set -o paper --dry-run
-    avod paper --scale full --data-real kitti --data-sim set -o paper --device cuda --amp bf16
+    avod paper --scale full --data-real kitti --data-sim set -o paper --device cuda --precision bfloat16
     avod paper --data-real kitti --frames 10,40,160,640 --init tiny_car --classes Car --seeds 5 -o few
     """  # noqa: D301 - click reads the backspace
     plan = _plan(options)
@@ -91,9 +91,9 @@ def paper_command(**options: Any) -> int:
         with stopping, Processes.joined(device) as processes:
             machine = Machine(
                 processes=processes,
-                precision=resolve_precision(options["amp"]),
+                precision=resolve_precision(options["precision"]),
                 workers=resolve_workers(options["workers"]),
-                is_compiled=options["is_compiled"],
+                compile=options["compile"],
                 should_stop=stopping,
                 progress=_shown if processes.is_first else _hidden,
             )

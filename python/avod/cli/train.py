@@ -22,12 +22,14 @@ from avod.cli.options import (
     resolve_precision,
     resolve_split,
     resolve_workers,
+    set_option,
     split_option,
 )
 from avod.cli.stopping import Stopping
 from avod.clusters import mean_sizes_of
 from avod.config import Config
-from avod.config_file import config_names, load_config
+from avod.config_base import config_names, table_of_settings
+from avod.config_file import changed_config
 from avod.data.mixture import shares_of
 from avod.data.simulated import is_simulation
 from avod.device import is_first_process
@@ -44,7 +46,6 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.webdataset.dataset import is_pattern
 
 _SECONDS_BETWEEN_LINES: Final = 10.0
-_AMP: Final = {"bfloat16": "bf16"}
 
 
 @click.command(name="train")
@@ -57,9 +58,10 @@ _AMP: Final = {"bfloat16": "bf16"}
     "with their shares of the frames.",
 )
 @split_option("train")
-@click.option("--frames", type=click.IntRange(1), help="Learn from so many frames alone, drawn by the seed.")
+@click.option("--num-frames", type=click.IntRange(1), help="Learn from so many frames alone, drawn by the seed.")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
-@click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
+@click.option("--steps", type=click.IntRange(1), help="Where training ends: short for --set training.steps=N.")
+@set_option
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Of all that is drawn.  [default: 0]")
 @click.option(
     "--sizes-from",
@@ -82,8 +84,7 @@ _AMP: Final = {"bfloat16": "bf16"}
     help="Go on with another training's optimizer, step and schedule.",
 )
 @click.option(
-    "--skip-step",
-    "skip_steps",
+    "--skip-steps",
     metavar="STEP",
     type=click.IntRange(0),
     multiple=True,
@@ -93,7 +94,7 @@ _AMP: Final = {"bfloat16": "bf16"}
 @click.option("--keep", type=click.IntRange(1), help="Checkpoints that stay, the newest.  [default: all]")
 @click.option("--val-every", metavar="STEPS", type=click.IntRange(1), help="Compute loss and AP on --val-split.")
 @click.option("--val-split", metavar="NAME", default="val", show_default=True, help="A list of ImageSets, or 'all'.")
-@click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids.")
+@click.option("--compile", is_flag=True, help="Compile the feature pyramids.")
 @click.option("--tensorboard", is_flag=True, help="Write TensorBoard's files too.")
 @device_options
 @click.pass_context
@@ -106,7 +107,8 @@ def train_command(context: click.Context, /, **options: Any) -> int:
     avod train --config tiny_car --data set --out run
     avod train --out run --resume
     avod train --config tiny_car --data set:0.8 --data kitti:0.2 --out mixed
-    avod train --config car_default --data kitti --out tuned --resume-from run --steps 150000 --device cuda --amp bf16
+    avod train --config car_default --data kitti --out tuned --resume-from run --set training.learning_rate=1e-5
+    avod train --config car_default --data kitti --out gpu --device cuda --precision bfloat16
     torchrun --nproc-per-node 4 -m avod train ...
     """  # noqa: D301 - click reads the backspace
     config, run = _settings(_Options(context, options))
@@ -158,10 +160,12 @@ def _settings(options: _Options) -> tuple[Config, Run]:
     out = values["out"]
     record, config = _recorded(out) if values["resume"] else (None, None)
     if values["config"] is not None:
-        config = load_config(values["config"])
+        config = Config.named(values["config"])
         # Where training ends was settled when it was begun, perhaps by --steps.
         config = config if record is None else with_steps(config, record.config.training.steps)
     data = parse_data(values["data"]) if values["data"] or record is None else record.folders
+    if config is not None:
+        config = changed_config(config, table_of_settings(values["settings"]))
     if config is None or not data:
         missing = "--config" if config is None else "--data"
         raise CadetError(f"train needs {missing}: only a training that goes on by --resume knows its own")
@@ -191,12 +195,12 @@ def _settings(options: _Options) -> tuple[Config, Run]:
         val_every=val_every,
         val_split=resolve_split(recorded("val_split", "val")),
         device=resolve_device(recorded("device", "cpu")),
-        precision=resolve_precision(options.get("amp", None if record is None else _AMP.get(record.precision or ""))),
+        precision=resolve_precision(recorded("precision", "float32") or "float32"),
         workers=resolve_workers(values["workers"]),
-        is_compiled=recorded("is_compiled", False),
-        has_tensorboard=values["tensorboard"],
+        compile=recorded("compile", False),
+        tensorboard=values["tensorboard"],
         bank=recorded("bank", None),
-        frames=recorded("frames", None),
+        num_frames=recorded("num_frames", None),
     )
     if val_every is not None:
         check_split(data[0][0], run.val_split)

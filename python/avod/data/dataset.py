@@ -115,7 +115,7 @@ class TrainingData(Dataset[Any]):
         folders = shares_of(data)
         check_bank(bank, config)
         if frames is not None and len(folders) > 1:
-            raise CadetError(f"--frames {frames}: several folders have shares instead: train on one")
+            raise CadetError(f"--num-frames {frames}: several folders have shares instead: train on one")
         self.config = config
         drawn = None if frames is None else (frames, seed)
         self._sets = [_Set.read(root, split, config, drawn, has_prefix=len(folders) > 1) for root, _ in folders]
@@ -195,7 +195,7 @@ class _Set:
         ids = usable_frames(labels, config, f"{root}: none of the {len(labels)} frames{_in(split)}")
         if drawn is not None:
             if drawn[0] > len(ids):
-                raise CadetError(f"--frames {drawn[0]}: {root}: {len(ids)} frames{_in(split)} hold enough objects")
+                raise CadetError(f"--num-frames {drawn[0]}: {root}: {len(ids)} frames{_in(split)} hold enough objects")
             ids = draw_frames(ids, *drawn)
         shifts = size_shifts_m((label for i in ids for label in labels[i]), config.class_names, config.augmentation)
         return cls(frames, ids, shifts, f"{root}/" if has_prefix else "", Unreadable(root))

@@ -56,7 +56,7 @@ def measure_speed(config: Config, frames: FrameSet, machine: Machine) -> Speed:
             device=processes.device,
             precision=machine.precision,
             workers=machine.workers,
-            is_compiled=machine.is_compiled,
+            compile=machine.compile,
         )
         # The last step writes a checkpoint before it is heard of.
         last = train(with_steps(config, WARM_UP + TIMED + 1), run, on_step=on_step)

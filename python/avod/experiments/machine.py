@@ -22,7 +22,7 @@ class Machine:
         processes: this process among those that `torchrun` has started.
         precision: of the arithmetic of layers, None for float32.
         workers: processes that read frames; 0 reads them in between.
-        is_compiled: compile the pyramids in training.
+        compile: compile the pyramids in training.
         should_stop: is asked after each step and each frame.
         progress: hears how far trainings and tests are.
     """
@@ -30,6 +30,6 @@ class Machine:
     processes: Processes
     precision: torch.dtype | None = None
     workers: int = 0
-    is_compiled: bool = False
+    compile: bool = False
     should_stop: Callable[[], bool]
     progress: Progress

@@ -16,10 +16,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from avod.config_file import differences
 from avod.experiments.cells import Cell
 from avod.experiments.scales import Scale
 from avod.experiments.sets import Sets
-from avod.train.record import differences
 from cadet.errors import CadetError
 from cadet.kitti.files import write_whole
 from cadet.plain_text import json_from_text

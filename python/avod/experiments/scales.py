@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from avod.config import Config
-from avod.config_file import load_config
 
 CLASSES: Final[Mapping[str, str]] = {"Car": "car", "Pedestrian": "ped"}
 """The paper's classes, and what their configurations are called."""
@@ -56,7 +55,7 @@ class Scale:
 
     def config(self, class_name: str, maps: str) -> Config:
         """Load the configuration of a class and maps."""
-        return load_config(self.configs[class_name, maps])
+        return Config.named(self.configs[class_name, maps])
 
 
 def _names(prefix: str, default: str) -> dict[tuple[str, str], str]:

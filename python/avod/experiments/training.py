@@ -79,8 +79,8 @@ def _train_to(stop: int, cell: Cell, out: Path, sets: Sets, machine: Machine) ->
         device=machine.processes.device,
         precision=machine.precision,
         workers=machine.workers,
-        is_compiled=machine.is_compiled,
-        frames=cell.frames,
+        compile=machine.compile,
+        num_frames=cell.frames,
         **begin,
     )
     with machine.progress(stop, cell.name, "steps") as advance:

@@ -32,7 +32,7 @@ class TrainingLog:
         first_step: where training begins or goes on.
         every: steps between two rows.
         pending: what `pending` gave when training stopped between two rows.
-        has_tensorboard: write TensorBoard's files too.
+        tensorboard: write TensorBoard's files too.
 
     Raises:
         CadetError: TensorBoard is asked for and not installed.
@@ -45,7 +45,7 @@ class TrainingLog:
         every: int = 10,
         *,
         pending: Mapping[str, float] | None = None,
-        has_tensorboard: bool = False,
+        tensorboard: bool = False,
     ) -> None:
         self.path = folder / "log.csv"
         self._every = every
@@ -57,7 +57,7 @@ class TrainingLog:
         write_whole(
             {self.path: "".join([table_line(COLUMNS), *(table_line(_texts(row)) for row in rows)]).encode("ascii")}
         )
-        self._board = _board(folder) if has_tensorboard else None
+        self._board = _board(folder) if tensorboard else None
 
     def on_step(self, step: int, losses: Mapping[str, Tensor], rate: float, *, is_last: bool = False) -> None:
         """Record a step's losses; `step` is how many steps are done, the last one's row is written in any case.

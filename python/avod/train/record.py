@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from avod.config import Config
-from avod.config_file import config_from_table, table_from_config
+from avod.config_file import config_from_table, differences, table_from_config
 from avod.train.made_with import made_with
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.files import write_whole
@@ -20,13 +20,13 @@ _FORMAT: Final = "avod-training"
 _VERSION: Final = 1
 # How far a training goes and how often it is written down changes no step; detection is no part of training.
 _FREE: Final = ("training.steps", "training.checkpoint_steps", "detection.")
-_REFUSED: Final = ("seed", "split", "shares", "num_frames", "frames_crc32", "bank_crc32", "init")
+_REFUSED: Final = ("seed", "split", "shares", "num_used", "frames_crc32", "bank_crc32", "init")
 _WHAT: Final = {
-    "num_frames": "frames to learn from",
+    "num_used": "frames to learn from",
     "frames_crc32": "a checksum of its frames' ids",
     "bank_crc32": "a checksum of its bank's objects",
 }
-_SAID: Final = ("data", "bank", "num_processes", "device", "precision", "is_compiled")
+_SAID: Final = ("data", "bank", "num_processes", "device", "precision", "compile")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,13 +38,13 @@ class Record:
         seed: of all that is drawn.
         data: the KITTI folder, shards or simulation, or several folders.
         split: the list of its `ImageSets`; None for every frame.
-        num_frames: frames that are learned from; 0 of a simulation, which has no end.
+        num_used: frames that are learned from; 0 of a simulation, which has no end.
         frames_crc32: checksum of their ids, whose order matters, or of all that a simulation's frames follow from.
         init: the checkpoint whose weights it began with, or None.
         num_processes: how many share a step.
         device: kind of device.
         precision: of the arithmetic of layers, None for float32.
-        is_compiled: whether the pyramids are compiled.
+        compile: whether the pyramids are compiled.
         skipped_steps: steps that are left out, in order.
         keep: how many checkpoints stay, None for all.
         val_every: steps between two validations, None for none.
@@ -52,7 +52,7 @@ class Record:
         shares: of the folders, where there are several.
         bank: of the objects that are pasted into frames, or None.
         bank_crc32: checksum of its list.
-        frames: how many of the folder's frames were drawn to learn from, None for all.
+        num_frames: how many of the folder's frames were drawn to learn from, None for all.
         resume_from: the checkpoint of another training that it went on from, or None.
     """
 
@@ -60,13 +60,13 @@ class Record:
     seed: int
     data: str | tuple[str, ...]
     split: str | None
-    num_frames: int
+    num_used: int
     frames_crc32: int
     init: str | None = None
     num_processes: int = 1
     device: str = "cpu"
     precision: str | None = None
-    is_compiled: bool = False
+    compile: bool = False
     skipped_steps: tuple[int, ...] = ()
     keep: int | None = None
     val_every: int | None = None
@@ -74,7 +74,7 @@ class Record:
     shares: tuple[float, ...] | None = None
     bank: str | None = None
     bank_crc32: int | None = None
-    frames: int | None = None
+    num_frames: int | None = None
     resume_from: str | None = None
 
     @property
@@ -165,15 +165,6 @@ def check_resumed(out: Path, old: Record, new: Record) -> Iterator[str]:
 def with_skipped(record: Record, steps: Sequence[int]) -> Record:
     """Return the record with further steps that are left out."""
     return replace(record, skipped_steps=tuple(sorted({*record.skipped_steps, *steps})))
-
-
-def differences(old: object, new: object, path: str = "") -> Iterator[tuple[str, object, object]]:
-    """Yield the path, the old and the new value of each entry that differs between two tables."""
-    if isinstance(old, dict) and isinstance(new, dict):
-        for key in {**old, **new}:
-            yield from differences(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
-    elif old != new:
-        yield path, old, new
 
 
 def _is_of_kind(value: object, kind: str) -> bool:

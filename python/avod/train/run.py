@@ -79,10 +79,10 @@ def _data(config: Config, run: Run, seed: int, bank: ObjectBank | None) -> Train
         if is_simulation(name):
             if len(folders) > 1:
                 raise CadetError(f"{name}: a simulation has no shares: train on it alone")
-            if run.frames is not None:
-                raise CadetError(f"--frames {run.frames}: the frames of a simulation have no end to draw from")
+            if run.num_frames is not None:
+                raise CadetError(f"--num-frames {run.num_frames}: the frames of a simulation have no end to draw from")
             return SimulatedData(str(name), config, seed, bank)
-    return TrainingData(run.data, run.split, config, seed, bank, run.frames)
+    return TrainingData(run.data, run.split, config, seed, bank, run.num_frames)
 
 
 def _full_name(data: Path) -> str:
@@ -113,7 +113,7 @@ class _Training:
         if self.average is not None:
             self.average.network.precision = run.precision
         self.network.train()
-        if run.is_compiled:
+        if run.compile:
             for pyramid in (self.network.bev_pyramid, self.network.image_pyramid):
                 pyramid.compile(dynamic=False)
         self.folder = self.out / "checkpoints"
@@ -124,7 +124,7 @@ class _Training:
             self.out.mkdir(parents=True, exist_ok=True)
             write_record(self.out, record)
             remove_partial(self.folder)
-            self.log = TrainingLog(self.out, start.step, pending=start.pending, has_tensorboard=run.has_tensorboard)
+            self.log = TrainingLog(self.out, start.step, pending=start.pending, tensorboard=run.tensorboard)
             if self.validate is not None:
                 self.validations = ValidationLog(self.out, start.step, config.class_names)
 
@@ -164,7 +164,7 @@ class _Training:
         except NonFiniteLossError as error:
             raise NonFiniteLossError(
                 f"{error}; look at its labels and points, or go on without this step by "
-                f"--out {self.out} --resume --skip-step {step}"
+                f"--out {self.out} --resume --skip-steps {step}"
             ) from None
 
     def _save(self, step: int) -> None:
@@ -216,24 +216,24 @@ class _Training:
             data=names[0] if len(names) == 1 else names,
             shares=None if len(names) == 1 else tuple(share for _, share in folders),
             split=run.split,
-            num_frames=self.data.num_frames,
+            num_used=self.data.num_frames,
             frames_crc32=self.data.checksum,
             init=start.init,
             num_processes=self.processes.world_size,
             device=self.processes.device.type,
             precision=None if run.precision is None else str(run.precision).removeprefix("torch."),
-            is_compiled=run.is_compiled,
+            compile=run.compile,
             keep=run.keep,
             val_every=run.val_every,
             val_split=run.val_split,
             bank=None if self.bank is None else str(self.bank.root.resolve()),
             bank_crc32=None if self.bank is None else self.bank.crc32,
-            frames=run.frames,
+            num_frames=run.num_frames,
             resume_from=start.resume_from,
         )
         for step in run.skip_steps:
             if step < start.step:
-                raise CadetError(f"--skip-step {step}: {start.step} steps are done, and training goes on from there")
+                raise CadetError(f"--skip-steps {step}: {start.step} steps are done, and training goes on from there")
         if start.record is not None:
             for line in check_resumed(self.out, start.record, record):
                 if self.processes.is_first:

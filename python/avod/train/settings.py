@@ -35,11 +35,11 @@ class Run:
         device: where the network runs, or its name, such as "cuda": several processes then take one each.
         precision: of the arithmetic of layers, None for float32.
         workers: processes that read samples; 0 reads them in between.
-        is_compiled: compile the pyramids.
-        has_tensorboard: write TensorBoard's files too.
+        compile: compile the pyramids.
+        tensorboard: write TensorBoard's files too.
         bank: of objects that are pasted into frames, as many as the configuration says.
-        frames: learn from so many of the folder's frames alone, which the seed draws, the fewer among the more; None
-            for all that hold enough objects.
+        num_frames: learn from so many of the folder's frames alone, which the seed draws, the fewer among the more;
+            None for all that hold enough objects.
 
     Raises:
         CadetError: a number outside its range.
@@ -59,15 +59,15 @@ class Run:
     device: str | torch.device = "cpu"
     precision: torch.dtype | None = None
     workers: int = 0
-    is_compiled: bool = False
-    has_tensorboard: bool = False
+    compile: bool = False
+    tensorboard: bool = False
     bank: str | Path | None = None
-    frames: int | None = None
+    num_frames: int | None = None
 
     def __post_init__(self) -> None:
         if self.seed is not None:
             check_number("Run", "seed", self.seed, 0, 2**63 - 1, whole=True)
-        for name in ("keep", "val_every", "frames"):
+        for name in ("keep", "val_every", "num_frames"):
             if getattr(self, name) is not None:
                 check_number("Run", name, getattr(self, name), 1, whole=True)
         for step in self.skip_steps:

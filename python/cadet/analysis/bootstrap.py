@@ -91,7 +91,7 @@ def draw_frames(groups: Groups, num_draws: int, seed: int) -> tuple[list[int], N
 
 def drawn_ap(chosen: Chosen, settings: EvalSettings, draws: tuple[Sequence[int], NDArray[np.uint32]]) -> DrawnAp:
     """Evaluate each draw."""
-    raw_curves: list[dict[str, Any]] = _cadet.evaluate_draws(*chosen.sources(), **settings.core(), draws=draws)
+    raw_curves: list[dict[str, Any]] = _cadet.evaluate_draws(*chosen.sources(), **settings._core(), draws=draws)
     column = 1 if settings.recall == "r40" else 0
     drawn = {}
     for raw in raw_curves:

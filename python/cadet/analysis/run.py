@@ -127,7 +127,7 @@ def _other(other: Chosen, chosen: Chosen) -> Chosen:
         alone = sorted(set(chosen.ids) ^ set(other.ids))
         raise CadetError(
             f"detections of A and B are for different frames: {len(alone)} have results of one alone, such as "
-            f'{alone[0]}; count missing files as no detections (frames="all", --all-frames), or choose frames (split)'
+            f'{alone[0]}; count missing files as no detections (frames="all", --frames all), or choose frames (split)'
         )
     return _in_memory(other)
 

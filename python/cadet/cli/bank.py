@@ -9,6 +9,7 @@ import click
 from rich.console import Console
 
 from cadet.checks import shown
+from cadet.cli.names import Names
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
 from cadet.kitti.files import REQUIRED
@@ -20,10 +21,10 @@ from cadet.object_bank.cut import MIN_POINTS
 from cadet.webdataset import open_dataset
 
 
-def _types(context: click.Context, option: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:
+def _classes(context: click.Context, option: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if not is_object_type(name):
-            raise CadetError(f"--class: expected a type of labels such as Car, got {shown(name)}")
+            raise CadetError(f"--classes: expected a type of labels such as Car, got {shown(name)}")
     return tuple(map(kitti_spelling, names))
 
 
@@ -32,19 +33,18 @@ def _types(context: click.Context, option: click.Parameter, names: tuple[str, ..
 @click.option("-o", "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="A new folder.")
 @click.option("--split", metavar="NAME", help="A list of ImageSets.  [default: every frame]")
 @click.option(
-    "--class",
-    "types",
-    multiple=True,
-    metavar="TYPE",
-    callback=_types,
-    default=("Car", "Pedestrian", "Cyclist"),
+    "--classes",
+    type=Names(),
+    metavar="LIST",
+    callback=_classes,
+    default="Car,Pedestrian,Cyclist",
     show_default=True,
-    help="Several times for several classes.",
+    help="Types of labels.",
 )
 @click.option(
     "--min-points", type=click.IntRange(1), default=MIN_POINTS, show_default=True, help="Leave out objects with fewer."
 )
-def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...], min_points: int) -> None:
+def bank_command(data: Path, out: Path, split: str | None, classes: tuple[str, ...], min_points: int) -> None:
     """Cut the objects that are seen whole out of a labeled KITTI folder, real or ours, with their points and pixels.
 
     `avod train --bank` pastes them into other frames. Sets written with `--write instance` give exact silhouettes; of
@@ -68,14 +68,14 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
                     unreadable.add(frame_id, error)
                 else:
                     seen.update(label.type for label in frame.labels)
-                    yield from cut_objects(frame, types, f"{data}/{frame_id}", min_points=min_points)
+                    yield from cut_objects(frame, classes, f"{data}/{frame_id}", min_points=min_points)
                 report.advance()
             unreadable.say(len(dataset.ids))
 
-            if not seen & set(types):
+            if not seen & set(classes):
                 there = f"; they have {', '.join(sorted(seen))}" if seen else ""
-                raise CadetError(f"{data}: no label has the type {' or '.join(types)}{there}")
+                raise CadetError(f"{data}: no label has the type {' or '.join(classes)}{there}")
 
         found = write_bank(out, objects())
-    listed = ", ".join(f"{found[name]} {name}" for name in types)
+    listed = ", ".join(f"{found[name]} {name}" for name in classes)
     click.echo(f"wrote {out}: {listed} from {len(dataset.ids) - len(unreadable)} frames")

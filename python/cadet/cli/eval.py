@@ -15,6 +15,7 @@ from cadet.analysis.bins import EDGES, parse_by
 from cadet.analysis.result import PARTS
 from cadet.analysis.run import DRAWS, MAX_DRAWS
 from cadet.checks import MAX_SEED
+from cadet.cli.names import Names
 from cadet.errors import CadetError
 from cadet.evaluation import LEVELS, EvalClass, Report, Rules
 from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
@@ -23,13 +24,17 @@ from cadet.evaluation.sources import BOXES_2D
 from cadet.kitti.label import is_object_type
 from cadet.view.picture import check_picture_path
 
+recall_option = click.option(
+    "--recall", type=click.Choice(list(RECALLS)), default="r40", show_default=True, help="Recall positions."
+)
+
 
 @click.command(name="eval")
 @click.argument("gt", type=click.Path(path_type=Path))
 @click.argument("det", type=click.Path(path_type=Path))
 @click.argument("det_b", type=click.Path(path_type=Path), required=False)
 @click.option("--classes", metavar="LIST", help=f"Classes to evaluate.  [default: the file's, or {','.join(CLASSES)}]")
-@click.option("--recall", type=click.Choice(list(RECALLS)), default="r40", show_default=True, help="Recall positions.")
+@recall_option
 @click.option(
     "--min-overlap",
     metavar="SET",
@@ -45,7 +50,13 @@ from cadet.view.picture import check_picture_path
     help=f"Difficulties: {' or '.join(LEVELS)}, or a .toml with own levels and classes.",
 )
 @click.option("--split", metavar="NAME|FILE", help="Evaluate the frames of a list of ImageSets, or of a file alone.")
-@click.option("--all-frames", is_flag=True, help="Count a missing result file as no detections.")
+@click.option(
+    "--frames",
+    type=click.Choice(("results", "all")),
+    default="results",
+    show_default=True,
+    help="Evaluate those that have a result file, or all: a missing file is no detections.",
+)
 @click.option(
     "--boxes-2d",
     type=click.Choice(BOXES_2D),
@@ -53,17 +64,21 @@ from cadet.view.picture import check_picture_path
     show_default=True,
     help="Where detections' 2D boxes come from: their files, or 3D boxes and calib.",
 )
-@click.option("--operating", is_flag=True, help="Show the thresholds of the best F1.")
-@click.option("--errors", is_flag=True, help="Show AP as it would be without one kind of error, and the boxes' errors.")
-@click.option("--confusion", is_flag=True, help="Show which class is taken for which.")
-@click.option("--centers", is_flag=True, help="Show nuScenes' AP by distance of centers, and its errors.")
+@click.option(
+    "--parts",
+    type=Names(),
+    multiple=True,
+    metavar="LIST",
+    help="Show more: operating, the thresholds of the best F1; errors, AP without one kind of error, and the boxes' "
+    "errors; confusion, which class is taken for which; centers, nuScenes' AP by distance of centers, and its errors.",
+)
 @click.option(
     "--by",
     metavar="WHAT[=EDGES]",
     multiple=True,
     help=f"Show AP by {', '.join(EDGES)}, as in --by distance=0,20,40; may come again.",
 )
-@click.option("--details", is_flag=True, help="All of these, by distance and occlusion.")
+@click.option("--details", is_flag=True, help="Show all parts, by distance and occlusion.")
 @click.option(
     "--bootstrap",
     metavar="N",
@@ -87,8 +102,9 @@ def evaluate_command(
     min_overlap: str,
     levels: str,
     split: str | None,
-    all_frames: bool,
+    frames: str,
     boxes_2d: str,
+    parts: tuple[tuple[str, ...], ...],
     by: tuple[str, ...],
     details: bool,
     bootstrap: int,
@@ -97,7 +113,6 @@ def evaluate_command(
     as_json: bool,
     as_markdown: bool,
     plot: Path | None,
-    **asked: bool,
 ) -> None:
     """Compute KITTI's AP of the result files in DET against the labels in GT, as the official program does.
 
@@ -105,7 +120,7 @@ def evaluate_command(
 
     \b
     cadet eval out results
-    cadet eval out results --errors --by distance   # where AP is lost
+    cadet eval out results --parts errors --by distance   # where AP is lost
     cadet eval out results others --split val       # is B better?
     cadet eval out results --details --json > report.json
     """  # noqa: D301 - click reads the backspace
@@ -118,7 +133,7 @@ def evaluate_command(
         gt,
         det,
         det_b,
-        parts=[name for name in PARTS if details or asked[name]],
+        parts=list(PARTS) if details else [name for names in parts for name in names],
         by={**bins, **parse_by(by)},
         bootstrap=bootstrap,
         groups=groups,
@@ -126,7 +141,7 @@ def evaluate_command(
         recall=recall,
         min_overlap=min_overlap if min_overlap in MIN_OVERLAP else _limits(min_overlap),
         split=split,
-        frames="all" if all_frames else "results",
+        frames=frames,
         boxes_2d=boxes_2d,
         **_rules(levels, classes),
     )
@@ -137,7 +152,7 @@ def evaluate_command(
     elif as_markdown:
         click.echo(analysis.to_markdown(), nl=False)
     else:
-        _print(analysis, Console(highlight=False))
+        print_analysis(analysis)
 
 
 def _rules(levels: str, classes: str | None) -> dict[str, Any]:
@@ -172,7 +187,9 @@ def _limits(text: str) -> dict[str, float | list[float]]:
     return limits
 
 
-def _print(analysis: Analysis, console: Console) -> None:
+def print_analysis(analysis: Analysis) -> None:
+    """Print an evaluation and its analysis, as `cadet eval` and `avod eval` do."""
+    console = Console(highlight=False)
     _print_report(analysis.report, console)
     for section in analysis.sections():
         click.echo(f"\n{section.to_text()}")

@@ -6,18 +6,19 @@ from pathlib import Path
 
 import click
 
+from cadet.cli.names import Names
 from cadet.gallery import PAGES, write_gallery
 
 
 @click.command(name="gallery")
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
-@click.option("--only", "parts", multiple=True, type=click.Choice(tuple(PAGES)), help="A part.  [default: all]")
+@click.option("--parts", type=Names(), default=",".join(PAGES), show_default=True, metavar="LIST", help="What to draw.")
 @click.option("--real", type=click.Path(path_type=Path), help="A KITTI folder, to draw its scans beside ours.")
 def gallery_command(out: Path, parts: tuple[str, ...], real: Path | None) -> None:
     """Draw contact sheets: families of vehicles, people, districts in several weathers, scans.
 
     \b
-    cadet gallery sheets --only people
+    cadet gallery sheets --parts people
     cadet gallery sheets --real kitti
     """  # noqa: D301 - click reads the backspace
     for path in write_gallery(out, parts, real):

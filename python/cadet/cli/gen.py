@@ -219,8 +219,8 @@ def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:
 
 def _check_drivable(road_map: RoadMap) -> None:
     """Build the map once, so that a bad one is refused before anything is written."""
-    native = Rig.kitti().to_native()
-    config = SceneConfig().to_native()
+    native = Rig.kitti()._to_native()
+    config = SceneConfig()._to_native()
     scene = _cadet.Scene.empty(
         map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config, assets=None
     )

@@ -55,7 +55,7 @@ class EvalClass:
         # Nothing is taken from KITTI for an own class, so all three limits must be there.
         object.__setattr__(self, "min_overlap", class_limits(owner + ".min_overlap", self.min_overlap, None))
 
-    def core(self) -> tuple[list[str], list[str], list[float]]:
+    def _core(self) -> tuple[list[str], list[str], list[float]]:
         """Return the class as the core takes it."""
         return list(self.types), list(self.neighbors), list(self.min_overlap)
 

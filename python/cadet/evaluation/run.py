@@ -75,10 +75,10 @@ class EvalSettings:
     recall: str
     levels: tuple[Level, ...]
 
-    def core(self) -> dict[str, Any]:
+    def _core(self) -> dict[str, Any]:
         """Return the settings as the core takes them."""
         return {
-            "classes": [entry.core() for entry in self.classes],
+            "classes": [entry._core() for entry in self.classes],
             "levels": [level.limits() for level in self.levels],
         }
 
@@ -104,7 +104,7 @@ def report_of(chosen: Chosen, settings: EvalSettings, *, refuses_absent: bool = 
         settings: what to evaluate.
         refuses_absent: raise an error where neither an object nor a detection has a class that is not KITTI's.
     """
-    result = _cadet.evaluate(*chosen.sources(), **settings.core())
+    result = _cadet.evaluate(*chosen.sources(), **settings._core())
     if refuses_absent:
         _refuse_absent(settings.classes, result)
     least_px = min(level.min_height_px for level in settings.levels)

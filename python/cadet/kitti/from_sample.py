@@ -47,7 +47,7 @@ def calibration_of(rig: Rig) -> Calibration:
 def labels_of(sample: Sample) -> tuple[Label, ...]:
     """Return the lines of a sample's label file: objects, then a DontCare region for what is seen without a label."""
     return tuple(
-        _label(seen) if seen.is_labeled else Label.in_image("DontCare", seen.bbox) for seen in sample.sightings
+        _label(seen) if seen.is_labeled else Label.in_image("DontCare", seen.bbox) for seen in sample._sightings
     )
 
 
@@ -60,7 +60,7 @@ def meta_of(sample: Sample) -> dict[str, Any]:
         "ego_speed_mps": sample.ego_speed_mps,
         "world_from_ego": sample.world_from_ego.tolist(),
         "boxes": sample.boxes,
-        "objects": [_object(seen) for seen in sample.sightings],
+        "objects": [_object(seen) for seen in sample._sightings],
         "map": sample.map,
         "weather": sample.weather,
         "rig": sample.rig.name,
