@@ -210,14 +210,20 @@ FUNCTIONS = [name for name, one in public() if not inspect.isclass(one)]
 METHODS = sorted({f"{name}.{method}" for name, cls in CLASSES.items() for method in methods(cls)})
 
 
+def _toml_file(name: str) -> type[TomlFile]:
+    cls = CLASSES[name]
+    assert issubclass(cls, TomlFile)
+    return cls
+
+
 def _from_toml(name: str) -> Callable[[World], Any]:
-    return lambda w: CLASSES[name].from_toml(made(w, name).to_toml())
+    return lambda w: _toml_file(name).from_toml(made(w, name).to_toml())
 
 
 def _read(name: str) -> Callable[[World], Any]:
     def read(w: World) -> Any:
         (w.root / f"{name}.toml").write_text(made(w, name).to_toml())
-        return CLASSES[name].read(w.root / f"{name}.toml")
+        return _toml_file(name).read(w.root / f"{name}.toml")
 
     return read
 

@@ -8,7 +8,7 @@ import click
 
 from avod.cli.options import check_split, resolve_split, split_option
 from avod.clusters import anchor_sizes, toml_of
-from cadet.cli.names import Names
+from cadet.cli.names import names_option
 from cadet.errors import CadetError
 from cadet.kitti.label import is_object_type, kitti_spelling
 
@@ -18,12 +18,9 @@ _MOST = 64
 @click.command(name="clusters")
 @click.argument("data", metavar="DATA", type=click.Path(path_type=Path))
 @split_option("train")
-@click.option(
+@names_option(
     "--classes",
-    type=Names(),
-    metavar="LIST",
-    default="Car=2,Pedestrian=1,Cyclist=1",
-    show_default=True,
+    default=("Car=2", "Pedestrian=1", "Cyclist=1"),
     help="Classes and how many sizes the anchors of each get.",
 )
 def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) -> None:

@@ -9,7 +9,7 @@ import click
 from rich.console import Console
 
 from cadet.checks import shown
-from cadet.cli.names import Names
+from cadet.cli.names import names_option
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
 from cadet.kitti.files import REQUIRED
@@ -21,26 +21,11 @@ from cadet.object_bank.cut import MIN_POINTS
 from cadet.webdataset import open_dataset
 
 
-def _classes(context: click.Context, option: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:
-    for name in names:
-        if not is_object_type(name):
-            raise CadetError(f"--classes: expected a type of labels such as Car, got {shown(name)}")
-    return tuple(map(kitti_spelling, names))
-
-
 @click.command(name="bank")
 @click.argument("data", metavar="DATA", type=click.Path(path_type=Path))
 @click.option("-o", "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="A new folder.")
 @click.option("--split", metavar="NAME", help="A list of ImageSets.  [default: every frame]")
-@click.option(
-    "--classes",
-    type=Names(),
-    metavar="LIST",
-    callback=_classes,
-    default="Car,Pedestrian,Cyclist",
-    show_default=True,
-    help="Types of labels.",
-)
+@names_option("--classes", default=("Car", "Pedestrian", "Cyclist"), help="Types of labels.")
 @click.option(
     "--min-points", type=click.IntRange(1), default=MIN_POINTS, show_default=True, help="Leave out objects with fewer."
 )
@@ -53,6 +38,10 @@ def bank_command(data: Path, out: Path, split: str | None, classes: tuple[str, .
     \b
     cadet bank kitti -o bank --split train
     """  # noqa: D301 - click reads the backspace
+    for name in classes:
+        if not is_object_type(name):
+            raise CadetError(f"--classes: expected types of labels such as Car, got {shown(name)}")
+    classes = tuple(map(kitti_spelling, classes))
     seen: set[str] = set()
     dataset = open_dataset(data, split)
     check_not_empty(dataset.ids, data, split)

@@ -15,7 +15,7 @@ from cadet.analysis.bins import EDGES, parse_by
 from cadet.analysis.result import PARTS
 from cadet.analysis.run import DRAWS, MAX_DRAWS
 from cadet.checks import MAX_SEED
-from cadet.cli.names import Names
+from cadet.cli.names import names_option
 from cadet.errors import CadetError
 from cadet.evaluation import LEVELS, EvalClass, Report, Rules
 from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
@@ -33,7 +33,7 @@ recall_option = click.option(
 @click.argument("gt", type=click.Path(path_type=Path))
 @click.argument("det", type=click.Path(path_type=Path))
 @click.argument("det_b", type=click.Path(path_type=Path), required=False)
-@click.option("--classes", metavar="LIST", help=f"Classes to evaluate.  [default: the file's, or {','.join(CLASSES)}]")
+@names_option("--classes", help=f"Classes to evaluate.  [default: the file's, or {','.join(CLASSES)}]")
 @recall_option
 @click.option(
     "--min-overlap",
@@ -64,11 +64,8 @@ recall_option = click.option(
     show_default=True,
     help="Where detections' 2D boxes come from: their files, or 3D boxes and calib.",
 )
-@click.option(
+@names_option(
     "--parts",
-    type=Names(),
-    multiple=True,
-    metavar="LIST",
     help="Show more: operating, the thresholds of the best F1; errors, AP without one kind of error, and the boxes' "
     "errors; confusion, which class is taken for which; centers, nuScenes' AP by distance of centers, and its errors.",
 )
@@ -97,14 +94,14 @@ def evaluate_command(
     gt: Path,
     det: Path,
     det_b: Path | None,
-    classes: str | None,
+    classes: tuple[str, ...],
     recall: str,
     min_overlap: str,
     levels: str,
     split: str | None,
     frames: str,
     boxes_2d: str,
-    parts: tuple[tuple[str, ...], ...],
+    parts: tuple[str, ...],
     by: tuple[str, ...],
     details: bool,
     bootstrap: int,
@@ -133,7 +130,7 @@ def evaluate_command(
         gt,
         det,
         det_b,
-        parts=list(PARTS) if details else [name for names in parts for name in names],
+        parts=PARTS if details else parts,
         by={**bins, **parse_by(by)},
         bootstrap=bootstrap,
         groups=groups,
@@ -155,7 +152,7 @@ def evaluate_command(
         print_analysis(analysis)
 
 
-def _rules(levels: str, classes: str | None) -> dict[str, Any]:
+def _rules(levels: str, classes: tuple[str, ...]) -> dict[str, Any]:
     """Find the levels and classes: sets by name, or those of a file, of which `--classes` chooses."""
     own: dict[str, EvalClass] = {}
     rules: dict[str, Any] = {"levels": levels, "classes": CLASSES}
@@ -165,8 +162,8 @@ def _rules(levels: str, classes: str | None) -> dict[str, Any]:
         read = Rules.read(levels)
         own = {entry.name: entry for entry in read.classes}
         rules = {"levels": read.levels or "kitti", "classes": read.classes or CLASSES}
-    if classes is not None:
-        rules["classes"] = [own.get(name.strip(), name.strip()) for name in classes.split(",")]
+    if classes:
+        rules["classes"] = [own.get(name, name) for name in classes]
     return rules
 
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from cadet.cli.names import Names
+from cadet.cli.names import names_option
 from cadet.gallery import PAGES, write_gallery
 
 
 @click.command(name="gallery")
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
-@click.option("--parts", type=Names(), default=",".join(PAGES), show_default=True, metavar="LIST", help="What to draw.")
+@names_option("--parts", default=tuple(PAGES), help="What to draw.")
 @click.option("--real", type=click.Path(path_type=Path), help="A KITTI folder, to draw its scans beside ours.")
 def gallery_command(out: Path, parts: tuple[str, ...], real: Path | None) -> None:
     """Draw contact sheets: families of vehicles, people, districts in several weathers, scans.

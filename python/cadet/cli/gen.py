@@ -15,7 +15,7 @@ from rich.console import Console
 
 from cadet import _cadet
 from cadet.cli.destination import Destination
-from cadet.cli.names import Names
+from cadet.cli.names import names_option
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.config import SceneConfig
@@ -51,7 +51,7 @@ _WORLD: Final = (
     show_default=True,
     help=f"How worlds are drawn: {', '.join(POLICIES)}, or a TOML file.",
 )
-@click.option("--districts", type=Names(), multiple=True, metavar="LIST", help=f"Some of {', '.join(DISTRICTS)}.")
+@names_option("--districts", help=f"Some of {', '.join(DISTRICTS)}.")
 @click.option(
     "--rig",
     metavar="NAME|FILE",
@@ -66,7 +66,7 @@ _WORLD: Final = (
 )
 @click.option("--divergence-mrad", type=float, help="How far LIDARs' beams open, the full cone.")
 @click.option("--maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
-@click.option("--weathers", type=Names(), multiple=True, metavar="LIST", help="Some of the presets below.")
+@names_option("--weathers", help="Some of the presets below.")
 @click.option("--assets", metavar="DIR", help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).")
 @click.option("--skip-bad", is_flag=True, help="Leave out vehicles of --assets whose meshes are missing or broken.")
 @click.option("--props", metavar="DIR", help="Own props: a folder with a TOML file for each (docs/props.md).")
@@ -84,7 +84,7 @@ _WORLD: Final = (
 @click.option("--engine", type=click.Choice(ENGINES), default="local", show_default=True, help="Who makes episodes.")
 @click.option("--address", help="Of the Ray cluster.  [default: RAY_ADDRESS, or a Ray of this machine alone]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
-@click.option("--write", type=Names(), multiple=True, metavar="LIST", help=f"Write these too: {','.join(EXTRAS)}.")
+@names_option("--write", help=f"Write these too: {','.join(EXTRAS)}.")
 @click.option("--resume", is_flag=True, help="Go on in a folder that the same command has left.")
 @click.option(
     "--val-fraction",
@@ -113,7 +113,7 @@ def cadet_gen(
     workers: int | None,
     engine: str,
     address: str | None,
-    write: tuple[tuple[str, ...], ...],
+    write: tuple[str, ...],
     resume: bool,
     val_fraction: float,
     test_fraction: float,
@@ -142,7 +142,7 @@ def cadet_gen(
             policy=_policy(policy, format, world),
             format=format,
             shard_size=shard_size,
-            write=tuple(name for names in write for name in names),
+            write=write,
             val_fraction=val_fraction,
             test_fraction=test_fraction,
         )
@@ -204,9 +204,6 @@ def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:
     table = {key: world[key] for key in _WORLD if world[key] not in (None, (), False) or key == "rolling"}
     if table["rolling"] is None:
         del table["rolling"]
-    for key in ("districts", "weathers"):
-        if key in table:
-            table[key] = [one for names in table[key] for one in names]
     if "image_size" in table:
         table["image_size"] = _image_size(table["image_size"])
     if format == "nuscenes":

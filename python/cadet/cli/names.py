@@ -1,17 +1,21 @@
-"""Lists of names in one option, with commas between them."""
+"""Lists of names in options: commas between them, or the option several times."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import click
 
+F = TypeVar("F", bound=Callable[..., Any])
 
-class Names(click.ParamType):
-    """Names that commas separate; an option of this type may be given several times, too."""
 
-    name = "list"
+def names_option(name: str, *, default: tuple[str, ...] = (), help: str) -> Callable[[F], F]:
+    """Make an option whose value is a tuple of names."""
+    return click.option(
+        name, metavar="LIST", multiple=True, default=default, show_default=",".join(default), callback=_split, help=help
+    )
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        """Return the names."""
-        return value if isinstance(value, tuple) else tuple(filter(None, (name.strip() for name in value.split(","))))
+
+def _split(context: click.Context, option: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name.strip() for value in values for name in value.split(",") if name.strip())
