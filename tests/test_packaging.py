@@ -15,7 +15,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from cadet.operating_system import ENDING_SIGNALS, FolderInUseError, locked_folder, num_processors
+from cadet._util.operating_system import ENDING_SIGNALS, FolderInUseError, locked_folder, num_processors
 
 ROOT = Path(__file__).parent.parent
 
