@@ -19,6 +19,7 @@ from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.planes import plane_from_text
 from cadet.generate import Settings
 from cadet.view.bev import bev_figure
+from cadet.worlds import weather
 from obj_meshes import car_mesh
 from synthetic import make_frame
 
@@ -189,10 +190,10 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "read_rules": (cadet.read_rules, ["path"]),
     "nms_bev": (lambda **k: cadet.nms_bev(BOXES, np.array([0.1, 0.2]), **k), ["threshold"]),
     "weather.apply": (
-        lambda **k: cadet.worlds.weather.apply(frame().points_velo[:9], **k),
+        lambda **k: weather.apply(frame().points_velo[:9], **k),
         ["fog", "rain", "snow", "wetness", "seed", "sensor_height_m"],
     ),
-    "weather.air_of": (cadet.worlds.weather.air_of, ["name"]),
+    "weather.air_of": (weather.air_of, ["name"]),
     "estimate_plane": (
         lambda **k: kitti.estimate_plane(**{"points_velo": frame().points_velo, "calib": frame().calib, **k}),
         ["points_velo", "calib", "seed"],
@@ -296,9 +297,7 @@ def test_numpys_small_numbers_are_not_confined_to_their_bits() -> None:
     half: Any = np.float16(0.5)
     assert dataclasses.replace(frame().labels[0], truncated=half).truncated == 0.5
     points = frame().points_velo
-    np.testing.assert_array_equal(
-        cadet.worlds.weather.apply(points, rain=half), cadet.worlds.weather.apply(points, rain=0.5)
-    )
+    np.testing.assert_array_equal(weather.apply(points, rain=half), weather.apply(points, rain=0.5))
 
 
 @pytest.mark.parametrize("occluded", [0.5, 1.0, True, "0", None])

@@ -110,3 +110,8 @@ __all__ = [
     "stream",
     "weather_names",
 ]
+
+
+def __dir__() -> list[str]:
+    """List what is public, and not the rooms that it comes from."""
+    return sorted(__all__)

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 import cadet
-from cadet.generate.engine import WorkerError
+from cadet.errors import WorkerError
 from cadet.sensors.camera import Camera
 
 # Three samples an episode and a small image: what is tested is the order.

@@ -11,7 +11,8 @@ from typing import Final
 from cadet._util.interrupts import interrupts_held
 from cadet._util.operating_system import ENDING_SIGNALS
 from cadet._util.worker_processes import WorkerContext, WorkerProcess
-from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
+from cadet.errors import WorkerError
+from cadet.generate.engine import SILENCE_S, Failed, Made
 from cadet.generate.settings import Settings
 from cadet.generate.worker import EpisodeDone, work
 

@@ -16,8 +16,8 @@ from typing import Any, Final
 from cadet import _cadet
 from cadet._util.extras import load_extra
 from cadet._util.sink import Sink
-from cadet.errors import CadetError
-from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
+from cadet.errors import CadetError, WorkerError
+from cadet.generate.engine import SILENCE_S, Failed, Made
 from cadet.generate.folder import RUN
 from cadet.generate.settings import Settings
 from cadet.generate.worker import make_episode, outcome, prepare

@@ -18,9 +18,8 @@ from cadet._util.checks import as_seed, check_number, shown
 from cadet._util.interrupts import interrupts_held
 from cadet._util.operating_system import num_processors
 from cadet._util.worker_processes import WorkerContext, WorkerProcess, may_start_workers
-from cadet.errors import CadetError, CadetWarning
+from cadet.errors import CadetError, CadetWarning, WorkerError
 from cadet.formats.kitti import Frame
-from cadet.generate.engine import WorkerError
 from cadet.sensors.rig import Rig
 from cadet.simulation.environment import Environment
 from cadet.worlds.assets import Assets

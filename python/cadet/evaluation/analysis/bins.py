@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cadet._util.checks import as_tuple, check_number, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.analysis.matching import X, Z
+from cadet.evaluation.analysis.scan_points import count_points
 from cadet.evaluation.curve import ByLevel
 from cadet.evaluation.objects import is_optional
 from cadet.evaluation.run import EvalSettings, report_of
@@ -123,8 +124,6 @@ def _values(chosen: Chosen, by: str, scans: Path | None) -> tuple[NDArray[np.flo
         raise CadetError("by points: the ground truth is no KITTI folder, so there are no scans to count points in")
     if not (scans / "velodyne").is_dir() or not (scans / "calib").is_dir():
         raise MissingFileError(f"{scans}: no velodyne and calib beside the labels, so no points can be counted")
-    from cadet.evaluation.analysis.scan_points import count_points
-
     counts = count_points(scans, chosen.ids, (truths, detections))
     return counts[0].astype(np.float64), counts[1].astype(np.float64)
 

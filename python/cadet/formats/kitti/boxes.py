@@ -8,7 +8,7 @@ counter-clockwise seen from above.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 from cadet._util.arrays import check_array
 from cadet._util.checks import check_image_size, check_kind, check_number, shown
 from cadet.errors import ShapeError
-
-if TYPE_CHECKING:
-    from cadet.formats.kitti.calib import Calibration
+from cadet.formats.kitti.calib import Calibration
 
 NEAR_M: Final = 0.1
 """Boxes are cut here, in meters before the cam frame's origin, when they are projected."""
@@ -283,9 +281,6 @@ def boxes_cam_from_velo(boxes_velo: NDArray[Any], calib: Calibration) -> NDArray
 
 
 def _check_calib(calib: object) -> None:
-    # Not at the top: `kitti` uses this module.
-    from cadet.formats.kitti.calib import Calibration
-
     check_kind("", "calib", calib, Calibration)
 
 
