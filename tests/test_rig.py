@@ -9,10 +9,10 @@ import pytest
 
 import cadet
 from cadet import CadetError, Camera, Extrinsics, Lidar, Rig
-from cadet.kitti import Calibration
-from cadet.kitti.from_sample import calibration_of
-from cadet.lidar import LIDAR_PRESETS
-from cadet.rig import RIG_PRESETS
+from cadet.formats.kitti import Calibration
+from cadet.formats.kitti.from_sample import calibration_of
+from cadet.sensors.lidar import LIDAR_PRESETS
+from cadet.sensors.rig import RIG_PRESETS
 
 SHARED = Path(__file__).parents[2] / "shared"
 

@@ -12,7 +12,7 @@ import pytest
 
 import cadet
 from cadet import generate, kitti
-from cadet.toml_file import TomlFile
+from cadet._util.toml_file import TomlFile
 from evaluation_helpers import detected
 from obj_meshes import assets_folder
 from synthetic import make_frame

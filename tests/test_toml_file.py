@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 
 import cadet
 from cadet import CadetError
-from cadet.lidar import LIDAR_PRESETS
-from cadet.plain_tables import toml_of_table
-from cadet.policy import POLICIES
-from cadet.rig import RIG_PRESETS
+from cadet._util.plain_tables import toml_of_table
+from cadet.sensors.lidar import LIDAR_PRESETS
+from cadet.sensors.rig import RIG_PRESETS
+from cadet.worlds.policy import POLICIES
 
 _FIRING = cadet.EncoderFiring(ticks_per_turn=4000, ticks_per_firing=1.5, firings=2000, phase_ticks=0.25)
 _BEAMS = cadet.BeamTable(

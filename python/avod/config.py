@@ -12,12 +12,12 @@ from typing import Any, Final, Literal
 from avod.augmentation_config import AugmentationConfig
 from avod.config_base import CONFIGS, with_base
 from avod.training_config import TrainingConfig
+from cadet._util.checks import check_number, check_range, shown
+from cadet._util.plain_tables import object_of_table
+from cadet._util.toml_file import NamedFile
 from cadet.bev import BevConfig
-from cadet.checks import check_number, check_range, shown
 from cadet.errors import CadetError
-from cadet.kitti.label import is_object_type, kitti_spelling
-from cadet.plain_tables import object_of_table
-from cadet.toml_file import NamedFile
+from cadet.formats.kitti.label import is_object_type, kitti_spelling
 
 __all__ = [
     "CAR_SIZES",

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from cadet.checks import shown
+from cadet._util.checks import shown
+from cadet._util.plain_text import toml_from_text
+from cadet._util.user_files import read_settings
 from cadet.errors import CadetError, FileFormatError
-from cadet.plain_text import toml_from_text
-from cadet.user_files import read_settings
 
 CONFIGS: Final = {path.stem: path for path in sorted((Path(__file__).parent / "configs").glob("*.toml"))}
 """The files of the package, by name."""

@@ -14,21 +14,21 @@ import click
 from rich.console import Console
 
 from cadet import _cadet
+from cadet._util.notices import notice
 from cadet.cli.destination import Destination
 from cadet.cli.names import names_option
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
-from cadet.config import SceneConfig
-from cadet.districts import DISTRICTS
 from cadet.errors import CadetError
 from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
-from cadet.lidar import LIDAR_PRESETS, RETURN_MODES
-from cadet.notices import notice
-from cadet.policy import POLICIES, ResetPolicy
-from cadet.policy_table import changed
-from cadet.rig import RIG_PRESETS, Rig
-from cadet.road_map import RoadMap
-from cadet.weather import weather_names
+from cadet.sensors.lidar import LIDAR_PRESETS, RETURN_MODES
+from cadet.sensors.rig import RIG_PRESETS, Rig
+from cadet.worlds.config import SceneConfig
+from cadet.worlds.districts import DISTRICTS
+from cadet.worlds.policy import POLICIES, ResetPolicy
+from cadet.worlds.policy_table import changed
+from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import weather_names
 
 _WORLD: Final = (
     *("districts", "maps", "weathers", "rig", "lidar", "rolling", "returns", "divergence_mrad", "image_size"),

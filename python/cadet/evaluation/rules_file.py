@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
+from cadet._util.plain_tables import check_keys, table_of_object
+from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.levels import Level, resolve_levels
-from cadet.plain_tables import check_keys, table_of_object
-from cadet.toml_file import TomlFile
 
 _LEVEL: Final = tuple(f.name for f in fields(Level))
 _CLASS: Final = tuple(f.name for f in fields(EvalClass) if f.name != "name")
