@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import cadet
 from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, weather_names
 from cadet.worlds.districts import DISTRICTS
 
@@ -156,3 +157,23 @@ def test_an_unknown_district_is_refused_by_its_name(name: Any) -> None:
         District.named(name)
     with pytest.raises(CadetError, match=r"ResetPolicy\.districts: expected at least one"):
         ResetPolicy.kitti().with_districts()
+
+
+class RushHour(ResetPolicy):
+    """The policy of docs/reference/settings.md."""
+
+    def draw(self, seed: int, episode: int, attempt: int = 0) -> cadet.EpisodeSpec:
+        spec = super().draw(seed, episode, attempt)
+        if cadet.Draws(seed, episode, attempt, "rush hour").unit() < 0.5:
+            return spec
+        return replace(spec, config=replace(spec.config, num_cars=2 * spec.config.num_cars))
+
+
+def test_a_policys_own_draw_is_the_one_that_is_used() -> None:
+    policy, usual = replace(RushHour.kitti(), name="rush_hour"), ResetPolicy.kitti()
+    assert type(policy.with_weathers("snow").as_sequence()) is RushHour
+    ratios = [policy.draw(1, e).config.num_cars / usual.draw(1, e).config.num_cars for e in range(20)]
+    assert set(ratios) == {1.0, 2.0}
+    assert policy.draw(1, 3) == policy.draw(1, 3)
+    from_file = RushHour.from_toml('policy = "kitti"\nweathers = ["snow"]')
+    assert type(from_file) is RushHour and from_file.weathers == (("snow", 1.0),)

@@ -1,6 +1,6 @@
 """KITTI-format driving data from procedurally generated suburbs: images, LIDAR scans, exact 3D labels, with no GPU."""
 
-from cadet import bev
+from cadet import bev, generate
 from cadet._cadet import __version__
 from cadet.bev import BevConfig
 from cadet.errors import (
@@ -43,7 +43,8 @@ from cadet.simulation.streaming import FrameStream, stream
 from cadet.worlds.assets import Assets, VehicleMesh
 from cadet.worlds.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
 from cadet.worlds.districts import District
-from cadet.worlds.policy import ResetPolicy
+from cadet.worlds.draws import Draws
+from cadet.worlds.policy import EpisodeSpec, ResetPolicy
 from cadet.worlds.props import Props
 from cadet.worlds.road_map import RoadMap
 from cadet.worlds.weather import weather_names
@@ -61,8 +62,10 @@ __all__ = [
     "Comparison",
     "Detections",
     "District",
+    "Draws",
     "EncoderFiring",
     "Environment",
+    "EpisodeSpec",
     "EvalClass",
     "Extrinsics",
     "Frame",
@@ -105,6 +108,7 @@ __all__ = [
     "box_iou_3d",
     "box_iou_bev",
     "evaluate",
+    "generate",
     "kitti",
     "nms_bev",
     "stream",

@@ -23,7 +23,8 @@ from cadet.sensors.pose import Pose, Row3, inverse, product, rotation_of_angles
 _CAMERA: Final = tuple(f.name for f in fields(Camera))
 _PLACES: Final = ("position_m", "position_in_ego_m")
 _TURNS: Final = ("quaternion_wxyz", "roll_pitch_yaw_deg")
-_POSE: Final = (*_PLACES, *_TURNS)
+POSE: Final = (*_PLACES, *_TURNS)
+"""Keys of a sensor's place, of which one is given, and of its turn, likewise."""
 
 
 def fields_of_table(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -93,7 +94,7 @@ def _lidar_table(lidar: Lidar) -> dict[str, Any]:
 def _camera(place: str, table: Mapping[str, Any], origin: Row3) -> tuple[dict[str, Any], Any]:
     """Return a camera with its name, and its pose; of the first one its `Extrinsics`, if they are given instead."""
     is_beside = "extrinsics" in table and place == "camera[0]"
-    mount = ("extrinsics",) if is_beside else _POSE
+    mount = ("extrinsics",) if is_beside else POSE
     check_keys(table, ("name", *mount, *_CAMERA), ("name",), place)
     camera = Camera._of_table({key: table[key] for key in _CAMERA if key in table}, Path(), place)
     if is_beside:
@@ -105,7 +106,7 @@ def _camera(place: str, table: Mapping[str, Any], origin: Row3) -> tuple[dict[st
 
 def _lidar(place: str, table: Mapping[str, Any], origin: Row3, folder: Path) -> tuple[MountedLidar, Row3]:
     """Return a LIDAR with its pose, and the pose's angles."""
-    check_keys(table, ("name", "lidar", *HOW, *_POSE), ("name", "lidar"), place)
+    check_keys(table, ("name", "lidar", *HOW, *POSE), ("name", "lidar"), place)
     named = table["lidar"]
     try:
         lidar = Lidar._of_table(named, folder) if isinstance(named, Mapping) else Lidar.named(named, folder=folder)
