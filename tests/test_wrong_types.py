@@ -121,7 +121,7 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "Extrinsics.aligned": (cadet.Extrinsics.aligned, ["cam0_in_velo_m"]),
     "Rig": (lambda **k: cadet.Rig(**k).to_dict(), fields(cadet.Rig)),
     "Rig.kitti": (cadet.Rig.kitti, ["calibration"]),
-    "Rig.named": (cadet.Rig.named, ["name"]),
+    "Rig.named": (cadet.Rig.named, ["name_or_file"]),
     "Lidar": (lambda **k: cadet.Lidar(**k)._to_native(), fields(cadet.Lidar)),
     "Lidar.custom": (cadet.Lidar.custom, ["table"]),
     "Lidar.named": (cadet.Lidar.named, ["name_or_file"]),
@@ -153,7 +153,7 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
         lambda **k: cadet.ResetPolicy.kitti().draw(**{"seed": 0, "episode": 0, **k}),
         ["seed", "episode", "attempt"],
     ),
-    "ResetPolicy.named": (cadet.ResetPolicy.named, ["name"]),
+    "ResetPolicy.named": (cadet.ResetPolicy.named, ["name_or_file"]),
     "Settings": (lambda **k: Settings(**{"policy": "kitti", **k}), fields(Settings)),
     "RoadMap": (lambda **k: cadet.RoadMap(**{"name": "x", "xodr": "", **k}), ["name", "xodr"]),
     "RoadMap.read": (cadet.RoadMap.read, ["path"]),
@@ -308,7 +308,7 @@ def test_a_level_of_occlusion_is_a_whole_number(occluded: Any) -> None:
 
 @pytest.mark.parametrize("path", ["x" * 256, "a/" + "x" * 300 + "/b", "a/" * 2_500, "\ud800"])
 def test_a_path_that_no_file_can_have_is_refused_wherever_one_is_read(path: str) -> None:
-    readers = (cadet.RoadMap.read, cadet.Assets.read, cadet.Rig.from_toml, lambda text: kitti.read_image_set(".", text))
+    readers = (cadet.RoadMap.read, cadet.Assets.read, cadet.Rig.read, lambda text: kitti.read_image_set(".", text))
     for read in readers:
         with pytest.raises(CadetError, match=r"^\w+: (a path of \d+ bytes|expected a (path|text), got )"):
             read(path)

@@ -128,7 +128,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         provenance
             .warnings
             .iter()
-            .filter(|w| !is_of_passed_over(w) && !is_of_unused_link(w, &map))
+            .filter(|w| !is_of_passed_over(w) && !is_of_no_cars_link(w, &map))
             .map(Said::by_reader),
     );
     let network =
@@ -189,15 +189,14 @@ fn is_of_passed_over(warning: &xodr::Warning) -> bool {
     matches!(warning, xodr::Warning::GeometryDropped { .. } | xodr::Warning::RoadSkipped { .. })
 }
 
-/// Whether a warning is of a gap between lanes that neither cars nor people follow, such as the shoulders of CARLA's towns.
-fn is_of_unused_link(warning: &xodr::Warning, map: &xodr::RoadNetwork) -> bool {
+/// Whether a warning is of a gap between lanes that no car follows, such as shoulders and sidewalks of CARLA's towns.
+fn is_of_no_cars_link(warning: &xodr::Warning, map: &xodr::RoadNetwork) -> bool {
     let xodr::Warning::LinkGap { road_id, lane: od_id, .. } = warning else { return false };
     let is_meant = |lane: &&xodr::Lane| {
         let place = map.road_lane(lane.id).filter(|place| place.od_id == *od_id);
         place.and_then(|place| map.road(place.road)).is_some_and(|road| road.od_id() == road_id)
     };
-    let is_used = |kind: xodr::LaneType| kind.is_drivable() || kind == xodr::LaneType::Sidewalk;
-    !map.lanes().iter().filter(is_meant).any(|lane| is_used(lane.kind))
+    !map.lanes().iter().filter(is_meant).any(|lane| lane.kind.is_drivable())
 }
 
 /// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.
