@@ -371,7 +371,7 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         True,
         f"{LABELS}:4",
         "other-readers",
-        "objects must stand first",
+        "objects must come first",
     ),
     "another frame's record": (text("meta", '"Pedestrian"', '"Cyclist"'), True, "meta/000001.json", "meta", "Cyclist"),
 }

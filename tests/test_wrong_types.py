@@ -261,7 +261,7 @@ def test_a_scene_refuses_what_is_no_place_configuration_or_kind() -> None:
             assert what is None, what
     for half in ("\ud800", "car\udfff"):
         for given in ({"kind": half}, {"kind": "car", "model": half}):
-            with pytest.raises(CadetError, match=r"^add\.(kind|model): expected a text, got half of a surrogate pair"):
+            with pytest.raises(CadetError, match=r"^add\.(kind|model): expected a string, got half of a surrogate"):
                 scene.add(**given, x=0.0, y=0.0, yaw=0.0)  # type: ignore[arg-type]
     assert scene.num_actors == 0
 

@@ -120,7 +120,7 @@ def test_what_lies_in_an_images_place_is_named(tmp_path: Path) -> None:
     with pytest.raises(MissingFileError, match=said):
         kitti.read_frame(tmp_path, 0)
     os.mkfifo(path.with_suffix(".jpg"))
-    with pytest.raises(CadetError, match=r"^image_2/000000\.jpg: no regular file$"):
+    with pytest.raises(CadetError, match=r"^image_2/000000\.jpg: not a regular file$"):
         kitti.read_frame(tmp_path, 0)
 
 

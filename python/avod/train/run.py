@@ -60,7 +60,7 @@ def train(
         should_stop: is asked after each step; training then writes a checkpoint and ends.
 
     Raises:
-        CadetError: bad data or checkpoints, a device that cannot be used, or a loss that is no number.
+        CadetError: bad data or checkpoints, a device that cannot be used, or a loss that is not a number.
     """
     named = name_of_process(run.device) if isinstance(run.device, str) else run.device
     with Processes.joined(resolve_device(named)) as processes:
