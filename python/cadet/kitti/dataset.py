@@ -213,8 +213,8 @@ def write_frame(
 
     Raises:
         FrameExistsError: the frame is there and `overwrite` is not set.
-        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is not JSON; an unknown split,
-            or a frame that the other split lists.
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is not JSON; an unknown
+            split, or a frame that the other split lists.
     """
     folder = as_path("root", root) / "training"
     frame_id = check_id(frame_id)
