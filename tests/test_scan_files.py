@@ -180,10 +180,10 @@ DAMAGED: dict[str, tuple[bytes, str]] = {
     ".npy of three": (npy(np.zeros((9, 3))), r"expected numbers \(N, 4\) .*\(9, 3\)"),
     ".npy of objects": (
         b"\x93NUMPY\x01\x00v\x00{'descr': '|O', 'fortran_order': False, 'shape': (9, 4), }\n",
-        "no array",
+        "cannot be read as an array",
     ),
-    "half an array": (npy(np.zeros((900, 4)))[:-999], "no array that can be read"),
-    "a header alone": (b"\x93NUMPY\x01\x00", "no array that can be read"),
+    "half an array": (npy(np.zeros((900, 4)))[:-999], "cannot be read as an array"),
+    "a header alone": (b"\x93NUMPY\x01\x00", "cannot be read as an array"),
 }
 
 

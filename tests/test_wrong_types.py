@@ -308,5 +308,5 @@ def test_a_level_of_occlusion_is_a_whole_number(occluded: Any) -> None:
 def test_a_path_that_no_file_can_have_is_refused_wherever_one_is_read(path: str) -> None:
     readers = (cadet.RoadMap.read, cadet.Assets.read, cadet.Rig.from_toml, lambda text: kitti.read_image_set(".", text))
     for read in readers:
-        with pytest.raises(CadetError, match=r"^\w+: (a path of \d+ bytes|expected a (path|text), got )"):
+        with pytest.raises(CadetError, match=r"^\w+: (a path of \d+ bytes|expected a (path|string), got )"):
             read(path)

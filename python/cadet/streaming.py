@@ -174,7 +174,7 @@ def stream(
         sensors: names of sensors besides the first camera and LIDAR.
 
     Raises:
-        CadetError: as `Environment`; a number out of range, or a shard that is none. While it runs: no world of an
+        CadetError: as `Environment`; a number out of range, or an invalid shard. While it runs: no world of an
             episode showed a labeled object, or a worker died (`WorkerError`).
     """
     environment = Environment(

@@ -160,7 +160,7 @@ def test_a_bank_gives_back_what_was_put_in(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"format": "x"}, "no list of an object bank of version 1"),
+        ({"format": "x"}, "not the list of an object bank of version 1"),
         ({"objects": []}, "objects: expected a list of at least one"),
         ({"objects": [3]}, r"objects\[0\]: expected a table"),
         ({"type": 3}, r"objects\[0\]: type: expected a string"),

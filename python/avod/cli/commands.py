@@ -79,7 +79,7 @@ def predict_command(
     amp: str | None,
     workers: int | None,
 ) -> None:
-    """Write KITTI's result files; a frame where nothing is found has an empty one, and one that cannot be read none."""
+    """Write KITTI's result files: an empty one for a frame without detections, none for a frame that cannot be read."""
     detector = _detector(checkpoint, device, amp)
     detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
     samples, ids = frames_of(data, split, frames)

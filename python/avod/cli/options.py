@@ -35,7 +35,7 @@ _USUAL = ("train", "val", "trainval")
 _PRECISIONS = {"bf16": torch.bfloat16}
 
 data_option = click.option(
-    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or ours."
+    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or generated."
 )
 checkpoint_option = click.option(
     "--checkpoint",

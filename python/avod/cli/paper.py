@@ -76,8 +76,8 @@ _DEVICES = (1, 2, 4, 8)
 def paper_command(**options: Any) -> int:
     """Run the paper's experiments: trained on simulated frames, on real ones, and on both.
 
-    Cells run one after another. What ends the command, Ctrl-C, SIGTERM or a crash, loses no finished cell: the same
-    command goes on. Exit codes are those of avod train.
+    Cells run one after another. After Ctrl-C, SIGTERM, or a crash, the same command continues with the unfinished
+    cells. Exit codes are those of avod train.
 
     \b
     avod paper --scale tiny --data-real kitti --data-sim set -o paper --dry-run

@@ -51,7 +51,7 @@ def _types(context: click.Context, option: click.Parameter, names: tuple[str, ..
     help="Leave out objects with fewer points.",
 )
 def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...], min_points: int) -> None:
-    """Cut the objects that are seen whole out of a labeled KITTI folder, real or ours, with their points and pixels.
+    """Cut the fully visible objects out of a labeled KITTI folder, real or generated, with points and pixels.
 
     `avod train --bank` pastes them into other frames. Sets written with `--write instance` give exact silhouettes; of
     others they are hulls of the objects' points, refined by colors.

@@ -29,7 +29,7 @@ _VALUE: Final = re.compile(r"[-+]?\d[-+.\de]*|\binf\b|\bnan\b")
 @click.option("--all", "is_all", is_flag=True, help="Print every finding, not one line per kind.")
 @click.option("--json", "is_json", is_flag=True, help="Print all findings and counts as a JSON object.")
 def check_command(root: Path, strict: bool | None, workers: int | None, is_all: bool, is_json: bool) -> int:
-    """Check that a dataset is whole, keeps to KITTI's definitions, and holds together; exit 1 on any error.
+    """Check that a dataset is complete, follows KITTI's definitions, and is consistent; exit 1 on any error.
 
     \b
     cadet check out
