@@ -319,7 +319,7 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         True,
         CALIB,
         "calibration",
-        "Tr_imu_to_velo: no rotation",
+        "Tr_imu_to_velo: not a rotation",
     ),
     "a LIDAR turned round": (mirrored_calib, True, SCAN, "scan-off-image", "falls into the image"),
     "a plane upside down": (
