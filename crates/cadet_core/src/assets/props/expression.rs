@@ -299,7 +299,7 @@ mod tests {
             ("hight", "unknown name \"hight\""),
             ("sine(3)", "unknown function \"sine\"; known: sin, cos"),
             ("pow(2)", "pow() takes 2 arguments, got 1"),
-            ("1 / 0", "no finite number"),
+            ("1 / 0", "which is not finite"),
             ("choose(2, 1, 1)", "2 is not a whole number from 0 to 1"),
             ("(1", "')'"),
             ("1 2", "'2'"),
