@@ -54,7 +54,7 @@ def test_simulations_differ_where_their_frames_do(tmp_path: Path) -> None:
     [
         ("sead = 1", "sead: unknown key; known: seed, policy, "),
         ("seed = -1", "seed: expected a whole number from 0"),
-        ("seed = ", "no TOML"),
+        ("seed = ", "invalid TOML"),
         ('policy = "town"', "policy: "),
         ('districts = ["town"]', "districts: unknown district 'town'; known: parked_rows, "),
         ("policy = 3", "policy: unknown policy 3; known: kitti, paper"),

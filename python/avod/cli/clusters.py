@@ -21,7 +21,7 @@ _MOST = 64
 @names_option(
     "--classes",
     default=("Car=2", "Pedestrian=1", "Cyclist=1"),
-    help="Classes and how many sizes the anchors of each get.",
+    help="Classes, each with the number of its anchor sizes.",
 )
 def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) -> None:
     """Fit anchor sizes to the labels of a KITTI folder, and print them as a configuration holds them.

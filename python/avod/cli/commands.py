@@ -65,7 +65,9 @@ avod.add_command(paper_command)
 @data_option
 @split_option("all")
 @num_frames_option
-@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A file for each frame.")
+@click.option(
+    "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Where result files go."
+)
 @detection_options
 @device_options
 def predict_command(
@@ -82,7 +84,7 @@ def predict_command(
     precision: str,
     workers: int | None,
 ) -> None:
-    """Write KITTI's result files; a frame where nothing is found has an empty one, and one that cannot be read none."""
+    """Write KITTI's result files: an empty one for a frame without detections, none for a frame that cannot be read."""
     changes = detection_settings(settings, proposals, min_score, nms_iou)
     detector = _detector(checkpoint, device, precision, changes)
     samples, ids = frames_of(data, split, num_frames)
@@ -106,15 +108,15 @@ def predict_command(
 @split_option("val")
 @num_frames_option
 @click.option(
-    "--last", type=click.IntRange(1), help="Evaluate this many last checkpoints of a training; keep the best in best/."
+    "--last", type=click.IntRange(1), help="Evaluate the last N checkpoints of a run; keep the best in best/."
 )
 @click.option("--levels", type=click.Choice(["kitti", "large_small"]), default="kitti", show_default=True)
 @click.option("--min-overlap", type=click.Choice(list(MIN_OVERLAP)), default="strict", show_default=True)
 @recall_option
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
-@click.option("--details", is_flag=True, help="Show all that cadet eval --details does.")
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves to a .png or .jpg.")
+@click.option("--details", is_flag=True, help="Show what cadet eval --details shows.")
 @click.option("--ablate", is_flag=True, help="Evaluate again without the image and without the LIDAR.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves and details too, as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything, with curves and details, as JSON.")
 @detection_options
 @device_options
 def evaluate_command(
@@ -193,7 +195,9 @@ def _ablation_values(analysis: Analysis) -> dict[str, Any]:
 @checkpoint_option
 @data_option
 @split_option("all")
-@click.option("--num-frames", type=click.IntRange(1), default=2000, show_default=True, help="The first so many.")
+@click.option(
+    "--num-frames", type=click.IntRange(1), default=2000, show_default=True, help="How many, from the first."
+)
 @set_option
 @device_options
 def bench_command(
@@ -225,11 +229,11 @@ def bench_command(
 
 
 @avod.command(name="view")
-@click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw its detections ...")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="... in a frame of this folder.")
+@click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw this checkpoint's detections.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="The folder of the frame.")
 @click.option("--frame-id", metavar="ID", help="The frame.")
-@click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this training instead.")
-@click.option("-o", "--out", metavar="FILE", required=True, help="A .png or .jpg.")
+@click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this run instead.")
+@click.option("-o", "--out", metavar="FILE", required=True, help="The picture, a .png or .jpg.")
 @set_option
 @device_options
 def view_command(

@@ -36,16 +36,18 @@ _USUAL = ("train", "val", "trainval")
 _PRECISIONS = {"float32": None, "bfloat16": torch.bfloat16}
 
 data_option = click.option(
-    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or ours."
+    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or generated."
 )
 checkpoint_option = click.option(
     "--checkpoint",
     metavar="DIR|NAME",
     required=True,
     type=click.Path(path_type=Path),
-    help="A checkpoint, a training's folder, whose last is meant, or the package's own tiny_car.",
+    help="A checkpoint, a run's directory (its last checkpoint), or a packaged one such as small_car.",
 )
-num_frames_option = click.option("--num-frames", type=click.IntRange(1), help="No more than this many, the first.")
+num_frames_option = click.option(
+    "--num-frames", type=click.IntRange(1), help="At most this many, from the first."
+)
 
 
 def split_option(default: str | None) -> Callable[[F], F]:
@@ -64,7 +66,7 @@ def device_options(command: F) -> F:
             type=click.Choice(list(_PRECISIONS)),
             default="float32",
             show_default=True,
-            help="Arithmetic of layers.",
+            help="Precision of the layers.",
         ),
         click.option(
             "--workers",
@@ -76,7 +78,7 @@ def device_options(command: F) -> F:
             type=click.IntRange(1, 1024),
             expose_value=False,
             callback=_set_threads,
-            help=f"Of the arithmetic on the CPU.  [default: all, at most {DEFAULT_THREADS}]",
+            help=f"Threads on the CPU.  [default: all, at most {DEFAULT_THREADS}]",
         ),
     )
     for option in options:

@@ -38,7 +38,7 @@ class Run:
         compile: compile the pyramids.
         tensorboard: write TensorBoard's files too.
         bank: of objects that are pasted into frames, as many as the configuration says.
-        num_frames: learn from so many of the folder's frames alone, which the seed draws, the fewer among the more;
+        num_frames: learn from only this many of the folder's frames, drawn by the seed; fewer are among more;
             None for all that hold enough objects.
 
     Raises:

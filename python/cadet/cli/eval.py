@@ -49,7 +49,7 @@ recall_option = click.option(
     show_default=True,
     help=f"Difficulties: {' or '.join(LEVELS)}, or a .toml with own levels and classes.",
 )
-@click.option("--split", metavar="NAME|FILE", help="Evaluate the frames of a list of ImageSets, or of a file alone.")
+@click.option("--split", metavar="NAME|FILE", help="Evaluate only the frames of a list of ImageSets, or of a file.")
 @click.option(
     "--frames",
     type=click.Choice(("results", "all")),
@@ -73,7 +73,7 @@ recall_option = click.option(
     "--by",
     metavar="WHAT[=EDGES]",
     multiple=True,
-    help=f"Show AP by {', '.join(EDGES)}, as in --by distance=0,20,40; may come again.",
+    help=f"Show AP by {', '.join(EDGES)}, as in --by distance=0,20,40; may be repeated.",
 )
 @click.option("--details", is_flag=True, help="Show all parts, by distance and occlusion.")
 @click.option(
@@ -83,13 +83,13 @@ recall_option = click.option(
     default=0,
     help=f"Show 95 % intervals of N draws of frames.  [default for DET_B: {DRAWS}]",
 )
+@click.option("--groups", metavar="frames|episodes|FILE", help="Unit of the draws.  [default: episodes if known]")
 @click.option(
-    "--groups", metavar="frames|episodes|FILE", help="What is drawn as a whole.  [default: episodes if known]"
+    "--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="Random seed of the draws."
 )
-@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="Of the draws.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves too, as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything, with curves, as JSON.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves to a .png or .jpg.")
 def evaluate_command(
     gt: Path,
     det: Path,

@@ -49,7 +49,7 @@ _WORLD: Final = (
     metavar="NAME|FILE",
     default="kitti",
     show_default=True,
-    help=f"How worlds are drawn: {', '.join(POLICIES)}, or a TOML file.",
+    help=f"The policy that draws the worlds: {', '.join(POLICIES)}, or a TOML file.",
 )
 @names_option("--districts", help=f"Some of {', '.join(DISTRICTS)}.")
 @click.option(
@@ -71,21 +71,25 @@ _WORLD: Final = (
 @click.option("--skip-bad", is_flag=True, help="Leave out vehicles of --assets whose meshes are missing or broken.")
 @click.option("--props", metavar="DIR", help="Own props: a folder with a TOML file for each (docs/props.md).")
 @click.option("--format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
-@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples of a shard of webdataset.  [default: 1000]")
+@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples per shard of webdataset.  [default: 1000]")
 @click.option(
     "--hz",
     type=float,
-    help="Write sequences: so many samples a second, not one each 10 m.  [default for formats of sequences: 2]",
+    help="Samples per second: take them by time, not every 10 m.  [default of sequence formats: 2]",
 )
 @click.option("--length-s", type=float, help="Length of a sequence, seconds.  [default: 20]")
 @click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes, or tasks at a time.  [default: one for each processor]"
+    "--workers",
+    type=click.IntRange(1, 1024),
+    help="Worker processes, or concurrent tasks.  [default: one per processor]",
 )
-@click.option("--engine", type=click.Choice(ENGINES), default="local", show_default=True, help="Who makes episodes.")
-@click.option("--address", help="Of the Ray cluster.  [default: RAY_ADDRESS, or a Ray of this machine alone]")
+@click.option(
+    "--engine", type=click.Choice(ENGINES), default="local", show_default=True, help="Where episodes are made."
+)
+@click.option("--address", help="Address of the Ray cluster.  [default: RAY_ADDRESS, or a local Ray]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @names_option("--write", help=f"Write these too: {','.join(EXTRAS)}.")
-@click.option("--resume", is_flag=True, help="Go on in a folder that the same command has left.")
+@click.option("--resume", is_flag=True, help="Continue a run that the same command started.")
 @click.option(
     "--val-fraction",
     type=float,

@@ -46,5 +46,5 @@ class Simulation(TomlFile):
         }
 
     def stream(self, *, workers: int | None = None, first: int = 0, shard: tuple[int, int] = (0, 1)) -> FrameStream:
-        """Yield its frames without end: see `cadet.stream`."""
+        """Yield an endless stream of its frames: see `cadet.stream`."""
         return stream(self.policy, seed=self.seed, workers=workers, first=first, shard=shard)

@@ -17,7 +17,7 @@ class District(NamedFile):
     """A kind of neighborhood: ranges that a scene's numbers are drawn from, both ends included.
 
     Raises:
-        CadetError: a range that is none.
+        CadetError: an invalid range.
     """
 
     _KIND = "district"
