@@ -65,9 +65,7 @@ avod.add_command(paper_command)
 @data_option
 @split_option("all")
 @num_frames_option
-@click.option(
-    "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Where result files go."
-)
+@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Where result files go.")
 @detection_options
 @device_options
 def predict_command(
@@ -195,9 +193,7 @@ def _ablation_values(analysis: Analysis) -> dict[str, Any]:
 @checkpoint_option
 @data_option
 @split_option("all")
-@click.option(
-    "--num-frames", type=click.IntRange(1), default=2000, show_default=True, help="How many, from the first."
-)
+@click.option("--num-frames", type=click.IntRange(1), default=2000, show_default=True, help="How many, from the first.")
 @set_option
 @device_options
 def bench_command(

@@ -45,9 +45,7 @@ checkpoint_option = click.option(
     type=click.Path(path_type=Path),
     help="A checkpoint, a run's directory (its last checkpoint), or a packaged one such as small_car.",
 )
-num_frames_option = click.option(
-    "--num-frames", type=click.IntRange(1), help="At most this many, from the first."
-)
+num_frames_option = click.option("--num-frames", type=click.IntRange(1), help="At most this many, from the first.")
 
 
 def split_option(default: str | None) -> Callable[[F], F]:
