@@ -258,7 +258,7 @@ AVOD_ROOMS: dict[str, set[str]] = {
     "device": set(),
     "ops": set(),
     "geometry": {"config"},
-    "data": {"augmentation_config", "clusters", "config", "geometry"},
+    "data": {"augmentation_config", "clusters", "config", "device", "geometry"},
     "targets": {"config", "data", "geometry", "ops"},
     "model": {"config", "data", "geometry", "ops", "targets"},
     "losses": {"config", "data", "geometry", "model", "targets"},

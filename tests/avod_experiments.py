@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from avod.device import Processes
 from avod.experiments.cells import Cell
 from avod.experiments.experiment import run_cells
 from avod.experiments.machine import Machine
@@ -13,7 +14,6 @@ from avod.experiments.matrix import matrix_cells
 from avod.experiments.record import begin_experiment
 from avod.experiments.scales import Scale, Tuning
 from avod.experiments.sets import FrameSet, Sets
-from avod.train.processes import Processes
 from avod_runs import TEXT, write_set
 
 STEPS = 4

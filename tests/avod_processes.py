@@ -12,7 +12,7 @@ from safetensors.torch import save_file
 from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.sample import Sample
-from avod.train.processes import Processes
+from avod.device import Processes
 from avod.train.step import make_optimizer, training_step
 from avod.validate import Validator
 from avod_runs import Frozen, StopAfter, short_run, small_config

@@ -12,8 +12,8 @@ import torch
 from torch.utils.data import DataLoader
 
 from avod.data.dataset import DetectionData, sample_from_frame
+from avod.data.loading import as_it_is, outlive_signals, running
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, outlive_signals, running
 from avod.detector import Detector
 from avod.results import detections
 from cadet import kitti

@@ -11,16 +11,16 @@ from torch.utils.data import DataLoader
 
 from avod.config import Config
 from avod.data.dataset import DetectionData, readable_labels
+from avod.data.loading import as_it_is, outlive_signals, running
 from avod.data.order import frame_number, torch_generator
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, outlive_signals, running
+from avod.device import Processes
 from avod.evaluate import score
 from avod.losses import frame_losses
 from avod.model.network import AvodNetwork
 from avod.results import detections
 from avod.targets import anchor_targets
-from avod.train.processes import Processes
-from avod.train.validation_log import Validated
+from avod.train.log import Validated
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.evaluation import evaluate

@@ -12,11 +12,9 @@ import torch
 
 from avod.config import Config
 from avod.model.network import AvodNetwork
-from avod.train.average import WeightAverage
 from avod.train.checkpoint import read_checkpoint, trained_network
-from avod.train.log import TERMS
-from avod.train.step import new_network
-from avod.train.validation_log import Validated
+from avod.train.log import TERMS, Validated
+from avod.train.step import WeightAverage, new_network
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 from cadet.errors import CadetError
 

@@ -13,7 +13,7 @@ import torch
 from avod.config import Config
 from avod.train import checkpoint as checkpoint_module
 from avod.train.checkpoint import checkpoints, read_checkpoint
-from avod.train.made_with import commit
+from avod.train.settings import commit
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 from cadet import __version__
 from cadet.errors import CadetError

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from avod.device import Processes
 from avod.experiments.cells import Cell
 from avod.experiments.chart import HEIGHT, WIDTH, Chart, place
 from avod.experiments.estimate import TIMED, WARM_UP, Speed, cell_seconds, hours, measure_speed, shared_seconds
@@ -22,7 +23,6 @@ from avod.experiments.published import published_ap
 from avod.experiments.scales import CLASSES, MAPS, SCALES
 from avod.experiments.statistics import MAX_SEEDS, mean_of
 from avod.experiments.table import plain_rows, tables
-from avod.train.processes import Processes
 from avod_experiments import micro_cells, micro_scale, micro_sets, silent
 from cadet import evaluate
 from cadet.view import style

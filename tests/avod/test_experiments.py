@@ -23,7 +23,7 @@ from avod.experiments.sets import FrameSet, Sets, check_sets
 from avod.predict import predict
 from avod.train.checkpoint import checkpoints, read_checkpoint
 from avod.train.log import read_log
-from avod.train.record import read_record
+from avod.train.settings import read_record
 from avod_experiments import STEPS, micro_cells, micro_scale, micro_sets, run_micro
 from avod_runs import assert_same_training, weights
 from cadet import evaluate

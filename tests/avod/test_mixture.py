@@ -17,7 +17,7 @@ from avod.data.dataset import TrainingData
 from avod.data.mixture import Mixture, set_seed, shares_of
 from avod.data.order import Order
 from avod.data.sample import Sample
-from avod.train.record import read_record
+from avod.train.settings import read_record
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
 from cadet.errors import CadetError, CadetWarning
 from cadet.object_bank import cut_objects, write_bank

@@ -14,10 +14,8 @@ import torch
 from safetensors.torch import load_file
 
 from avod.detector import Detector
-from avod.device import name_of_process
-from avod.train.log import read_log
-from avod.train.processes import Processes
-from avod.train.validation_log import read_validations
+from avod.device import Processes, name_of_process
+from avod.train.log import read_log, read_validations
 from avod.validate import Validator
 from avod_processes import STEPS, steps_of, without_draws
 from avod_runs import Frozen, assert_same_training, small_config, write_set

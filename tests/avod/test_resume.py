@@ -28,7 +28,7 @@ from avod.predict import predict
 from avod.train import step as step_module
 from avod.train.checkpoint import checkpoints
 from avod.train.log import read_log
-from avod.train.record import read_record
+from avod.train.settings import read_record
 from avod.train.step import NonFiniteLossError
 from avod.validate import Validator
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set

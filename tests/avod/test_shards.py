@@ -13,9 +13,9 @@ from click.testing import CliRunner
 from avod.cli.commands import avod
 from avod.config import Config
 from avod.data.dataset import TrainingData
-from avod.train.loader import batches, whole
-from avod.train.processes import Processes
-from avod.train.validation_log import Validated
+from avod.data.loading import batches, whole
+from avod.device import Processes
+from avod.train.log import Validated
 from avod.validate import Validator
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
 from cadet.convert import convert

@@ -14,7 +14,7 @@ from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.sample import Sample
 from avod.data.subset import draw_frames
-from avod.train.record import read_record
+from avod.train.settings import read_record
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
 from cadet.errors import CadetError
 

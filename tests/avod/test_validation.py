@@ -14,12 +14,11 @@ from click.testing import CliRunner
 from avod.cli.commands import avod
 from avod.config import Config
 from avod.detector import Detector
+from avod.device import Processes
 from avod.evaluate import evaluate_detector, score
 from avod.figures import _AP_COLOR, loss_figure
 from avod.model.network import AvodNetwork
-from avod.train.log import TERMS
-from avod.train.processes import Processes
-from avod.train.validation_log import Validated, ValidationLog, read_validations
+from avod.train.log import TERMS, Validated, ValidationLog, read_validations
 from avod.validate import Validator
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 from cadet import kitti

@@ -30,8 +30,7 @@ from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_d
 from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_checkpoint
-from avod.train.log import read_log
-from avod.train.validation_log import read_validations
+from avod.train.log import read_log, read_validations
 from cadet import __version__
 from cadet.analysis import Analysis
 from cadet.analysis.result import PARTS

@@ -20,6 +20,7 @@ from avod.cli.options import (
     resolve_workers,
 )
 from avod.cli.stopping import Stopping
+from avod.device import Processes
 from avod.experiments.cells import REAL, SIM, Cell
 from avod.experiments.estimate import Speed, cell_seconds, hours, measure_speed, shared_seconds
 from avod.experiments.experiment import run_cells, selected, write_results
@@ -31,7 +32,6 @@ from avod.experiments.record import begin_cell, begin_experiment
 from avod.experiments.scales import CLASSES, MAPS, SCALES, Scale
 from avod.experiments.sets import TRAIN, VAL, FrameSet, Sets, check_sets
 from avod.experiments.statistics import MAX_SEEDS
-from avod.train.processes import Processes
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError
 

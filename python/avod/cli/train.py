@@ -30,14 +30,12 @@ from avod.config import Config
 from avod.config_file import config_names, load_config
 from avod.data.mixture import shares_of
 from avod.data.simulated import is_simulation
-from avod.device import is_first_process
+from avod.device import Processes, is_first_process
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import checkpoints, read_checkpoint
-from avod.train.processes import Processes
-from avod.train.record import Record, read_record
+from avod.train.log import Validated
 from avod.train.run import train, with_steps
-from avod.train.settings import Run
-from avod.train.validation_log import Validated
+from avod.train.settings import Record, Run, read_record
 from avod.validate import Validator
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError, MissingFileError

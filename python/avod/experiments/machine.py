@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import torch
 
-from avod.train.processes import Processes
+from avod.device import Processes
 
 Progress = Callable[[int, str, str], AbstractContextManager[Callable[[int, str], None]]]
 """Takes a total, a name, and a unit, and gives what hears of the number done and a note meanwhile."""

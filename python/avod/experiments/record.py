@@ -19,7 +19,7 @@ from typing import Any, Final
 from avod.experiments.cells import Cell
 from avod.experiments.scales import Scale
 from avod.experiments.sets import Sets
-from avod.train.record import differences
+from avod.train.settings import differences
 from cadet.errors import CadetError
 from cadet.kitti.files import write_whole
 from cadet.plain_text import json_from_text

@@ -13,7 +13,7 @@ from avod.experiments.record import cell_folder
 from avod.experiments.sets import TRAIN, Sets
 from avod.train import Run, train, with_steps
 from avod.train.checkpoint import checkpoints, keep_checkpoint
-from avod.train.record import has_record
+from avod.train.settings import has_record
 
 _KEPT = "kept"
 BEST = "best"
