@@ -267,7 +267,7 @@ AVOD_ROOMS: dict[str, set[str]] = {
     "detector": {"config", "data", "device", "model", "results", "train"},
     "predict": {"data", "detector", "results"},
     "evaluate": {"config", "detector", "predict"},
-    "validate": {"config", "data", "evaluate", "losses", "model", "results", "targets", "train"},
+    "validate": {"config", "data", "device", "evaluate", "losses", "model", "results", "targets", "train"},
     "figures": {"train"},
     "experiments": {"config", "config_file", "detector", "evaluate", "predict", "train"},
     "clusters": set(),

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from torch.utils.data import DataLoader
 
 from avod.config import Config
-from avod.data.dataset import DetectionData, readable_labels
-from avod.data.loading import as_it_is, outlive_signals, running
+from avod.data.dataset import readable_labels
+from avod.data.loading import prepared
 from avod.data.order import frame_number, torch_generator
 from avod.data.packing import on_device
 from avod.device import Processes
@@ -81,19 +80,11 @@ class Validator:
         """
         network.eval()
         ids = self.ids[processes.rank :: processes.world_size]
-        data = DetectionData(self._frames, ids, self._config)
-        loader: DataLoader[Any] = DataLoader(
-            data,
-            batch_size=None,
-            num_workers=min(self._workers, len(ids)),
-            collate_fn=as_it_is,
-            worker_init_fn=outlive_signals,
-        )
         unreadable = Unreadable(self._frames.folder)
         texts: dict[str, str] = {}
         losses: dict[str, dict[str, float]] = {}
         is_stopped = False
-        with running(loader) as items:
+        with prepared(self._frames, ids, self._config, self._workers) as items:
             for done, (frame_id, item) in enumerate(zip(ids, items, strict=True), start=1):
                 if isinstance(item, READING_ERRORS):
                     unreadable.add(frame_id, item)

@@ -17,11 +17,13 @@ from avod.cli.commands import avod
 from avod.config import Config
 from avod.data import simulated
 from avod.data.dataset import sample_from_frame
+from avod.data.frames import SimulatedFrames, open_frames
 from avod.data.prefetch import prefetched
 from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from avod_runs import StopAfter, assert_same_training, short_run, small_config
 from cadet.errors import CadetError
+from cadet.kitti import text_from_labels
 from cadet.simulation import Simulation
 
 BLOCK = 6
@@ -105,6 +107,19 @@ def test_a_training_that_stops_and_goes_on_equals_one_that_never_stopped(
     short_run(config, name, tmp_path / "run", STEPS, workers=1, should_stop=StopAfter(4))
     short_run(config, name, tmp_path / "run", STEPS, workers=1, resume=True)
     assert_same_training(tmp_path / "run", tmp_path / "unbroken")
+
+
+def test_a_frame_is_the_streams_in_any_order_of_reading(folder: Path, name: str) -> None:
+    with Simulation.read(folder / "town.toml").stream(workers=0) as stream:
+        expected = list(itertools.islice(stream, 2))
+    frames = open_frames(name)
+    assert isinstance(frames, SimulatedFrames) and frames.first(2) == ("000000", "000001")
+    for number in (1, 0):
+        found, frame = frames.read_frame(f"{number:06d}"), expected[number]
+        assert (found.points_velo == frame.points_velo).all() and (found.image == frame.image).all()
+        assert text_from_labels(frames.read_labels(f"{number:06d}")) == text_from_labels(frame.labels)
+    with pytest.raises(CadetError, match=r"town\.toml: frame 'last': expected its place in the simulation"):
+        frames.read_frame("last")
 
 
 def test_another_simulation_is_another_training(config: Config, tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from avod.cli.options import (
 )
 from avod.cli.paper import paper_command
 from avod.cli.train import train_command
+from avod.data.frames import open_frames
 from avod.detector import Detector
 from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score, table
 from avod.figures import detection_figure, loss_figure
@@ -41,7 +42,6 @@ from cadet.kitti.files import check_id
 from cadet.kitti.unreadable import Unreadable
 from cadet.sink import LocalSink
 from cadet.view.picture import check_picture_path, write_picture
-from cadet.webdataset import open_dataset
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -216,7 +216,7 @@ def bench_command(
 
 @avod.command(name="view")
 @click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw its detections ...")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="... in a frame of this folder.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="... in a frame of this data.")
 @click.option("--frame", "frame_id", metavar="ID", help="The frame.")
 @click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this training instead.")
 @click.option("-o", "--output", metavar="FILE", required=True, help="A .png or .jpg.")
@@ -245,7 +245,7 @@ def view_command(
     if checkpoint is None or data is None or frame_id is None:
         raise CadetError("view needs --checkpoint, --data and --frame, or --log")
     detector = _detector(checkpoint, device, amp)
-    frame = open_dataset(data).read_frame(check_id(frame_id))
+    frame = open_frames(data).read_frame(check_id(frame_id))
     found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
     click.echo(f"wrote {write_picture(output, detection_figure(frame, found))}")
 

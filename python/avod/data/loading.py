@@ -10,11 +10,12 @@ from typing import Any
 
 import cv2
 import torch
-from torch.utils.data import DataLoader
+from torch.utils.data import DataLoader, Dataset
 from torch.utils.data.dataloader import _MultiProcessingDataLoaderIter
 
-from avod.config import TrainingConfig
-from avod.data.dataset import TrainingData
+from avod.config import Config, TrainingConfig
+from avod.data.dataset import DetectionData, TrainingData
+from avod.data.frames import Frames, SimulatedFrames, kept_running
 from avod.data.order import StepSampler
 from avod.data.packing import PackedSample, on_device
 from avod.data.sample import Sample
@@ -48,19 +49,20 @@ def running(loader: DataLoader[Any]) -> Iterator[Iterator[Any]]:
             iterator._shutdown_workers()
 
 
-def outlive_signals(_: int) -> None:
-    """Let a worker end with its parent and not before it.
+@contextmanager
+def prepared(frames: Frames, ids: tuple[str, ...], config: Config, workers: int) -> Iterator[Iterator[Any]]:
+    """Read and prepare frames meanwhile, in their order; yields an iterator over the items of `DetectionData`.
 
-    Ctrl-C and most managers of jobs signal all processes of a group, and the parent still trains to the end of its
-    step. They end when they are told to (`running`), or without a parent.
+    Args:
+        frames: from anywhere.
+        ids: of those that are wanted.
+        config: the detector.
+        workers: processes that read and prepare frames, or that simulate them; 0 does so in between.
     """
-    for number in (signal.SIGINT, *ENDING_SIGNALS):
-        signal.signal(number, signal.SIG_IGN)
-
-
-def as_it_is(item: Any) -> Any:
-    """Return what a dataset gave: samples are not stacked."""
-    return item
+    num_readers = 0 if isinstance(frames, SimulatedFrames) else min(workers, len(ids))
+    data = DetectionData(frames, ids, config)
+    with kept_running(frames, workers), running(_loader(data, num_readers, batch_size=None)) as items:
+        yield items
 
 
 def batches(
@@ -78,16 +80,8 @@ def batches(
     if isinstance(data, SimulatedData):
         return _simulated(data, training, first_step, processes, workers)
     sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
-    loader: DataLoader[Any] = DataLoader(
-        data,
-        batch_sampler=sampler,
-        num_workers=min(workers, len(sampler) * training.frames_per_step),
-        collate_fn=as_it_is,
-        pin_memory=processes.device.type == "cuda",
-        persistent_workers=workers > 0,
-        worker_init_fn=outlive_signals,
-    )
-    return running(loader)
+    num_readers = min(workers, len(sampler) * training.frames_per_step)
+    return running(_loader(data, num_readers, batch_sampler=sampler, pin_memory=processes.device.type == "cuda"))
 
 
 @contextmanager
@@ -111,3 +105,22 @@ def whole(samples: list[Sample | PackedSample | CadetError | OSError], device: t
             raise sample
         moved.append(on_device(sample, device))
     return moved
+
+
+def _loader(data: Dataset[Any], num_workers: int, **settings: Any) -> DataLoader[Any]:
+    return DataLoader(data, num_workers=num_workers, collate_fn=_as_it_is, worker_init_fn=_outlive_signals, **settings)
+
+
+def _outlive_signals(_: int) -> None:
+    """Let a worker end with its parent and not before it.
+
+    Ctrl-C and most managers of jobs signal all processes of a group, and the parent still trains to the end of its
+    step. They end when they are told to (`running`), or without a parent.
+    """
+    for number in (signal.SIGINT, *ENDING_SIGNALS):
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _as_it_is(item: Any) -> Any:
+    """Return what a dataset gave: samples are not stacked."""
+    return item

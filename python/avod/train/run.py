@@ -12,10 +12,11 @@ from torch import Tensor, nn
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
+from avod.data.frames import PREFIX, is_simulation
 from avod.data.loading import batches, whole
 from avod.data.mixture import shares_of
 from avod.data.sample import Sample
-from avod.data.simulated import PREFIX, SimulatedData, is_simulation
+from avod.data.simulated import SimulatedData
 from avod.device import Processes, name_of_process, resolve_device
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
