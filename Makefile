@@ -84,14 +84,14 @@ lint: build-dev ## Check formats, clippy, docs, ruff and types
 	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --workspace --no-deps --document-private-items
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/')
+	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/|tools/')
 	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 
 test-rust: check-rust
 	cargo test --release --locked
 
 test-python: build-dev emulator
-	$(BIN)/pytest $(if $(WITHOUT_AVOD),--ignore tests/avod)
+	$(BIN)/pytest $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
 
 # The golden frames are made on other processors too. A developer without the emulator sees a skipped test, CI may not.
 emulator:

@@ -269,7 +269,6 @@ AVOD_ROOMS: dict[str, set[str]] = {
     "evaluate": {"config", "detector", "predict"},
     "validate": {"config", "data", "device", "evaluate", "losses", "model", "results", "targets", "train"},
     "figures": {"train"},
-    "experiments": {"config", "config_file", "detector", "evaluate", "predict", "train"},
     "clusters": set(),
     "cli": {
         "clusters",
@@ -279,7 +278,6 @@ AVOD_ROOMS: dict[str, set[str]] = {
         "detector",
         "device",
         "evaluate",
-        "experiments",
         "figures",
         "model",
         "predict",

@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from avod.device import Processes
-from avod.experiments.cells import Cell
-from avod.experiments.experiment import run_cells
-from avod.experiments.machine import Machine
-from avod.experiments.matrix import matrix_cells
-from avod.experiments.record import begin_experiment
-from avod.experiments.scales import Scale, Tuning
-from avod.experiments.sets import FrameSet, Sets
 from avod_runs import TEXT, write_set
+from tools.experiments.cells import Cell
+from tools.experiments.experiment import run_cells
+from tools.experiments.machine import Machine
+from tools.experiments.plans import matrix_cells
+from tools.experiments.record import begin_experiment
+from tools.experiments.scales import Scale, Tuning
+from tools.experiments.sets import FrameSet, Sets
 
 STEPS = 4
 TUNING = Tuning(steps=2, learning_rate=5e-4, decay_factor=0.5, decay_steps=2)

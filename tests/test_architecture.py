@@ -146,6 +146,11 @@ def test_a_circle_is_found_through_what_a_parent_passes_on(tmp_path: Path) -> No
     assert circle(core_uses(modules)) in (["b", "c", "b"], ["c", "b", "c"])
 
 
+def test_no_package_imports_a_tool() -> None:
+    for path in (ROOT / "python").rglob("*.py"):
+        assert not any(name.partition(".")[0] == "tools" for name in imports(path)), f"{path.relative_to(ROOT)}"
+
+
 def test_nothing_imports_torch_or_the_detector() -> None:
     for path in PACKAGE.rglob("*.py"):
         tops = {name.partition(".")[0] for name in imports(path)}
@@ -180,7 +185,7 @@ def test_the_core_knows_no_python_and_prints_nothing() -> None:
 
 
 def test_no_source_file_is_long() -> None:
-    folders = (ROOT / name for name in ("benches", "crates", "python", "tests"))
+    folders = (ROOT / name for name in ("benches", "crates", "python", "tests", "tools"))
     files = [path for folder in folders for path in folder.rglob("*") if path.suffix in (".rs", ".py")]
     assert len(files) > 400
     lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in files}
@@ -189,6 +194,6 @@ def test_no_source_file_is_long() -> None:
 
 def test_docs_of_code_begin_with_what_the_thing_is() -> None:
     begins = re.compile(r'^\s*(?:///|//!|""") ?(?:Who|The same|So far|So much|So many|What is)\b.*', re.MULTILINE)
-    files = [*(ROOT / "crates").rglob("*.rs"), *(ROOT / "python").rglob("*.py")]
+    files = [*(ROOT / "crates").rglob("*.rs"), *(ROOT / "python").rglob("*.py"), *(ROOT / "tools").rglob("*.py")]
     wrong = {path.relative_to(ROOT).as_posix(): begins.findall(path.read_text()) for path in sorted(files)}
     assert not {path: lines for path, lines in wrong.items() if lines}

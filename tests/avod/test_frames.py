@@ -25,7 +25,7 @@ KINDS = ("folder", "shards", "named shards", "simulation")
 def data(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Return names of one set of frames, and of a folder with a simulation's first frames."""
     folder = tmp_path_factory.mktemp("frames")
-    convert(write_set(folder / "set", 3, COUNT), folder / "shards", "webdataset", shard_size=2)
+    convert(write_set(folder / "set", 3, COUNT), folder / "shards", "webdataset", shard_size=1)
     town = folder / "town.toml"
     town.write_text('seed = 3\nlidar = "vlp16"\nimage_size = [310, 94]\nsamples_per_episode = 2\n')
     with Simulation.read(town).stream(workers=0) as frames:

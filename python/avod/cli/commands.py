@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, clusters, paper, bench, view."""
+"""`avod`: train, predict, eval, clusters, bench, view."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from avod.cli.options import (
     resolve_workers,
     split_option,
 )
-from avod.cli.paper import paper_command
 from avod.cli.train import train_command
 from avod.data.frames import open_frames
 from avod.detector import Detector
@@ -52,7 +51,6 @@ def avod() -> None:
 
 avod.add_command(train_command)
 avod.add_command(clusters_command)
-avod.add_command(paper_command)
 
 
 @avod.command(name="predict")

@@ -204,27 +204,6 @@ def resolve_split(name: str | None) -> str | None:
     return None if name == "all" else name
 
 
-def names_of(option: str, text: str, known: Sequence[str]) -> tuple[str, ...]:
-    """Read names that commas separate.
-
-    Args:
-        option: for messages.
-        text: what the user gave.
-        known: the names that may stand there.
-
-    Returns:
-        The names, in the order of `known`.
-
-    Raises:
-        CadetError: an unknown name, or none.
-    """
-    names = [name.strip() for name in text.split(",")]
-    for name in names:
-        if name not in known:
-            raise CadetError(f"{option}: expected some of {','.join(known)}, got {name!r}")
-    return tuple(name for name in known if name in names)
-
-
 @contextmanager
 def progress(total: int, text: str, unit: str = "frames") -> Iterator[Callable[[int, str], None]]:
     """Show a bar on a terminal and print lines elsewhere; yields a callback that takes the count done and a note.

@@ -10,11 +10,11 @@ from typing import Any, Final
 
 from avod.config import Config
 from avod.detector import Detector
-from avod.experiments.cells import Cell
-from avod.experiments.machine import Machine
-from avod.experiments.sets import TRAIN, FrameSet
 from avod.predict import predict
 from avod.train import Run, train, with_steps
+from tools.experiments.cells import Cell
+from tools.experiments.machine import Machine
+from tools.experiments.sets import TRAIN, FrameSet
 
 WARM_UP: Final = 3
 TIMED: Final = 7

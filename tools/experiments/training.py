@@ -7,13 +7,13 @@ from typing import Any
 
 from torch import Tensor
 
-from avod.experiments.cells import Cell
-from avod.experiments.machine import Machine
-from avod.experiments.record import cell_folder
-from avod.experiments.sets import TRAIN, Sets
 from avod.train import Run, train, with_steps
 from avod.train.checkpoint import checkpoints, keep_checkpoint
 from avod.train.settings import has_record
+from tools.experiments.cells import Cell
+from tools.experiments.machine import Machine
+from tools.experiments.record import cell_folder
+from tools.experiments.sets import TRAIN, Sets
 
 _KEPT = "kept"
 BEST = "best"

@@ -1,4 +1,4 @@
-"""`avod paper`."""
+"""The command: `python -m tools.experiments`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import click
 from avod.cli.options import (
     check_split,
     device_options,
-    names_of,
     progress,
     resolve_device,
     resolve_precision,
@@ -21,33 +20,29 @@ from avod.cli.options import (
 )
 from avod.cli.stopping import Stopping
 from avod.device import Processes
-from avod.experiments.cells import REAL, SIM, Cell
-from avod.experiments.estimate import Speed, cell_seconds, hours, measure_speed, shared_seconds
-from avod.experiments.experiment import run_cells, selected, write_results
-from avod.experiments.few_frames import few_frame_cells
-from avod.experiments.machine import Machine
-from avod.experiments.matrix import matrix_cells
-from avod.experiments.outcome import is_finished
-from avod.experiments.record import begin_cell, begin_experiment
-from avod.experiments.scales import CLASSES, MAPS, SCALES, Scale
-from avod.experiments.sets import TRAIN, VAL, FrameSet, Sets, check_sets
-from avod.experiments.statistics import MAX_SEEDS
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError
+from tools.experiments.cells import REAL, SIM, Cell
+from tools.experiments.estimate import Speed, cell_seconds, hours, measure_speed, shared_seconds
+from tools.experiments.experiment import run_cells, selected, write_results
+from tools.experiments.machine import Machine
+from tools.experiments.outcome import is_finished
+from tools.experiments.plans import few_frame_cells, matrix_cells
+from tools.experiments.record import begin_cell, begin_experiment
+from tools.experiments.scales import CLASSES, MAPS, SCALES, Scale
+from tools.experiments.sets import TRAIN, VAL, FrameSet, Sets, check_sets
 
 _DEVICES = (1, 2, 4, 8)
 
 
-@click.command(name="paper")
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--scale", type=click.Choice(list(SCALES)), default="tiny", show_default=True, help="Size of it all.")
 @click.option(
     "--data-real", metavar="DIR", required=True, type=click.Path(path_type=Path), help="KITTI, or what is to be."
 )
 @click.option("--data-sim", metavar="DIR", type=click.Path(path_type=Path), help="A generated KITTI folder.")
 @click.option("-o", "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="All that is made.")
-@click.option(
-    "--seeds", type=click.IntRange(1, MAX_SEEDS), default=1, show_default=True, help="Trainings of each kind."
-)
+@click.option("--seeds", type=click.IntRange(1), default=1, show_default=True, help="Trainings of each kind.")
 @click.option("--classes", metavar="NAMES", default=",".join(CLASSES), show_default=True)
 @click.option("--maps", metavar="NAMES", help=f"Some of {','.join(MAPS)}.  [default: all; with --frames, default]")
 @click.option(
@@ -71,16 +66,16 @@ _DEVICES = (1, 2, 4, 8)
 @click.option("--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after so long.")
 @click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids in training.")
 @device_options
-def paper_command(**options: Any) -> int:
+def experiments(**options: Any) -> int:
     """Run the paper's experiments: trained on simulated frames, on real ones, and on both.
 
     Cells run one after another. What ends the command, Ctrl-C, SIGTERM or a crash, loses no finished cell: the same
     command goes on. Exit codes are those of avod train.
 
     \b
-    avod paper --scale tiny --data-real kitti --data-sim set -o paper --dry-run
-    avod paper --scale full --data-real kitti --data-sim set -o paper --device cuda --amp bf16
-    avod paper --data-real kitti --frames 10,40,160,640 --init tiny_car --classes Car --seeds 5 -o few
+    python -m tools.experiments --scale tiny --data-real kitti --data-sim set -o paper --dry-run
+    python -m tools.experiments --scale full --data-real kitti --data-sim set -o paper --device cuda --amp bf16
+    python -m tools.experiments --data-real kitti --frames 10,40,160,640 --init tiny_car --classes Car --seeds 5 -o few
     """  # noqa: D301 - click reads the backspace
     plan = _plan(options)
     cells = selected(plan.cells, options["cells"], plan.out)
@@ -128,17 +123,17 @@ class _Plan:
 
 def _plan(options: dict[str, Any]) -> _Plan:
     scale = SCALES[options["scale"]]
-    classes = names_of("--classes", options["classes"], tuple(CLASSES))
+    classes = _names_of("--classes", options["classes"], tuple(CLASSES))
     steps, num_seeds, inits = options["steps"], options["seeds"], options["inits"]
     if inits and options["frames"] is None:
         raise CadetError("--init: pre-trained weights are for --frames; the matrix trains its own")
     if options["data_sim"] is None and not inits:
         raise CadetError("--data-sim: needed to train on, unless --frames and --init give pre-trained weights")
     if options["frames"] is None:
-        maps = names_of("--maps", options["maps"] or ",".join(MAPS), MAPS)
+        maps = _names_of("--maps", options["maps"] or ",".join(MAPS), MAPS)
         cells = matrix_cells(scale, classes, maps, num_seeds, steps)
     else:
-        maps = names_of("--maps", options["maps"] or MAPS[0], MAPS)
+        maps = _names_of("--maps", options["maps"] or MAPS[0], MAPS)
         counts = _counts(options["frames"])
         cells = few_frame_cells(scale, classes, maps, num_seeds, counts, steps, inits)
     folders = {REAL: options["data_real"], SIM: options["data_sim"]}
@@ -147,6 +142,27 @@ def _plan(options: dict[str, Any]) -> _Plan:
             check_split(folder, split)
     sets = {name: FrameSet.read(folder) for name, folder in folders.items() if folder is not None}
     return _Plan(options["out"], scale, sets, cells)
+
+
+def _names_of(option: str, text: str, known: Sequence[str]) -> tuple[str, ...]:
+    """Read names that commas separate.
+
+    Args:
+        option: for messages.
+        text: what the user gave.
+        known: the names that may stand there.
+
+    Returns:
+        The names, in the order of `known`.
+
+    Raises:
+        CadetError: an unknown name, or none.
+    """
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name not in known:
+            raise CadetError(f"{option}: expected some of {','.join(known)}, got {name!r}")
+    return tuple(name for name in known if name in names)
 
 
 def _counts(text: str) -> tuple[int, ...]:

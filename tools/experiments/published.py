@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from avod.experiments.cells import REAL, SIM, TUNED
-from avod.experiments.scales import MAPS
+from tools.experiments.cells import REAL, SIM, TUNED
+from tools.experiments.scales import MAPS
 
 RULE: Final = "r11"
 """The rule of the paper's numbers."""

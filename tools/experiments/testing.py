@@ -9,18 +9,18 @@ from typing import Final
 
 from avod.detector import Detector
 from avod.evaluate import Scored, best, score
-from avod.experiments.cells import REAL, Cell
-from avod.experiments.machine import Machine
-from avod.experiments.outcome import numbers_of, outcome_file, write_outcome
-from avod.experiments.record import cell_folder
-from avod.experiments.sets import FrameSet, Sets
-from avod.experiments.training import BEST, candidates
 from avod.predict import predict_all
 from avod.train.checkpoint import forget_old, keep_checkpoint, read_checkpoint
 from cadet import evaluate, kitti
 from cadet.evaluation import Report
 from cadet.kitti import labels_from_text, text_from_labels
 from cadet.sink import LocalSink
+from tools.experiments.cells import REAL, Cell
+from tools.experiments.machine import Machine
+from tools.experiments.outcome import numbers_of, outcome_file, write_outcome
+from tools.experiments.record import cell_folder
+from tools.experiments.sets import FrameSet, Sets
+from tools.experiments.training import BEST, candidates
 
 _LEVELS: Final = "kitti"
 

@@ -13,13 +13,6 @@ from pathlib import Path
 import pytest
 
 from avod.detector import Detector
-from avod.experiments.cells import Cell
-from avod.experiments.experiment import selected
-from avod.experiments.few_frames import few_frame_cells
-from avod.experiments.outcome import is_finished, read_outcomes
-from avod.experiments.record import begin_experiment, cell_folder
-from avod.experiments.scales import SCALES, Scale
-from avod.experiments.sets import FrameSet, Sets, check_sets
 from avod.predict import predict
 from avod.train.checkpoint import checkpoints, read_checkpoint
 from avod.train.log import read_log
@@ -30,6 +23,13 @@ from cadet import evaluate
 from cadet.errors import CadetError
 from cadet.kitti import text_from_labels
 from cadet.operating_system import locked_folder
+from tools.experiments.cells import Cell
+from tools.experiments.experiment import selected
+from tools.experiments.outcome import is_finished, read_outcomes
+from tools.experiments.plans import few_frame_cells
+from tools.experiments.record import begin_experiment, cell_folder
+from tools.experiments.scales import SCALES, Scale
+from tools.experiments.sets import FrameSet, Sets, check_sets
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def test_killed_again_and_again_it_has_the_numbers_of_an_unbroken_run(
     sets: Sets, tmp_path: Path, branch_step: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What a stop leaves between two checkpoints must not be chosen from.
-    monkeypatch.setattr("avod.experiments.testing.best", lambda scored: scored[0])
+    monkeypatch.setattr("tools.experiments.testing.best", lambda scored: scored[0])
     scale = micro_scale(tmp_path, branch_step=branch_step, last=2)
     cells = micro_cells(scale)
     assert run_micro(tmp_path / "unbroken", cells, scale, sets)
@@ -224,9 +224,9 @@ def test_the_best_of_the_last_checkpoints_counts(
     scale: Scale, sets: Sets, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cells = [dataclasses.replace(micro_cells(scale)[0], last=2)]
-    monkeypatch.setattr("avod.experiments.testing.forget_old", lambda folder, keep: None)
+    monkeypatch.setattr("tools.experiments.testing.forget_old", lambda folder, keep: None)
     aps = iter([30.0, 20.0, 10.0])
-    monkeypatch.setattr("avod.experiments.testing.score", lambda report, names: next(aps))
+    monkeypatch.setattr("tools.experiments.testing.score", lambda report, names: next(aps))
     assert run_micro(tmp_path, cells, scale, sets)
     place = cell_folder(tmp_path, cells[0].name)
     written = checkpoints(place / "run" / "checkpoints")
@@ -266,13 +266,13 @@ def test_cells_are_chosen_by_patterns(finished: Path, scale: Scale, tmp_path: Pa
 def test_two_processes_do_not_run_one_cell(
     scale: Scale, sets: Sets, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("avod.experiments.experiment.WAIT_S", 0.1)
+    monkeypatch.setattr("tools.experiments.experiment.WAIT_S", 0.1)
     cells = micro_cells(scale)
     place = cell_folder(tmp_path, cells[0].name)
     place.mkdir(parents=True)
     with (
         locked_folder(place, place / ".lock"),
-        pytest.raises(CadetError, match="sim-seed0: another avod paper is at work on this cell"),
+        pytest.raises(CadetError, match="sim-seed0: another process is at work on this cell"),
     ):
         run_micro(tmp_path, cells[:1], scale, sets)
 
@@ -294,7 +294,7 @@ def test_a_damaged_file_is_named(finished: Path, scale: Scale, sets: Sets, folde
     text = path.read_text()
     for damaged, message in (
         ("{", r"test_real.json:\d+: no JSON"),
-        ("{}", "test_real.json: no file of avod paper"),
+        ("{}", "test_real.json: no file of the experiments"),
         (text.replace('"version": 1', '"version": 2'), "test_real.json: version 2, expected 1"),
         (text.replace('"r40"', '"r41"'), "real-seed0: damaged: KeyError: 'r40'"),
         (json.dumps({**json.loads(text), "ap": [1]}), "real-seed0: damaged: TypeError"),

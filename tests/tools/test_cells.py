@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 from avod.config_file import load_config
-from avod.experiments.few_frames import few_frame_cells
-from avod.experiments.matrix import matrix_cells
-from avod.experiments.scales import CLASSES, MAPS, SCALES
 from avod.train.checkpoint import read_checkpoint
 from cadet.errors import CadetError, MissingFileError
+from tools.experiments.plans import few_frame_cells, matrix_cells
+from tools.experiments.scales import CLASSES, MAPS, SCALES
 
 
 def test_the_matrix_has_every_way_of_training_for_each_class_maps_and_seed() -> None:

@@ -9,20 +9,19 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Final
 
-from avod.experiments.cells import Cell
-from avod.experiments.figure import few_frames_figure, matrix_figure
-from avod.experiments.machine import Machine
-from avod.experiments.means import grouped
-from avod.experiments.outcome import is_finished, read_outcomes
-from avod.experiments.record import EXPERIMENT_FILE, begin_cell, cell_folder, read_note, write_note
-from avod.experiments.sets import Sets
-from avod.experiments.table import plain_rows, tables
-from avod.experiments.testing import run_tests
-from avod.experiments.training import train_cell
 from cadet.errors import CadetError
 from cadet.kitti.files import write_whole
 from cadet.operating_system import FolderInUseError, locked_folder
-from cadet.view.picture import write_picture
+from tools.experiments.cells import Cell
+from tools.experiments.figure import few_frames_figure, matrix_figure, png_of
+from tools.experiments.machine import Machine
+from tools.experiments.means import grouped
+from tools.experiments.outcome import is_finished, read_outcomes
+from tools.experiments.record import EXPERIMENT_FILE, begin_cell, cell_folder, read_note, write_note
+from tools.experiments.sets import Sets
+from tools.experiments.table import plain_rows, tables
+from tools.experiments.testing import run_tests
+from tools.experiments.training import train_cell
 
 WAIT_S: Final = 20.0
 """How long a cell is waited for: the workers of a process that was killed notice it after 5 s, and hold its lock."""
@@ -100,7 +99,7 @@ def write_results(out: Path) -> str:
     write_whole({out / "table.md": text.encode()})
     for name, figure in (("matrix.png", matrix_figure(groups)), ("few_frames.png", few_frames_figure(groups))):
         if figure is not None:
-            write_picture(out / name, figure)
+            write_whole({out / name: png_of(figure)})
     return text
 
 
@@ -119,7 +118,7 @@ def _held(folder: Path, machine: Machine) -> Iterator[None]:
                 break
             except FolderInUseError:
                 if time.monotonic() >= end_s:
-                    where = f"{folder}: another avod paper is at work on this cell"
+                    where = f"{folder}: another process is at work on this cell"
                     raise CadetError(f"{where}: choose others by --cells") from None
             time.sleep(0.25)
         yield

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from avod.experiments.cells import GIVEN, REAL, SIM, TUNED
-from avod.experiments.means import Group
-from avod.experiments.outcome import LEVELS, METRICS, RULES
-from avod.experiments.published import RULE, published_ap
-from avod.experiments.scales import CLASSES, MAPS
 from cadet.evaluation.curve import METRIC_TITLES
+from tools.experiments.cells import GIVEN, REAL, SIM, TUNED
+from tools.experiments.means import Group
+from tools.experiments.outcome import LEVELS, METRICS, RULES
+from tools.experiments.published import RULE, published_ap
+from tools.experiments.scales import CLASSES, MAPS
 
 TRAINED_TITLES: Final = {
     REAL: "real",

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from avod.config import Config
 from avod.config_file import table_from_config
-from avod.experiments.scales import CLASSES
+from tools.experiments.scales import CLASSES
 
 REAL: Final = "real"
 SIM: Final = "sim"

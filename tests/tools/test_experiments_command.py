@@ -1,4 +1,4 @@
-"""`avod paper` from the shell, in small."""
+"""`python -m tools.experiments` from the shell, in small."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from avod.cli.commands import avod
-from avod.experiments import scales
 from avod_experiments import micro_scale, micro_sets
 from cadet.errors import CadetError
+from tools.experiments import scales
+from tools.experiments.command import experiments
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,8 +34,8 @@ def _micro(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def call(*arguments: object, code: int = 0) -> Result:
-    command = ["paper", *map(str, arguments), "--workers", "0"]
-    result = CliRunner().invoke(avod, command, standalone_mode=False)
+    command = [*map(str, arguments), "--workers", "0"]
+    result = CliRunner().invoke(experiments, command, standalone_mode=False)
     if code == 0 and result.exception is not None:
         raise result.exception
     assert (result.return_value or 0) == code
@@ -111,7 +111,7 @@ def test_what_cannot_be_run_is_one_clear_line(folder: Path, tmp_path: Path) -> N
         ((*arguments(folder, tmp_path), "--data-sim", tmp_path / "no"), "no: no such folder"),
         ((*arguments(folder, tmp_path), "--cells", "ped*"), "--cells ped*: names none of"),
     ):
-        result = CliRunner().invoke(avod, ["paper", *map(str, given)], standalone_mode=False)
+        result = CliRunner().invoke(experiments, [*map(str, given)], standalone_mode=False)
         assert isinstance(result.exception, CadetError) and message in str(result.exception), given
     assert list(tmp_path.iterdir()) == []
 
@@ -126,14 +126,14 @@ def test_two_processes_share_a_cell(folder: Path, tmp_path: Path) -> None:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
-    paths = os.pathsep.join([str(ROOT / "python"), str(ROOT / "tests")])
+    paths = os.pathsep.join(map(str, (ROOT, ROOT / "python", ROOT / "tests")))
     environment = {**os.environ, "PYTHONPATH": paths, "WORLD_SIZE": "2", "OMP_NUM_THREADS": "1"}
     environment |= {"MASTER_ADDR": "127.0.0.1", "MASTER_PORT": str(port)}
     code = (
         "import sys; from pathlib import Path\n"
-        "from avod.experiments import scales; from avod_experiments import micro_scale\n"
+        "from tools.experiments import scales; from avod_experiments import micro_scale\n"
         "scales.SCALES['tiny'] = micro_scale(Path(sys.argv.pop(1)))\n"
-        "from avod.cli import run_avod; run_avod()"
+        "import tools.experiments.__main__"
     )
     processes = []
     for rank in range(2):
@@ -143,7 +143,6 @@ def test_two_processes_share_a_cell(folder: Path, tmp_path: Path) -> None:
             "-c",
             code,
             tmp_path / f"config{rank}",
-            "paper",
             *arguments(folder, tmp_path / "out"),
         ]
         command += ["--cells", "*-sim-*", "--workers", "0", "--threads", "1"]

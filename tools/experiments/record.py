@@ -16,13 +16,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from avod.experiments.cells import Cell
-from avod.experiments.scales import Scale
-from avod.experiments.sets import Sets
 from avod.train.settings import differences
 from cadet.errors import CadetError
 from cadet.kitti.files import write_whole
 from cadet.plain_text import json_from_text
+from tools.experiments.cells import Cell
+from tools.experiments.scales import Scale
+from tools.experiments.sets import Sets
 
 _FORMAT: Final = "avod-paper"
 _VERSION: Final = 1
@@ -91,7 +91,7 @@ def read_note(path: Path) -> dict[str, Any]:
     """
     table = json_from_text(path.read_bytes(), str(path))
     if not isinstance(table, dict) or table.pop("format", None) != _FORMAT:
-        raise CadetError(f"{path}: no file of avod paper")
+        raise CadetError(f"{path}: no file of the experiments")
     version = table.pop("version", None)
     if version != _VERSION:
         raise CadetError(f"{path}: version {version!r}, expected {_VERSION}")

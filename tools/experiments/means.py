@@ -1,12 +1,39 @@
-"""Outcomes of several seeds, brought together."""
+"""Outcomes of several seeds, brought together: means, and how sure they are."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
-from avod.experiments.outcome import Outcome
-from avod.experiments.statistics import Mean, mean_of
+from scipy import stats
+
+from tools.experiments.outcome import Outcome
+
+
+@dataclass(frozen=True)
+class Mean:
+    """A mean over seeds.
+
+    Attributes:
+        value: the mean.
+        half_width: of the 95 % interval of the mean; None for a single seed.
+        count: how many seeds.
+    """
+
+    value: float
+    half_width: float | None
+    count: int
+
+    def __str__(self) -> str:
+        return f"{self.value:.2f}" if self.half_width is None else f"{self.value:.2f} ±{self.half_width:.2f}"
+
+
+def mean_of(values: Sequence[float]) -> Mean:
+    """Return the mean and its 95 % interval by Student's t, for one value or more."""
+    count = len(values)
+    half_width = None if count == 1 else float(stats.t.ppf(0.975, count - 1) * stats.sem(values))
+    return Mean(fmean(values), half_width, count)
 
 
 @dataclass(frozen=True)

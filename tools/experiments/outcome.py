@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from avod.experiments.cells import Cell
-from avod.experiments.record import CELL_FILE, cell_folder, read_note, write_note
 from cadet.errors import CadetError
 from cadet.evaluation import Report
+from tools.experiments.cells import Cell
+from tools.experiments.record import CELL_FILE, cell_folder, read_note, write_note
 
 METRICS: Final = ("3d", "bev")
 RULES: Final = ("r11", "r40")
