@@ -156,16 +156,16 @@ def test_figures_are_drawn_of_what_there_is() -> None:
 def test_bars_and_lines_stand_where_their_numbers_are() -> None:
     figure = matrix_figure(grouped([outcome("real", "real", 70.0), outcome("sim", "real", 35.0)]))
     assert figure is not None
-    axes: list[Any] = figure.axes
-    for axis, up, papers in zip(axes, (0.0, 10.0), ([73.94, 20.29], [86.44, 37.81]), strict=True):
+    drawn: list[Any] = figure.axes
+    for axis, up, papers in zip(drawn, (0.0, 10.0), ([73.94, 20.29], [86.44, 37.81]), strict=True):
         # Moderate is 1 below Easy.
         assert [bar.get_height() for bar in axis.patches] == [69.0 + up, 34.0 + up]
         across = [lines for lines in axis.collections if lines.get_linewidth() == [2.0]]
         assert [lines.get_segments()[0][:, 1].tolist() for lines in across] == [[paper] * 2 for paper in papers]
     figure = few_frames_figure(grouped(few()))
     assert figure is not None
-    axes = figure.axes
-    scratch, tuned = (container.lines[0] for container in axes[0].containers)
+    containers: list[Any] = figure.axes[0].containers
+    scratch, tuned = (container.lines[0] for container in containers)
     assert scratch.get_xdata().tolist() == tuned.get_xdata().tolist() == [10, 40, 160]
     # R40 is 5 below R11; the means of two seeds.
     assert (scratch.get_ydata().tolist(), tuned.get_ydata().tolist()) == ([15.0, 25.0, 35.0], [54.5, 59.5, 64.5])

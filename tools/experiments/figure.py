@@ -38,8 +38,7 @@ def matrix_figure(groups: Sequence[Group]) -> Figure | None:
         for axis, metric in zip(axes[row], METRICS, strict=True):
             _bars(axis, [group for group in mine if group.class_name == name], metric)
             axis.set_title(f"{name}, {METRIC_TITLES[metric]}")
-    axes[0][0].legend(fontsize="small")
-    return figure
+    return _with_legend(figure)
 
 
 def few_frames_figure(groups: Sequence[Group]) -> Figure | None:
@@ -57,8 +56,7 @@ def few_frames_figure(groups: Sequence[Group]) -> Figure | None:
         for axis, metric in zip(axes[row], METRICS, strict=True):
             _lines(axis, few_frame_groups(groups, name, maps), metric)
             axis.set_title(f"{name}, {maps}, {METRIC_TITLES[metric]}")
-    axes[0][0].legend(fontsize="small")
-    return figure
+    return _with_legend(figure)
 
 
 def png_of(figure: Figure) -> bytes:
@@ -77,6 +75,12 @@ def _axes(num_rows: int, title: str) -> tuple[Figure, Any]:
         axis.grid(axis="y", alpha=0.3)
         axis.set_axisbelow(True)
     return figure, axes
+
+
+def _with_legend(figure: Figure) -> Figure:
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), fontsize="small")
+    return figure
 
 
 def _bars(axis: Any, groups: Sequence[Group], metric: str) -> None:
