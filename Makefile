@@ -23,7 +23,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 unexport PYTHONPATH
 unexport PYTHONHOME
 
-.PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
+.PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python test-fast emulator golden \
 	fuzz faults bench bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
@@ -91,7 +91,10 @@ test-rust: check-rust
 	cargo test --release --locked
 
 test-python: build-dev emulator
-	$(BIN)/pytest $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
+	$(BIN)/pytest --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
+
+test-fast: ## Run the Python tests that matter while working: minutes less than all of them
+	$(BIN)/pytest -m 'not slow'
 
 # The golden frames are made on other processors too. A developer without the emulator sees a skipped test, CI may not.
 emulator:

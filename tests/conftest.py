@@ -26,9 +26,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def pytest_report_header() -> list[str]:
     """Say what is left out."""
     missing = [name for name in ("torch", "safetensors") if importlib.util.find_spec(name) is None]
-    return (
-        [f"tests/avod is skipped: it needs {' and '.join(missing)} (pip install 'cadet-sim[avod]')"] if missing else []
-    )
+    needed = f"they need {' and '.join(missing)} (pip install 'cadet-sim[avod]')"
+    return [f"tests/avod and tests/tools are skipped: {needed}"] if missing else []
 
 
 @pytest.fixture(scope="session")
