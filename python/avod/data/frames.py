@@ -26,7 +26,7 @@ class SimulatedFrames:
     it was read last and `kept_running` holds.
 
     Args:
-        name: "sim:" and a TOML file of `cadet.simulation.Simulation`.
+        name: "sim:" and a TOML file of `cadet.Simulation`.
 
     Attributes:
         folder: the file.

@@ -38,7 +38,7 @@ class SimulatedData:
     several processes each takes its own share of the episodes.
 
     Args:
-        name: "sim:" and a TOML file of `cadet.simulation.Simulation`.
+        name: "sim:" and a TOML file of `cadet.Simulation`.
         config: the detector and its training.
         seed: of the order and the augmentations.
         bank: objects to paste into the frames.
