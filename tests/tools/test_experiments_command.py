@@ -61,6 +61,7 @@ def test_a_dry_run_lists_and_estimates_and_writes_nothing(folder: Path, tmp_path
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.timeout(240)  # trains seven times
 def test_cells_are_run_one_by_one_and_the_table_grows(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     first = call(*arguments(folder, out), "--cells", "*-sim-*")
