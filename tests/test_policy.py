@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, weather_names
-from cadet.districts import DISTRICTS
+from cadet.worlds.districts import DISTRICTS
 
 DRY = {"clear_noon", "cloudy_noon", "clear_sunset", "cloudy_sunset"}
 STREET = District(name="street", parking_occupancy=(0.1, 0.2), num_cars=(2, 3), num_pedestrians=(0, 1))

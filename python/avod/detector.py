@@ -16,9 +16,9 @@ from avod.device import resolve_device
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.results import detections
 from avod.train.checkpoint import read_checkpoint, trained_network
+from cadet._util.summary import summary
 from cadet.errors import CadetError
-from cadet.kitti import Calibration, Label
-from cadet.summary import summary
+from cadet.formats.kitti import Calibration, Label
 
 
 class Detector:

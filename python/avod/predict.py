@@ -15,8 +15,8 @@ from avod.data.packing import on_device
 from avod.detector import Detector
 from avod.results import detections
 from cadet.errors import CadetError
-from cadet.kitti import Label
-from cadet.kitti.unreadable import READING_ERRORS, Unreadable
+from cadet.formats.kitti import Label
+from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
 
 
 def predict(

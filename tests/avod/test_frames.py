@@ -12,10 +12,10 @@ from click.testing import CliRunner, Result
 from avod.cli.commands import avod
 from avod.data import simulated
 from avod_runs import short_run, small_config, write_set
-from cadet.convert import convert
 from cadet.errors import CadetError
-from cadet.kitti import write_frame
-from cadet.simulation import Simulation
+from cadet.formats.convert import convert
+from cadet.formats.kitti import write_frame
+from cadet.simulation.simulation import Simulation
 
 COUNT = 2
 KINDS = ("folder", "shards", "named shards", "simulation")

@@ -23,8 +23,8 @@ from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from avod_runs import StopAfter, assert_same_training, short_run, small_config
 from cadet.errors import CadetError
-from cadet.kitti import text_from_labels
-from cadet.simulation import Simulation
+from cadet.formats.kitti import text_from_labels
+from cadet.simulation.simulation import Simulation
 
 BLOCK = 6
 STEPS = 8

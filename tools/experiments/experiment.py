@@ -9,9 +9,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Final
 
+from cadet._util.operating_system import FolderInUseError, locked_folder
 from cadet.errors import CadetError
-from cadet.kitti.files import write_whole
-from cadet.operating_system import FolderInUseError, locked_folder
+from cadet.formats.kitti.files.folder import write_whole
 from tools.experiments.cells import Cell
 from tools.experiments.figure import few_frames_figure, matrix_figure, png_of
 from tools.experiments.machine import Machine

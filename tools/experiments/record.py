@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from avod.train.settings import differences
+from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError
-from cadet.kitti.files import write_whole
-from cadet.plain_text import json_from_text
+from cadet.formats.kitti.files.folder import write_whole
 from tools.experiments.cells import Cell
 from tools.experiments.scales import Scale
 from tools.experiments.sets import Sets

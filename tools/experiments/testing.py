@@ -12,9 +12,9 @@ from avod.evaluate import Scored, best, score
 from avod.predict import predict_all
 from avod.train.checkpoint import forget_old, keep_checkpoint, read_checkpoint
 from cadet import evaluate, kitti
+from cadet._util.sink import LocalSink
 from cadet.evaluation import Report
-from cadet.kitti import labels_from_text, text_from_labels
-from cadet.sink import LocalSink
+from cadet.formats.kitti import labels_from_text, text_from_labels
 from tools.experiments.cells import REAL, Cell
 from tools.experiments.machine import Machine
 from tools.experiments.outcome import numbers_of, outcome_file, write_outcome

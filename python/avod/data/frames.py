@@ -9,10 +9,10 @@ from typing import Final, TypeAlias
 
 from cadet import kitti
 from cadet.errors import CadetError
-from cadet.kitti import Frame, Label, labels_from_text, text_from_labels
-from cadet.simulation import Simulation
-from cadet.streaming import FrameStream
-from cadet.webdataset import ShardDataset, open_dataset
+from cadet.formats.kitti import Frame, Label, labels_from_text, text_from_labels
+from cadet.formats.webdataset import ShardDataset, open_dataset
+from cadet.simulation.simulation import Simulation
+from cadet.simulation.streaming import FrameStream
 
 PREFIX: Final = "sim:"
 """Begins the name of a simulation's file where data are named."""

@@ -21,9 +21,9 @@ from avod.data.packing import PackedSample, on_device
 from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from avod.device import Processes
+from cadet._util.operating_system import ENDING_SIGNALS
 from cadet.errors import CadetError
-from cadet.kitti.unreadable import READING_ERRORS
-from cadet.operating_system import ENDING_SIGNALS
+from cadet.formats.kitti.files.unreadable import READING_ERRORS
 
 
 @contextmanager

@@ -21,9 +21,9 @@ from avod.data.paste import check_bank
 from avod.data.prefetch import prefetched
 from avod.data.sample import Sample
 from avod.data.subset import usable_frames
+from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError
-from cadet.kitti import Frame
-from cadet.object_bank import ObjectBank
+from cadet.formats.kitti import Frame
 
 BLOCK: Final = 80
 """Frames that are shuffled together: four episodes of the policy `kitti`, some 250 MB."""

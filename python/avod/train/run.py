@@ -24,8 +24,8 @@ from avod.train.log import TrainingLog, Validated, ValidationLog
 from avod.train.settings import Record, Run, check_resumed, with_skipped, write_record
 from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
+from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError, CadetWarning
-from cadet.object_bank import ObjectBank
 
 __all__ = ["OnStep", "Run", "Validate", "train", "with_steps"]
 

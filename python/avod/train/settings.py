@@ -16,10 +16,10 @@ from avod.config import Config
 from avod.config_file import config_from_table, table_from_config
 from avod.data.mixture import Folders
 from cadet import __version__
-from cadet.checks import check_number
+from cadet._util.checks import check_number
+from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import write_whole
-from cadet.plain_text import json_from_text
+from cadet.formats.kitti.files.folder import write_whole
 
 _NAME: Final = "run.json"
 _FORMAT: Final = "avod-training"
