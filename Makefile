@@ -106,13 +106,13 @@ emulator:
 			apt-get -qq install -y --no-install-recommends qemu-user > /dev/null
 
 fuzz: build-dev ## Feed every reader with 100,000 damaged files, half an hour on one core (COUNT=1000 for fewer)
-	PYTHONPATH=tests $(BIN)/python -m fuzz $(or $(COUNT),100000)
+	PYTHONPATH=tests/support $(BIN)/python -m fuzz $(or $(COUNT),100000)
 
 faults: build-dev ## Generate under 1,000 schedules of faults, a quarter of an hour (COUNT=100 for fewer)
-	PYTHONPATH=tests $(BIN)/python tests/faults.py --count $(or $(COUNT),1000)
+	PYTHONPATH=tests/support $(BIN)/python tests/support/faults.py --count $(or $(COUNT),1000)
 
-golden: build ## Renew the digests that tests/generated/test_golden_bytes.py holds
-	$(BIN)/python tests/golden_frames.py --write
+golden: build ## Renew the digests that tests/cadet/generate/test_golden_bytes.py holds
+	$(BIN)/python tests/support/golden_frames.py --write
 
 bench: check-rust ## Measure the core with criterion
 	cargo bench --locked -p cadet_bench

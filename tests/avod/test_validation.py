@@ -20,9 +20,9 @@ from avod.figures import _AP_COLOR, loss_figure
 from avod.model.network import AvodNetwork
 from avod.train.log import TERMS, Validated, ValidationLog, read_validations
 from avod.validate import Validator
-from avod_runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 from cadet import kitti
 from cadet.errors import CadetError, MissingFileError
+from detector.runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 
 STEPS = 8
 

@@ -17,12 +17,12 @@ from avod.predict import predict
 from avod.train.checkpoint import checkpoints, read_checkpoint
 from avod.train.log import read_log
 from avod.train.settings import read_record
-from avod_experiments import STEPS, micro_cells, micro_scale, micro_sets, run_micro
-from avod_runs import assert_same_training, weights
 from cadet import evaluate
 from cadet._util.operating_system import locked_folder
 from cadet.errors import CadetError
 from cadet.formats.kitti import text_from_labels
+from detector.experiments import STEPS, micro_cells, micro_scale, micro_sets, run_micro
+from detector.runs import assert_same_training, weights
 from tools.experiments.cells import Cell
 from tools.experiments.experiment import selected
 from tools.experiments.outcome import is_finished, read_outcomes

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from avod_experiments import micro_scale, micro_sets
 from cadet.errors import CadetError
+from detector.experiments import micro_scale, micro_sets
 from tools.experiments import scales
 from tools.experiments.command import experiments
 
@@ -127,12 +127,12 @@ def test_two_processes_share_a_cell(folder: Path, tmp_path: Path) -> None:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
-    paths = os.pathsep.join(map(str, (ROOT, ROOT / "python", ROOT / "tests")))
+    paths = os.pathsep.join(map(str, (ROOT, ROOT / "python", ROOT / "tests" / "support")))
     environment = {**os.environ, "PYTHONPATH": paths, "WORLD_SIZE": "2", "OMP_NUM_THREADS": "1"}
     environment |= {"MASTER_ADDR": "127.0.0.1", "MASTER_PORT": str(port)}
     code = (
         "import sys; from pathlib import Path\n"
-        "from tools.experiments import scales; from avod_experiments import micro_scale\n"
+        "from tools.experiments import scales; from detector.experiments import micro_scale\n"
         "scales.SCALES['tiny'] = micro_scale(Path(sys.argv.pop(1)))\n"
         "import tools.experiments.__main__"
     )

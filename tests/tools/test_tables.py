@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from avod.device import Processes
-from avod_experiments import micro_cells, micro_scale, micro_sets, silent
 from cadet import evaluate
+from detector.experiments import micro_cells, micro_scale, micro_sets, silent
 from synthetic import make_frame
 from tools.experiments.cells import Cell
 from tools.experiments.estimate import TIMED, WARM_UP, Speed, cell_seconds, hours, measure_speed, shared_seconds
