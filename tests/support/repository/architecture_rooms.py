@@ -36,7 +36,7 @@ AVOD_ROOMS: dict[str, set[str]] = {
     "train": {"config", "config_file", "data", "device", "losses", "model", "targets"},
     "detector": {"config", "data", "device", "model", "results", "train"},
     "predict": {"data", "detector", "results"},
-    "evaluate": {"config", "detector", "predict"},
+    "evaluate": {"config", "data", "detector", "predict"},
     "validate": {"config", "data", "device", "evaluate", "losses", "model", "results", "targets", "train"},
     "figures": {"train"},
     "clusters": set(),
