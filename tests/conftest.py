@@ -1,4 +1,4 @@
-"""What all tests share: the compiled core, Ctrl-C that is heard, and CI that skips nothing by chance."""
+"""What all tests share: the compiled core, Ctrl-C that is heard, a mark for slow ones, and no skips in CI."""
 
 from __future__ import annotations
 
@@ -10,8 +10,15 @@ from typing import Any
 import pytest
 
 from in_ci import pytest_make_collect_report, pytest_runtest_makereport
+from slow_tests import pytest_collection_modifyitems
 
-__all__ = ["core", "pytest_make_collect_report", "pytest_report_header", "pytest_runtest_makereport"]
+__all__ = [
+    "core",
+    "pytest_collection_modifyitems",
+    "pytest_make_collect_report",
+    "pytest_report_header",
+    "pytest_runtest_makereport",
+]
 
 try:
     importlib.import_module("cadet._cadet")

@@ -45,6 +45,14 @@ def test_every_exception_to_the_lint_is_of_files_that_exist() -> None:
     assert patterns and [pattern for pattern in patterns if not any(ROOT.glob(pattern))] == []
 
 
+def test_the_workflow_tests_every_python_that_the_package_names() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    named = re.findall(r"Programming Language :: Python :: (3\.\d+)", "\n".join(project["classifiers"]))
+    workflow = (ROOT / ".github" / "workflows" / "test.yml").read_text()
+    (tested,) = re.findall(r"^ +python: \[(.*)\]$", workflow, re.MULTILINE)
+    assert re.findall(r'"(\S+?)"', tested) == named and project["requires-python"] == f">={named[0]}"
+
+
 def test_the_workflow_checks_golden_frames_where_they_are_promised() -> None:
     """README: identical bytes are guaranteed on Linux on x86-64 alone."""
     workflow = (ROOT / ".github" / "workflows" / "wheels.yml").read_text()
