@@ -63,7 +63,7 @@ class Run:
         is_compiled: compile the pyramids.
         has_tensorboard: write TensorBoard's files too.
         bank: of objects that are pasted into frames, as many as the configuration says.
-        frames: learn from so many of the folder's frames alone, which the seed draws, the fewer among the more; None
+        frames: learn from only this many of the folder's frames, drawn by the seed; fewer are among more; None
             for all that hold enough objects.
 
     Raises:
@@ -180,7 +180,7 @@ def read_record(out: Path) -> Record:
         raise MissingFileError(f"{path}: no such file: {out} holds no training that --resume could go on with")
     table = json_from_text(path.read_bytes(), str(path))
     if not isinstance(table, dict) or table.get("format") != _FORMAT:
-        raise CadetError(f"{path}: no record of an avod training")
+        raise CadetError(f"{path}: not a record of an avod training")
     if table.get("version") != _VERSION:
         raise CadetError(f"{path}: version {table.get('version')!r}, expected {_VERSION}")
     config = config_from_table(table.get("config"), f"{path}: config")

@@ -248,7 +248,7 @@ class PropConfig(_Overrides):
 
 @dataclass(frozen=True, kw_only=True)
 class SceneConfig(_Overrides):
-    """How full a scene is, what stands in it, where its sun is, and what gets a label.
+    """How full a scene is, what is placed in it, where its sun is, and what gets a label.
 
     The core states the defaults and limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,
     `stream`), only fields that were given count, those of `suburb`, `props`, and `label` one by one; all else is drawn.

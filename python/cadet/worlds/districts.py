@@ -15,7 +15,7 @@ class District:
     """A kind of neighborhood: ranges that a scene's numbers are drawn from, both ends included.
 
     Raises:
-        CadetError: a range that is none.
+        CadetError: an invalid range.
     """
 
     name: str

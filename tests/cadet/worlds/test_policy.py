@@ -25,8 +25,8 @@ def test_large_seeds_are_used_in_full_and_episodes_that_would_share_their_stream
     seeds = [3, *(3 + 2**bit for bit in (32, 40, 52, 53, 62)), 3 * 2**40, 2**63 - 1]
     policy = ResetPolicy.kitti()
     assert len({policy.draw(seed, 0).config for seed in seeds}) == len(seeds)
-    # This and the first below are the 32-bit words 1, 3, 7, 0.
-    policy.draw(1 + 3 * 2**32, 7)
+    # Both are the 32-bit words 1, 3, 7, 0.
+    assert policy.draw(1 + 3 * 2**32, 7).config != policy.draw(1, 3).config
     for episode, attempt, name in [(3 + 7 * 2**32, 0, "episode"), (-1, 0, "episode"), (0, 10**9 + 1, "attempt")]:
         with pytest.raises(CadetError, match=f"^{name}: expected a whole number from 0 to 1000000000, got "):
             policy.draw(1, episode, attempt)
