@@ -84,7 +84,7 @@ lint: build-dev ## Check formats, clippy, docs, ruff and types
 	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --workspace --no-deps --document-private-items
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/|tools/')
+	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/|tools/|support/detector/')
 	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 
 test-rust: check-rust
@@ -93,7 +93,7 @@ test-rust: check-rust
 test-python: build-dev emulator
 	$(BIN)/pytest --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
 
-test-fast: ## Run the Python tests that matter while working: minutes less than all of them
+test-fast: build-dev ## Run the Python tests that matter while working: minutes less than all of them
 	$(BIN)/pytest -m 'not slow'
 
 # The golden frames are made on other processors too. A developer without the emulator sees a skipped test, CI may not.
