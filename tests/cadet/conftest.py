@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import cadet
-from sensed import Sensed, sense
+from scans.sensed import Sensed, sense
 
 
 @pytest.fixture(scope="session")

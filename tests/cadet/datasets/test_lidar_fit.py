@@ -25,8 +25,8 @@ from cadet.cli import run_cadet
 from cadet.cli.lidar import _ring_table
 from cadet.datasets.lidar_fit import LidarFit, fit_lidar
 from cadet.datasets.lidar_fit.fit import RingFit
-from lidar_scans import ring_of, write_scan, yard_scan
-from scan_writers import pcd, ply
+from scans.lidar_scans import ring_of, write_scan, yard_scan
+from scans.scan_writers import pcd, ply
 
 CUSTOM = BeamTable(
     name="custom",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cadet import BeamTable, Laser, Lidar, Scene, UniformFiring
 from cadet.datasets.lidar_fit import LidarFit, fit_lidar
-from lidar_scans import ring_of, write_scan, yard_scan
+from scans.lidar_scans import ring_of, write_scan, yard_scan
 
 TABLE = BeamTable(
     name="custom",

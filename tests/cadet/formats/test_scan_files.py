@@ -14,7 +14,7 @@ from cadet import CadetError, MissingFileError
 from cadet.formats.kitti.files import dialects
 from cadet.formats.scan_files import RecordedScan, read_scan
 from cadet.formats.scan_files.read import scan_from_data
-from scan_writers import npy, pcd, ply
+from scans.scan_writers import npy, pcd, ply
 
 Columns = dict[str, NDArray[np.generic]]
 N = 300

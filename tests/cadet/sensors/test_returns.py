@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import cadet
 from cadet.sensors.semantic import Semantic
 from real_kitti import files, needs_kitti
-from sensed import Sensed
+from scans.sensed import Sensed
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import pytest
 
 import cadet
 from real_kitti import files, needs_kitti
-from road_scans import RoadStatistics, road_statistics
+from scans.road_scans import RoadStatistics, road_statistics
 
 KITTI_NOISE_M = (0.0072, 0.0090)
 KITTI_CORRELATION = (0.25, 0.55)

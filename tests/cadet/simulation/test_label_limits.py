@@ -12,7 +12,7 @@ import pytest
 import cadet
 from cadet.worlds.weather import air_of
 from mesh_files.obj_meshes import WALL, assets_folder
-from sensed import objects_of
+from scans.sensed import objects_of
 
 PLACES = [(11.0, -5.8), (19.0, 7.7), (29.0, -6.2), (41.0, 8.7), (56.0, -5.4), (73.0, 6.4)]
 """Of cars that do not hide each other, meters ahead and to the left."""

@@ -14,7 +14,7 @@ import cadet
 from cadet.formats.kitti.boxes import corners_cam, points_in_boxes
 from cadet.formats.kitti.dataset import encode_frame
 from mesh_files.obj_meshes import WALL, assets_folder
-from sensed import Sensed, objects_of, sense
+from scans.sensed import Sensed, objects_of, sense
 
 ROAD = (cadet.Semantic.ROAD, cadet.Semantic.ROAD_MARKING)
 

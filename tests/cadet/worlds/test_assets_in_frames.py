@@ -18,7 +18,7 @@ from cadet.cli import run_cadet_gen
 from cadet.formats.kitti.boxes import points_in_boxes
 from cadet.formats.kitti.lint import lint
 from mesh_files.obj_meshes import CAR, Block, assets_folder, obj_of
-from sensed import sense
+from scans.sensed import sense
 
 MESHES = Path(__file__).resolve().parents[4] / "shared" / "meshes"
 needs_meshes = pytest.mark.skipif(not MESHES.is_dir(), reason="needs the vehicle meshes in ../shared/meshes")

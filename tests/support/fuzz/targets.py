@@ -31,7 +31,7 @@ from fuzz.pictures import picture_targets
 from fuzz.road_text import ROADS
 from fuzz.settings import SETTINGS_TARGETS
 from fuzz.target import Input, Target
-from scan_writers import Columns, npy, pcd, ply
+from scans.scan_writers import Columns, npy, pcd, ply
 from synthetic import make_calib, make_frame
 
 

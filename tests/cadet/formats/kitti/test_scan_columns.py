@@ -15,7 +15,7 @@ from cadet.formats.kitti import lint, read_frame, write_frame
 from cadet.formats.kitti.files import dialects
 from cadet.formats.kitti.files.scan_columns import Layout, layout_of
 from cadet.formats.kitti.files.velodyne import points_from_bytes
-from lidar_scans import VLP16, yard_scan
+from scans.lidar_scans import VLP16, yard_scan
 from synthetic import make_frame
 
 Array = NDArray[np.float64]
