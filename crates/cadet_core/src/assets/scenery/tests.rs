@@ -170,7 +170,7 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_meter() {
                 let mut s = Stream::from_seed("beams", variant as u64);
                 for _ in 0..250 {
                     let blob = design.blobs[s.below(design.blobs.len())];
-                    let p = blob.center + draw::direction(&mut s) * (blob.radius * 0.75 * s.unit() as f32);
+                    let p = blob.center + draw::direction(&mut s) * (blob.radius_m * 0.75 * s.unit() as f32);
                     let d = draw::direction(&mut s);
                     let near = hits(mesh, p - d * 0.5, d, |slot| slot != plant_slot::BARK);
                     open += usize::from(near.first().is_none_or(|h| h.0 > 1.0));
@@ -194,7 +194,7 @@ fn every_part_of_a_crown_has_its_leaves_at_every_level() {
                     .map(|(f, _)| f.map(|i| mesh.vertices[i as usize]).into_iter().sum::<Vec3>() / 3.0)
                     .collect();
                 let fewest = design.blobs.iter().map(|blob| {
-                    let reach = blob.radius * 1.1;
+                    let reach = blob.radius_m * 1.1;
                     middles.iter().filter(|m| m.distance(blob.center) < reach).count()
                 });
                 if middles.len() < 150 {
