@@ -78,7 +78,7 @@ impl CyclistModel {
         let true_lwh = annotation::cyclist_size(&annotated, &mut s);
         let design = Arc::new(Design::draw(true_lwh, &mut s));
         let palette = paint::palette(&design.rider, &mut s);
-        let name = format!("{} on bicycle/{model_seed}", design.rider.kind.name());
+        let name = format!("{} on bicycle/{model_seed}", design.rider.kind.as_ref());
         let riding = design.body(false, 0);
         let bounds = (0..NUM_PHASES)
             .map(|k| Bounds::of(design.legs(phase_legs(k), 0).vertices))

@@ -99,7 +99,7 @@ impl PersonModel {
             .fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
         let (size, center) = (bounds.size(), bounds.center());
         Self {
-            name: format!("{}/{model_seed}", p.kind.name()),
+            name: format!("{}/{model_seed}", p.kind.as_ref()),
             size_lwh: DVec3::new(f64::from(size.x), f64::from(size.y), f64::from(bounds.max.z)),
             annotated,
             walking_speed_mps: f64::from(p.speed_mps),
@@ -153,7 +153,7 @@ impl PersonModel {
                 _ => p.load = Load::None,
             }
         }
-        let (kind, what) = (p.kind.name(), thing.name());
+        let (kind, what) = (p.kind.as_ref(), thing.as_ref());
         Self {
             name: format!("{kind} with {what}/{}", self.seed),
             proportions: Arc::new(p),

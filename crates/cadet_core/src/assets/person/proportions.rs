@@ -1,5 +1,7 @@
 //! One person's measures and gait.
 
+use strum::AsRefStr;
+
 use super::hold::Hold;
 use crate::math;
 use crate::rng::Stream;
@@ -24,21 +26,12 @@ pub(in crate::assets) enum ArmPose {
 }
 
 /// Kind of person.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, AsRefStr)]
+#[strum(serialize_all = "lowercase")]
 pub(in crate::assets) enum PersonKind {
     Man,
     Woman,
     Child,
-}
-
-impl PersonKind {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Man => "man",
-            Self::Woman => "woman",
-            Self::Child => "child",
-        }
-    }
 }
 
 /// What covers the legs.

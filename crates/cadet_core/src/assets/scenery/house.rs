@@ -1,5 +1,7 @@
 //! Houses of a South German suburb, from the terrace to the block of flats.
 
+use strum::{AsRefStr, VariantArray};
+
 use super::draw::{CREASE_RAD, range};
 use super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::materials::house_slot as slot;
@@ -11,7 +13,8 @@ use crate::math::{Mat3, Vec3};
 use crate::rng::Stream;
 
 /// What kind of house.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum HouseKind {
     /// A family's own house in its garden.
     Detached,
@@ -25,24 +28,6 @@ pub enum HouseKind {
     Block,
     /// Two to four stories of flats with balconies.
     Flats,
-}
-
-impl HouseKind {
-    /// Every kind.
-    pub const ALL: [Self; 6] = [Self::Detached, Self::Semi, Self::Terrace, Self::Village, Self::Block, Self::Flats];
-
-    /// A short name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Detached => "detached",
-            Self::Semi => "semi",
-            Self::Terrace => "terrace",
-            Self::Village => "village",
-            Self::Block => "block",
-            Self::Flats => "flats",
-        }
-    }
 }
 
 /// The drawn measures of one house: x is its depth, y its width along the street.
@@ -71,7 +56,7 @@ pub(super) struct HouseDesign {
 impl HouseDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: HouseKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.name(), variant as u64);
+        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut s;
         let (units, width_m, depth_m) = match kind {
             HouseKind::Detached => (1, range(s, 9.0, 12.5), range(s, 9.0, 12.0)),
@@ -271,7 +256,7 @@ impl HouseDesign {
         if detail != Detail::Far {
             self.downpipes(&mut b, &roof);
         }
-        b.build(self.kind.name(), CREASE_RAD)
+        b.build(self.kind.as_ref(), CREASE_RAD)
     }
 
     /// Steps and canopies at doors, balconies.

@@ -46,7 +46,7 @@ pub fn house(kind: HouseKind, variant: usize) -> House {
     let design = HouseDesign::new(kind, variant);
     let model = MODELS.get((kind, variant), || {
         let design = design.clone();
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = house_palette(&mut Stream::from_seed(&name, 0), design.flat_roof);
         let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
@@ -64,7 +64,7 @@ pub fn city_house(kind: CityKind, variant: usize) -> House {
     let design = CityDesign::new(kind, variant);
     let model = MODELS.get((kind, variant), || {
         let design = design.clone();
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = design.lit_shops(city_palette(&mut Stream::from_seed(&name, 0)));
         let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
@@ -81,7 +81,7 @@ pub fn hall(kind: HallKind, variant: usize) -> SceneryModel {
     let variant = variant % HALL_VARIANTS;
     MODELS.get((kind, variant), || {
         let design = HallDesign::new(kind, variant);
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = hall_palette(kind, &mut Stream::from_seed(&name, 0));
         let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
@@ -111,7 +111,7 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
     let variant = variant % TREES;
     MODELS.get((kind, variant), || {
         let design = TreeDesign::new(kind, variant);
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
         let half = DVec2::splat(f64::from(design.crown_radius_m));
         let height_m = f64::from(design.height_m);

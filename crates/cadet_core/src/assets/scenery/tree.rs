@@ -1,5 +1,7 @@
 //! Trees and shrubs: trunk, limbs and a crown of leaf clusters with real gaps.
 
+use strum::{AsRefStr, VariantArray};
+
 use std::sync::Arc;
 
 use super::Mesh;
@@ -12,36 +14,25 @@ use crate::math::{Vec3, cosf, sinf};
 use crate::rng::Stream;
 
 /// What kind of plant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum TreeKind {
     /// Broad-leaved, 8-14 m, first branch at 2.6 m or more.
+    #[strum(serialize = "street-tree")]
     Street,
     /// Broad-leaved or fruit tree of a garden, 4.5-9.5 m.
+    #[strum(serialize = "garden-tree")]
     Garden,
     /// A spruce or a cypress, 6-16 m.
     Conifer,
     /// A large tree of a wood's edge, leaves down to the ground.
+    #[strum(serialize = "wood-tree")]
     Wood,
     /// A shrub, 0.6-2.5 m.
     Shrub,
 }
 
 impl TreeKind {
-    /// Every kind.
-    pub const ALL: [Self; 5] = [Self::Street, Self::Garden, Self::Conifer, Self::Wood, Self::Shrub];
-
-    /// A short name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Street => "street-tree",
-            Self::Garden => "garden-tree",
-            Self::Conifer => "conifer",
-            Self::Wood => "wood-tree",
-            Self::Shrub => "shrub",
-        }
-    }
-
     /// True for needles: darker palettes.
     #[must_use]
     pub fn is_evergreen(self) -> bool {
@@ -84,7 +75,7 @@ const LEAF_AREA_PER_M3: f32 = 1.8;
 impl TreeDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: TreeKind, variant: usize) -> Self {
-        let mut stream = Stream::from_seed(kind.name(), variant as u64);
+        let mut stream = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut stream;
         let (height_m, crown_radius_m, crown_base_m) = match kind {
             TreeKind::Street => {
@@ -213,7 +204,7 @@ impl TreeDesign {
             TreeKind::Conifer => self.conifer(&mut wood, &mut leaves, &mut s, level),
             _ => self.broad_leaved(&mut wood, &mut leaves, &mut s, level),
         }
-        leaves.build(self.kind.name(), &wood)
+        leaves.build(self.kind.as_ref(), &wood)
     }
 
     fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, level: &Level) {

@@ -85,7 +85,7 @@ pub(super) struct CityDesign {
 impl CityDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: CityKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.name(), variant as u64);
+        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut s;
         let is_corner = kind != CityKind::Row;
         let width_m = if is_corner { range(s, 13.0, 17.0) } else { ROW_WIDTHS_M[variant % ROW_WIDTHS_M.len()] };
@@ -192,7 +192,7 @@ impl CityDesign {
         }
         self.foot(&mut b, &sides);
         self.top(&mut b, &sides, detail);
-        b.build(self.kind.name(), CREASE_RAD)
+        b.build(self.kind.as_ref(), CREASE_RAD)
     }
 
     /// The foundation, its edge flush with the sidewalk.

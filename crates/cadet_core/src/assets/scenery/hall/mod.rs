@@ -8,6 +8,8 @@ mod tests;
 
 pub use colors::hall_palette;
 
+use strum::{AsRefStr, VariantArray};
+
 use super::draw::{CREASE_RAD, range};
 use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
@@ -24,7 +26,8 @@ const FOOT_M: f32 = -1.8;
 const SHALLOW: f32 = 0.12;
 
 /// What a large building is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum HallKind {
     /// One story with a glass entrance under a sign.
     Market,
@@ -34,22 +37,6 @@ pub enum HallKind {
     Office,
     /// Three to five floors with bands of windows and a stairwell of glass.
     Institute,
-}
-
-impl HallKind {
-    /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Market, Self::Works, Self::Office, Self::Institute];
-
-    /// A short name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Market => "market",
-            Self::Works => "works",
-            Self::Office => "office",
-            Self::Institute => "institute",
-        }
-    }
 }
 
 /// What the walls are clad with.
@@ -80,7 +67,7 @@ pub(super) struct HallDesign {
 impl HallDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: HallKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.name(), variant as u64);
+        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut s;
         // Small ones and large ones, so that one fits most lots.
         let size = (variant % HALL_VARIANTS) as f32 / (HALL_VARIANTS - 1) as f32;
@@ -144,7 +131,7 @@ impl HallDesign {
         if detail != Detail::Far {
             parts::on_roof(&mut b, self);
         }
-        b.build(self.kind.name(), CREASE_RAD)
+        b.build(self.kind.as_ref(), CREASE_RAD)
     }
 
     /// Whether offices are stacked in it.
