@@ -31,7 +31,8 @@ def _misbehave(value: Input) -> object:
 
 
 @pytest.mark.parametrize(
-    ("value", "what"), [("exit", "SystemExit in test_fuzz_readers.py:"), ("forever", "took more"), ("memory", "MemoryError")]
+    ("value", "what"),
+    [("exit", "SystemExit in test_fuzz_readers.py:"), ("forever", "took more"), ("memory", "MemoryError")],
 )
 def test_the_harness_sees(value: str, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fuzz.harness, "SECONDS_AN_INPUT", 0.5)
