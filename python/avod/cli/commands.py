@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, clusters, paper, bench, view."""
+"""`avod`: train, predict, eval, clusters, bench, view."""
 
 from __future__ import annotations
 
@@ -26,15 +26,14 @@ from avod.cli.options import (
     set_option,
     split_option,
 )
-from avod.cli.paper import paper_command
 from avod.cli.train import train_command
+from avod.data.frames import open_frames
 from avod.detector import Detector
 from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score
 from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_checkpoint
-from avod.train.log import read_log
-from avod.train.validation_log import read_validations
+from avod.train.log import read_log, read_validations
 from cadet import __version__
 from cadet._util.sink import LocalSink
 from cadet.cli.eval import print_analysis, recall_option
@@ -45,7 +44,6 @@ from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.formats.kitti import text_from_labels
 from cadet.formats.kitti.files.folder import check_id
 from cadet.formats.kitti.files.unreadable import Unreadable
-from cadet.formats.webdataset import open_dataset
 from cadet.view.picture import check_picture_path, write_picture
 
 
@@ -57,7 +55,6 @@ def avod() -> None:
 
 avod.add_command(train_command)
 avod.add_command(clusters_command)
-avod.add_command(paper_command)
 
 
 @avod.command(name="predict")
@@ -226,7 +223,7 @@ def bench_command(
 
 @avod.command(name="view")
 @click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw this checkpoint's detections.")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="The folder of the frame.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="The data of the frame, as for predict.")
 @click.option("--frame-id", metavar="ID", help="The frame.")
 @click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this run instead.")
 @click.option("-o", "--out", metavar="FILE", required=True, help="The picture, a .png or .jpg.")
@@ -257,7 +254,7 @@ def view_command(
     if checkpoint is None or data is None or frame_id is None:
         raise CadetError("view needs --checkpoint, --data and --frame-id, or --log")
     detector = _detector(checkpoint, device, precision, detection_settings(settings))
-    frame = open_dataset(data).read_frame(check_id(frame_id))
+    frame = open_frames(data).read_frame(check_id(frame_id))
     found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
     click.echo(f"wrote {write_picture(out, detection_figure(frame, found))}")
 
