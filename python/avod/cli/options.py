@@ -164,7 +164,7 @@ def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[Frames,
     frames = open_frames(root, name)
     if isinstance(frames, SimulatedFrames):
         if limit is None:
-            raise CadetError(f"{root}: a simulation has no end: say by --frames how many frames to take")
+            raise CadetError(f"{root}: a simulation has no end: say by --num-frames how many frames to take")
         return frames, frames.first(limit)
     check_not_empty(frames.ids, root, name)
     frames_with_files(frames, Unreadable(root), root)

@@ -165,7 +165,7 @@ def test_pictures_are_of_the_kind_that_their_name_says(dataset: Path, tmp_path: 
     shown = call("view", "--log", out, "-o", tmp_path / "a.jpg")
     assert shown.output == f"wrote {tmp_path / 'a.jpg'}\n"
     assert (tmp_path / "a.jpg").read_bytes()[:3] == b"\xff\xd8\xff"
-    frame = ["view", "--checkpoint", "tiny_car", "--data", dataset, "--frame", "000000"]
+    frame = ["view", "--checkpoint", "tiny_car", "--data", dataset, "--frame-id", "000000"]
     assert call(*frame, "-o", tmp_path / "b.png").output == f"wrote {tmp_path / 'b.png'}\n"
     assert cv2.imread(str(tmp_path / "b.png")) is not None
     evaluate = ["eval", "--checkpoint", "nothing", "--data", tmp_path / "nowhere"]

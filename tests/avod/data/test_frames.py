@@ -48,7 +48,7 @@ def run(data: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def call(command: str, run: Path, data: str, *arguments: object) -> Result:
-    options = ("--checkpoint", run, "--data", data, "--workers", 1, "--score-threshold", 0.0, *arguments)
+    options = ("--checkpoint", run, "--data", data, "--workers", 1, "--min-score", 0.0, *arguments)
     done = CliRunner().invoke(avod, [command, *map(str, options)], catch_exceptions=False)
     assert done.exit_code == 0, done.output
     return done
@@ -66,9 +66,9 @@ def test_what_trains_is_detected_in_and_evaluated(
     expected: list[Any] = []
     for name, values, options in ((data[kind], found, split), (folder, expected, ("--split", "val"))):
         out = tmp_path / str(len(values)) / name.replace("/", "_")
-        call("predict", run, name, "--frames", COUNT, "--out", out, *options)
+        call("predict", run, name, "--num-frames", COUNT, "--out", out, *options)
         values += [(path.name, path.read_bytes()) for path in sorted(out.iterdir())]
-        values.append(json.loads(call("eval", run, name, "--frames", COUNT, "--json", *options).stdout))
+        values.append(json.loads(call("eval", run, name, "--num-frames", COUNT, "--json", *options).stdout))
     assert len(found) == COUNT + 1 and any(text for _, text in found[:COUNT])
     assert found == expected
 
@@ -76,9 +76,9 @@ def test_what_trains_is_detected_in_and_evaluated(
 @pytest.mark.parametrize("kind", ["named shards", "simulation"])
 def test_what_has_no_splits_refuses_one(data: dict[str, str], run: Path, kind: str) -> None:
     with pytest.raises(CadetError, match="--split: shards that --data names are all read, and a simulation has no"):
-        call("eval", run, data[kind], "--frames", 1, "--split", "train")
+        call("eval", run, data[kind], "--num-frames", 1, "--split", "train")
 
 
 def test_a_simulation_has_no_end(data: dict[str, str], run: Path) -> None:
-    with pytest.raises(CadetError, match=r"town\.toml: a simulation has no end: say by --frames how many"):
+    with pytest.raises(CadetError, match=r"town\.toml: a simulation has no end: say by --num-frames how many"):
         call("eval", run, data["simulation"])
