@@ -64,6 +64,8 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "Dataset": lambda w: kitti.Dataset(w.root),
     "Detections": lambda w: w.found,
     "District": lambda w: cadet.District.named("parked_rows"),
+    "Draws": lambda w: cadet.Draws(0, 0, 0, "name"),
+    "EpisodeSpec": lambda w: w.policy.draw(0, 0),
     "EncoderFiring": lambda w: cadet.EncoderFiring(ticks_per_turn=4000, ticks_per_firing=2.0, firings=100),
     "Environment": lambda w: w.environment,
     "EvalClass": lambda w: cadet.EvalClass("Car", ("Car",), (0.5, 0.5, 0.5)),
@@ -98,6 +100,9 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "VehicleMesh": lambda w: cadet.Assets.read(w.root).vehicles[0],
 }
 CALLS: dict[str, Callable[[World], Any]] = {
+    "Draws.between": lambda w: cadet.Draws(0, 0, 0, "name").between(1.0, 2.0),
+    "Draws.count": lambda w: cadet.Draws(0, 0, 0, "name").count(1, 2),
+    "Draws.weighted": lambda w: cadet.Draws(0, 0, 0, "name").weighted([("a", 1.0)]),
     "Assets.read": lambda w: cadet.Assets.read(w.root),
     "Props.read": lambda w: cadet.Props.read(w.root / "props"),
     "Calibration.cam_to_velo": lambda w: w.frame.calib.cam_to_velo(POINTS),

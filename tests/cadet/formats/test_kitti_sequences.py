@@ -353,7 +353,7 @@ def test_workers_and_interruptions_change_no_byte(
 
 def test_what_does_not_fit_is_refused() -> None:
     for dataset_format in ("kitti_tracking", "kitti_raw"):
-        with pytest.raises(cadet.CadetError, match=rf"{dataset_format}: expected a sequence \(--sequence"):
+        with pytest.raises(cadet.CadetError, match=rf"{dataset_format}: expected a sequence \(--hz"):
             Settings(policy=cadet.ResetPolicy.kitti(), format=dataset_format)
         bent = replace(cadet.Camera.kitti(), distortion=(0.1, 0.0, 0.0, 0.0, 0.0))
         with pytest.raises(cadet.CadetError, match=f"{dataset_format} has no distortion"):

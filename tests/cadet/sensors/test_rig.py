@@ -219,7 +219,7 @@ def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) ->
     + ["width = 1600", "fx = 1266.417203046554", "cx = 816.2670197447984"],
 )
 def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) -> None:
-    text = (Path(cadet.__file__).parent / "presets" / "rigs" / "nuscenes.toml").read_text()
+    text = (Path(cadet.__file__).parent / "sensors" / "presets" / "rigs" / "nuscenes.toml").read_text()
     name, bracket = re.split(r" = (\[?)", old)[:2]
     assert old in text
     endless = (f"1{'0' * 400}", r"(\[0\])?: a whole number of 401 digits")
@@ -229,7 +229,9 @@ def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) ->
             Rig.read(tmp_path / "mine.toml")
 
 
-@pytest.mark.parametrize("path", sorted((Path(cadet.__file__).parent / "presets" / "rigs").glob("*.toml")), ids=str)
+@pytest.mark.parametrize(
+    "path", sorted((Path(cadet.__file__).parent / "sensors" / "presets" / "rigs").glob("*.toml")), ids=str
+)
 def test_a_file_is_a_preset(path: Path) -> None:
     assert path.stem in RIG_PRESETS
     assert Rig.named(path.stem) == Rig.read(path) and Rig.named(path.stem).name == path.stem
