@@ -1,6 +1,9 @@
 """KITTI-format driving data from procedurally generated suburbs: images, LIDAR scans, exact 3D labels, with no GPU."""
 
-from cadet import bev, generate
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from cadet import bev
 from cadet._cadet import __version__
 from cadet.bev import BevConfig
 from cadet.errors import (
@@ -48,6 +51,9 @@ from cadet.worlds.policy import EpisodeSpec, ResetPolicy
 from cadet.worlds.props import Props
 from cadet.worlds.road_map import RoadMap
 from cadet.worlds.weather import weather_names
+
+if TYPE_CHECKING:
+    from cadet import generate
 
 __all__ = [
     "Agent",
@@ -119,3 +125,10 @@ __all__ = [
 def __dir__() -> list[str]:
     """List what is public, and not the rooms that it comes from."""
     return sorted(__all__)
+
+
+def __getattr__(name: str) -> Any:
+    # Scenes and readers do without what writes datasets.
+    if name == "generate":
+        return import_module("cadet.generate")
+    raise AttributeError(f"module 'cadet' has no attribute {name!r}")

@@ -248,9 +248,7 @@ class TestOnTheCore:
         assert Lidar.named("vlp16") == Lidar.vlp16()
         (tmp_path / "mine.toml").write_text(TEXT)
         assert Lidar.named(tmp_path / "mine.toml").name == "mine"
-        with pytest.raises(
-            CadetError, match=r"unknown lidar 'vlp32'; known: .*or the path of a file that ends in \.toml"
-        ):
+        with pytest.raises(CadetError, match=r"unknown lidar 'vlp32'; known: .*or the path of a file"):
             Lidar.named("vlp32")
         with pytest.raises(CadetError, match=r"Lidar\.name: expected the table's, 'mine', got 'yours'"):
             Lidar("yours", table=BeamTable.from_toml(TEXT))

@@ -19,6 +19,8 @@ SHARED = Path(__file__).parents[4] / "shared"
 # The published calibration of 26 September 2011.
 KITTI_P2 = [[721.5377, 0.0, 609.5593, 44.85728], [0.0, 721.5377, 172.854, 0.2163791], [0.0, 0.0, 1.0, 0.002745884]]
 
+PRESETS = Path(cadet.__file__).parent / "sensors" / "presets" / "rigs"
+
 
 def calibration(rig: Rig) -> Calibration:
     return calibration_of(rig)
@@ -219,7 +221,7 @@ def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) ->
     + ["width = 1600", "fx = 1266.417203046554", "cx = 816.2670197447984"],
 )
 def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) -> None:
-    text = (Path(cadet.__file__).parent / "sensors" / "presets" / "rigs" / "nuscenes.toml").read_text()
+    text = (PRESETS / "nuscenes.toml").read_text()
     name, bracket = re.split(r" = (\[?)", old)[:2]
     assert old in text
     endless = (f"1{'0' * 400}", r"(\[0\])?: a whole number of 401 digits")
@@ -229,9 +231,7 @@ def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) ->
             Rig.read(tmp_path / "mine.toml")
 
 
-@pytest.mark.parametrize(
-    "path", sorted((Path(cadet.__file__).parent / "sensors" / "presets" / "rigs").glob("*.toml")), ids=str
-)
+@pytest.mark.parametrize("path", sorted(PRESETS.glob("*.toml")), ids=str)
 def test_a_file_is_a_preset(path: Path) -> None:
     assert path.stem in RIG_PRESETS
     assert Rig.named(path.stem) == Rig.read(path) and Rig.named(path.stem).name == path.stem
