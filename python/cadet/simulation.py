@@ -38,8 +38,9 @@ class Simulation:
         """Read a TOML file.
 
         Its keys, none of which it must have: `seed`; `policy` and `rig`, names of presets; `districts`, names of some;
-        `lidar`, a preset or a file; `image_size`, width and height in pixels; `weathers`, names of presets; `maps`,
-        OpenDRIVE files; `assets` and `props`, folders; `samples_per_episode`. Files are relative to this one's folder.
+        `vehicle_shares`, weights by class of vehicle, for every district; `lidar`, a preset or a file; `image_size`,
+        width and height in pixels; `weathers`, names of presets; `maps`, OpenDRIVE files; `assets` and `props`,
+        folders; `samples_per_episode`. Files are relative to this one's folder.
 
         Raises:
             MissingFileError: no such file.
@@ -92,6 +93,10 @@ def _with_districts(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolic
     return policy.with_districts(*map(District.named, _texts(value)))
 
 
+def _with_vehicle_shares(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
+    return policy.with_each_district(lambda district: replace(district, vehicle_shares=value))
+
+
 def _with_rig(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     check_text("", "value", value)
     return policy.with_rig(Rig.named(value))
@@ -134,6 +139,7 @@ def _with_samples(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
 _CHANGES: Final[dict[str, Callable[[ResetPolicy, Any, Path], ResetPolicy]]] = {
     "policy": _with_policy,
     "districts": _with_districts,
+    "vehicle_shares": _with_vehicle_shares,
     "rig": _with_rig,
     "lidar": _with_lidar,
     "image_size": _with_image_size,
