@@ -247,7 +247,7 @@ def view_command(
         raise CadetError("view needs --checkpoint, --data and --frame, or --log")
     detector = _detector(checkpoint, device, amp)
     frame = open_dataset(data).read_frame(check_id(frame_id))
-    found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
+    found = detector.detect_frame(frame)
     click.echo(f"wrote {write_picture(output, detection_figure(frame, found))}")
 
 
