@@ -78,8 +78,15 @@ def _camera(number: int, table: Mapping[str, Any], origin: Row3) -> MountedCamer
     cx, cy = _numbers(f"{owner}.center_px", table["center_px"], 2)
     bent = _numbers(f"{owner}.distortion", table.get("distortion", [0.0] * 5), 5)
     (rolling_s,) = _numbers(f"{owner}.rolling_shutter_s", [table.get("rolling_shutter_s", 0.0)], 1)
-    camera = Camera.single(
-        int(size[0]), int(size[1]), fx=fx, fy=fy, cx=cx, cy=cy, distortion=bent, rolling_shutter_s=rolling_s
+    camera = Camera(
+        width=int(size[0]),
+        height=int(size[1]),
+        fx=fx,
+        fy=fy,
+        cx=cx,
+        cy=cy,
+        distortion=bent,
+        rolling_shutter_s=rolling_s,
     )
     return MountedCamera(name=table["name"], camera=camera, pose=_pose(owner, table, origin))
 
