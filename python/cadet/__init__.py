@@ -32,7 +32,7 @@ from cadet.evaluation import (
     read_rules,
 )
 from cadet.extrinsics import Extrinsics
-from cadet.kitti import Calibration, Frame, Label
+from cadet.kitti import Calibration, Frame, FrameObject, Label
 from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
 from cadet.policy import ResetPolicy
@@ -66,6 +66,7 @@ __all__ = [
     "Extrinsics",
     "Frame",
     "FrameExistsError",
+    "FrameObject",
     "FrameStream",
     "GroundTruth",
     "KittiFormatError",

@@ -12,6 +12,7 @@ from cadet.arrays import check_array
 from cadet.checks import check_kind
 from cadet.errors import ShapeError
 from cadet.kitti.calib import Calibration
+from cadet.kitti.frame_object import FrameObject, objects_of
 from cadet.kitti.label import Label
 from cadet.sample import Agent, Sample, Scan
 from cadet.summary import counts, summary
@@ -97,6 +98,15 @@ class Frame:
     def agents(self) -> tuple[Agent, ...]:
         """Every vehicle and person around the ego; empty for a frame that was read or made by hand."""
         return () if self.sample is None else self.sample.agents
+
+    @property
+    def objects(self) -> tuple[FrameObject, ...]:
+        """Every object that the image shows, those without a label too, as `labels` has them.
+
+        Raises:
+            CadetError: `meta` does not fit the labels.
+        """
+        return objects_of(self.labels, self.meta)
 
     @property
     def image_size(self) -> tuple[int, int]:
