@@ -76,7 +76,7 @@ def test_scenes_and_environments_take_a_folder_or_what_was_read(tmp_path: Path) 
     for assets in (folder, str(folder), Assets.read(folder)):
         assert Environment(assets=assets).policy.assets == Assets.read(folder)
         scene = Scene.empty(assets=assets)
-        scene.add("car", x=9.0, y=1.0, yaw=0.5, model="mine")
+        scene.add("car", x_m=9.0, y_m=1.0, yaw_rad=0.5, model="mine")
         assert [(agent.model, tuple(agent.position_world)) for agent in scene.agents] == [("mine", (9.0, 1.0, 0.0))]
     with pytest.raises(CadetError, match=r"^assets: expected a folder or cadet.Assets, got 3$"):
         Scene.empty(assets=3)  # type: ignore[arg-type]
