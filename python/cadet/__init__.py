@@ -29,6 +29,8 @@ from cadet.evaluation import (
     box_iou_bev,
     evaluate,
     nms_bev,
+    read_detections,
+    read_ground_truth,
     read_rules,
 )
 from cadet.extrinsics import Extrinsics
@@ -106,6 +108,8 @@ __all__ = [
     "evaluate",
     "kitti",
     "nms_bev",
+    "read_detections",
+    "read_ground_truth",
     "read_rules",
     "stream",
     "weather_names",
