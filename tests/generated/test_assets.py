@@ -155,6 +155,20 @@ def test_panes_let_both_sensors_through(materials: str, is_clear: bool, tmp_path
     assert (num_changed > 100) == is_clear, "the person shows through the panes"
 
 
+def test_a_mesh_may_be_of_any_class_of_vehicles(tmp_path: Path) -> None:
+    semantic = {"Van": "VAN", "Truck": "TRUCK", "Tram": "TRAM", "Misc": "OTHER_VEHICLE"}
+    text = "".join(CAR.replace("mine", kind).replace('"Car"', f'"{kind}"') for kind in semantic)
+    scene = cadet.Scene.empty(assets=assets_folder(tmp_path / "own", text))
+    ids = {kind: scene.add(kind, model=kind, x_m=14.0, y_m=5.0 - 3.5 * k) for k, kind in enumerate(semantic)}
+    frame = scene.capture()
+    assert frame.instance is not None and frame.semantic is not None
+    for seen in frame.objects:
+        assert (seen.model, seen.id) == (seen.type, ids[seen.type])
+        values = frame.semantic[frame.instance == seen.id]
+        assert (values == cadet.Semantic[semantic[seen.type]]).all()
+    assert {label.type for label in frame.labels} == set(semantic)
+
+
 def test_models_are_asked_for_by_name_and_class(tmp_path: Path) -> None:
     own = assets_folder(tmp_path / "own")
     scene = cadet.Scene.empty(assets=own)
