@@ -117,7 +117,10 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_toml('name = "mine"\n', ""), "assets.toml: vehicle 1: missing key 'name'"),
     (_toml('"mine"', '"a b"'), "assets.toml: vehicle 'a b'.name: expected 1 to 64 letters, digits, '_', '.' or '-'"),
     (_toml('"mine"', "[1]"), "assets.toml: vehicle [1].name: expected"),
-    (_toml('"Car"', '"Tank"'), "assets.toml: vehicle 'mine'.class: expected one of Car, Van, Truck, Tram, Misc, got 'Tank'"),
+    (
+        _toml('"Car"', '"Tank"'),
+        "assets.toml: vehicle 'mine'.class: expected one of Car, Van, Truck, Tram, Misc, got",
+    ),
     (_toml('"meshes/car.obj"', "7"), "assets.toml: vehicle 1.mesh: expected the path of an OBJ or glTF file, got 7"),
     (_toml("meshes/car", "c" * 300), f"assets.toml: vehicle 1: no mesh '{'c' * 300}.obj'"),
     (_toml("meshes/car", "car"), "assets.toml: vehicle 1: no mesh 'car.obj'"),
