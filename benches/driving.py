@@ -15,8 +15,8 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.episode import Episode
-from cadet.policy import ResetPolicy
+from cadet.simulation.episode import Episode
+from cadet.worlds.policy import ResetPolicy
 
 EVERY_S = 0.1
 SMOOTH = np.ones(10) / 10

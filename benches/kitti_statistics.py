@@ -1,4 +1,4 @@
-"""Makes `python/cadet/report/kitti_statistics.json` of KITTI's label files: counts alone, no label's text.
+"""Makes `python/cadet/datasets/report/kitti_statistics.json` of KITTI's label files: counts alone, no label's text.
 
     python benches/kitti_statistics.py labels_7481.tar.xz labels_200
 
@@ -14,9 +14,9 @@ import sys
 import tarfile
 from pathlib import Path
 
-from cadet.kitti import labels_from_text
-from cadet.report.quantities import POINTS
-from cadet.report.statistics import KITTI_FILE, Statistics
+from cadet.datasets.report.quantities import POINTS
+from cadet.datasets.report.statistics import KITTI_FILE, Statistics
+from cadet.formats.kitti import labels_from_text
 
 
 def of_labels(archive: Path) -> Statistics:

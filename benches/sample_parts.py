@@ -23,11 +23,11 @@ from typing import Final
 os.environ["RAYON_NUM_THREADS"] = "1"
 
 import cadet
-from cadet.episode import build_scene, request
+from cadet._util.sink import LocalSink
 from cadet.generate import Settings
 from cadet.generate.frames import put_sample
-from cadet.sample import Sample
-from cadet.sink import LocalSink
+from cadet.sensors.sample import Sample
+from cadet.simulation.episode import build_scene, request
 
 SCAN: Final = "of these the scan"
 PARTS: Final = ("world", "driving", "capture", SCAN, "writing")
@@ -48,7 +48,7 @@ class Clock:
 
 
 def make_episode(settings: Settings, episode: int, sink: LocalSink, clock: Clock) -> None:
-    """Write an episode as `cadet.episode.Episode` takes its views."""
+    """Write an episode as `cadet.simulation.episode.Episode` takes its views."""
     policy, wanted = settings.policy, settings.exporter.wanted(settings.extras)
     places = settings.places_of(episode)
     number, attempt = 0, 0

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from worker_processes import workers_of
 
-from cadet.simulation import Simulation
+from cadet.simulation.simulation import Simulation
 
 
 def resident_mb(pid: int) -> float:

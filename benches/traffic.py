@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cadet
-from cadet.districts import District
+from cadet.worlds.districts import District
 
 PEOPLE = ("Pedestrian", "Person_sitting")
 LONG_REASONS = ("light", "road end")

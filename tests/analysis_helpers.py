@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cadet.kitti import Label
+from cadet.formats.kitti import Label
 
 NUM_FRAMES = 60
 

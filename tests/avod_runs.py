@@ -17,7 +17,7 @@ from avod.model.network import AvodNetwork
 from avod.train import Run, train, with_steps
 from avod.train.checkpoint import load_network, read_checkpoint
 from avod.train.log import read_log
-from cadet.kitti import write_frame
+from cadet.formats.kitti import write_frame
 from synthetic import make_frame
 
 BASE = Path(__file__).parent / "overfit.toml"

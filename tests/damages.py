@@ -13,8 +13,9 @@ from typing import Any
 import cv2
 import numpy as np
 
-from cadet.kitti import ImageSet, Label, images, write_frame, write_image_set
-from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
+from cadet.formats.kitti import ImageSet, Label, write_frame, write_image_set
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_label, make_labels, make_points
 
 Damage = Callable[[Path], object]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from cadet.kitti import Label, text_from_labels
+from cadet.formats.kitti import Label, text_from_labels
 
 DONT_CARE = Label("DontCare", -1, -1, -10, (300.0, 80.0, 320.0, 95.0), (-1, -1, -1), (-1000, -1000, -1000), -10)
 

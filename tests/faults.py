@@ -38,9 +38,9 @@ from typing import Any, Final
 
 import cadet
 from cadet.cli.signals import signals_end
-from cadet.episode import Episode
 from cadet.errors import CadetError, InternalError
 from cadet.generate import Settings, generate, local_engine, worker
+from cadet.simulation.episode import Episode
 
 FORMATS: Final = ("kitti", "webdataset", "nuscenes", "kitti_tracking", "kitti_raw")
 ASIDE: Final = {".partial", ".staged"}

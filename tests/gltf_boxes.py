@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from cadet.meshes import Beside, MeshTriangles, gltf_from_bytes
+from cadet.worlds.meshes import Beside, MeshTriangles, gltf_from_bytes
 
 CORNERS = np.array([[x, y, z] for x in (-0.9, 0.9) for y in (0.0, 1.5) for z in (-2.1, 2.1)])
 FACES = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3]

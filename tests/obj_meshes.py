@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cadet.meshes import Beside, MeshTriangles, obj_from_bytes
+from cadet.worlds.meshes import Beside, MeshTriangles, obj_from_bytes
 
 Vector = tuple[float, float, float]
 

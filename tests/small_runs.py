@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from cadet import CadetError, District, LabelConfig, Lidar, ResetPolicy, RoadMap
+from cadet._util.sink import LocalSink
 from cadet.cli import run_cadet_gen
 from cadet.generate import Settings, worker
 from cadet.generate.engine import Made
 from cadet.generate.folder import open_folder
 from cadet.generate.manifest import put_manifest
-from cadet.policy import EpisodeSpec
-from cadet.sink import LocalSink
+from cadet.worlds.policy import EpisodeSpec
 from fuzz.road_text import map_of, road
 
 FAULTS = dict(part.partition("=")[::2] for part in os.environ.get("CADET_FAULT", "").split(",") if part)

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet import boxes
-from cadet.kitti import Calibration, Label
-from cadet.kitti.frame import Frame
+from cadet.formats.kitti import Calibration, Label, boxes
+from cadet.formats.kitti.frame import Frame
 
 IMAGE_SIZE = (620, 190)
 DONT_CARE = Label("DontCare", -1, -1, -10, (300.0, 80.0, 320.0, 95.0), (-1, -1, -1), (-1000, -1000, -1000), -10)

@@ -23,7 +23,7 @@ CORE = ROOT / "crates" / "cadet_core" / "src"
 # tomli is the standard library's tomllib for Python 3.10.
 NEEDED = {"cadet", "cv2", "numpy", "tomli"}
 # What a module of its own needs besides, which nothing else imports.
-OPTIONAL = {"gym.py": {"gymnasium"}, "view/recording.py": {"rerun"}}
+OPTIONAL = {"simulation/gym.py": {"gymnasium"}, "view/recording.py": {"rerun"}}
 
 
 # No source file is longer; the stub of the compiled module, which cannot be split, is none.
@@ -128,6 +128,42 @@ def test_files_of_a_package_use_each_other_in_one_direction(package: Path) -> No
                 name = name.rpartition(".")[0]
             uses[module] |= {name} - {module}
     assert circle(uses) == []
+
+
+def entries_use(folder: Path, package: Path) -> dict[str, set[str]]:
+    """Return which modules and packages of a folder use which others of it."""
+    prefix = ".".join(folder.relative_to(package.parent).parts) + "."
+    uses: dict[str, set[str]] = {path.stem: set() for path in folder.iterdir() if path.stem != "__init__"}
+    for path in folder.rglob("*.py"):
+        entry = path.relative_to(folder).parts[0].removesuffix(".py")
+        used = {name.removeprefix(prefix).split(".")[0] for name in imports(path) if name.startswith(prefix)}
+        if entry != "__init__":
+            uses[entry] |= used & set(uses) - {entry}
+    return uses
+
+
+@pytest.mark.parametrize("package", [PACKAGE, DETECTOR])
+def test_what_stands_in_a_folder_uses_each_other_in_one_direction(package: Path) -> None:
+    folders = sorted(path.parent for path in package.rglob("__init__.py"))
+    circles = {
+        folder.relative_to(package.parent).as_posix(): circle(entries_use(folder, package)) for folder in folders
+    }
+    assert not {folder: found for folder, found in circles.items() if found}
+
+
+def test_a_circle_of_packages_is_found_where_no_files_form_one(tmp_path: Path) -> None:
+    for name, code in {
+        "p/__init__.py": "",
+        "p/a/__init__.py": "",
+        "p/a/low.py": "",
+        "p/a/high.py": "def f():\n    from p.b import X",
+        "p/b.py": "from p.a.low import X",
+    }.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(code)
+    assert circle(entries_use(tmp_path / "p", tmp_path / "p")) in (["a", "b", "a"], ["b", "a", "b"])
+    assert entries_use(tmp_path / "p" / "a", tmp_path / "p") == {"low": set(), "high": set()}
 
 
 def test_a_circle_is_found_through_what_a_parent_passes_on(tmp_path: Path) -> None:

@@ -12,11 +12,11 @@ import pytest
 from click.testing import CliRunner
 
 from cadet import kitti
-from cadet.bdd100k import convert_bdd100k, labels_from_text
 from cadet.cli.tools import cadet as command
 from cadet.errors import CadetError, FileFormatError, MissingFileError
-from cadet.kitti import Label
-from cadet.kitti.images import decode_image
+from cadet.formats.bdd100k import convert_bdd100k, labels_from_text
+from cadet.formats.kitti import Label
+from cadet.formats.kitti.files.images import decode_image
 from image_bytes import PNG_START, header
 
 

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cadet import BeamTable, CadetError, EncoderFiring, Laser, Lidar, ListedFiring, MissingFileError, UniformFiring
-from cadet.beam_table import Firing
 from cadet.cli import run_cadet
-from cadet.lidar import LIDAR_PRESETS
+from cadet.sensors.beam_table import Firing
+from cadet.sensors.lidar import LIDAR_PRESETS
 
 TEXT = """\
 name = "mine"

@@ -10,8 +10,8 @@ import pytest
 
 import cadet
 from cadet import _cadet
-from cadet.assets import Assets
 from cadet.errors import CadetError
+from cadet.worlds.assets import Assets
 from fuzz.road_text import ROADS, map_of, road
 from obj_meshes import MTL, assets_folder
 

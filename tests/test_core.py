@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, Camera, Environment, Lidar, ResetPolicy, Rig, Scene, Semantic, kitti
-from cadet.episode import Episode
-from cadet.kitti.from_sample import frame_from_sample
-from cadet.kitti.lint import lint
-from cadet.sample import Wanted
+from cadet.formats.kitti.from_sample import frame_from_sample
+from cadet.formats.kitti.lint import lint
+from cadet.sensors.sample import Wanted
+from cadet.simulation.episode import Episode
 
 ROOT = Path(__file__).parent.parent
 SMALL = replace(Rig.kitti(), camera=Camera.kitti().resized(310, 94))

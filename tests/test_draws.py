@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from cadet.draws import Draws
+from cadet.worlds.draws import Draws
 
 
 def test_a_golden_draw_keeps_old_datasets_reproducible() -> None:

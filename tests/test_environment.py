@@ -20,11 +20,11 @@ from cadet import (
     Rig,
     Scene,
     SceneConfig,
-    episode,
     weather_names,
 )
-from cadet.policy import EpisodeSpec
-from cadet.policy_choice import draw_with
+from cadet.simulation import episode
+from cadet.worlds.policy import EpisodeSpec
+from cadet.worlds.policy_choice import draw_with
 from small_runs import ROAD, SmallPolicy, small_policy
 
 RIG = Rig(camera=Camera.kitti().resized(64, 32), lidar=Lidar.vlp16())

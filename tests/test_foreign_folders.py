@@ -15,12 +15,12 @@ import pytest
 
 from cadet import kitti
 from cadet.cli import run_cadet
-from cadet.convert import convert
+from cadet.datasets.lidar_fit.scans import find_scans
+from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import Dataset, ImageSet, write_frame, write_image_set
-from cadet.lidar_fit.scans import find_scans
-from cadet.object_bank import ObjectBank
-from cadet.webdataset import ShardDataset, open_dataset
+from cadet.formats.convert import convert
+from cadet.formats.kitti import Dataset, ImageSet, write_frame, write_image_set
+from cadet.formats.webdataset import ShardDataset, open_dataset
 from synthetic import make_frame
 
 NAMES = [
@@ -47,7 +47,7 @@ def write_set(root: Path, ids: tuple[str, ...] = ("000000", "000001"), **changes
 
 def cadet(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int | str | None:
     """Run a command as a process of its own does, which has warned of nothing yet."""
-    monkeypatch.setattr("cadet.notices._said", set())
+    monkeypatch.setattr("cadet._util.notices._said", set())
     monkeypatch.setattr(sys, "argv", ["cadet", *map(str, arguments)])
     with pytest.raises(SystemExit) as ended:
         run_cadet()

@@ -14,8 +14,8 @@ import pytest
 
 import cadet
 from cadet import CadetError, ResetPolicy, RoadMap, Scene
-from cadet.episode import Episode
-from cadet.kitti.from_sample import meta_of
+from cadet.formats.kitti.from_sample import meta_of
+from cadet.simulation.episode import Episode
 from fuzz.road_text import map_of, road
 
 RIG = cadet.Rig(camera=cadet.Camera.kitti().resized(124, 38), lidar=cadet.Lidar.vlp16())
@@ -29,7 +29,7 @@ def read(tmp_path: Path, text: str) -> tuple[Scene, list[str]]:
     path.write_text(text)
     # Warnings are said once of the same text.
     with warnings.catch_warnings(record=True) as caught, pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cadet.notices._said", set())
+        patch.setattr("cadet._util.notices._said", set())
         warnings.simplefilter("always")
         scene = Scene.empty(map=path, rig=RIG)
     return scene, [str(warning.message) for warning in caught]

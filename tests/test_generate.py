@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 
 from cadet import kitti
+from cadet._util.interrupts import interrupts_held
+from cadet._util.sink import LocalSink
 from cadet.errors import CadetError
 from cadet.generate import generate, local_engine
 from cadet.generate.folder import open_folder
-from cadet.generate.interrupts import interrupts_held
-from cadet.sink import LocalSink
 from gen_process import FAILED, FINE, INTERRUPTED, SIZE, run, start, tree, wait_for, workers_of, write_whole
 from small_runs import make, small_settings
 

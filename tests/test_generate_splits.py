@@ -12,7 +12,7 @@ import pytest
 from cadet import Rig, kitti
 from cadet.errors import CadetError, MissingFileError
 from cadet.generate.settings import Settings
-from cadet.policy import ResetPolicy
+from cadet.worlds.policy import ResetPolicy
 from gen_process import FAILED, FINE, SIZE, run, tree
 from small_runs import make
 

@@ -23,8 +23,8 @@ import real_kitti
 from cadet import BeamTable, CadetError, EncoderFiring, Laser, Lidar, MissingFileError, Scene, UniformFiring
 from cadet.cli import run_cadet
 from cadet.cli.lidar import _ring_table
-from cadet.lidar_fit import LidarFit, fit_lidar
-from cadet.lidar_fit.fit import RingFit
+from cadet.datasets.lidar_fit import LidarFit, fit_lidar
+from cadet.datasets.lidar_fit.fit import RingFit
 from lidar_scans import ring_of, write_scan, yard_scan
 from scan_writers import pcd, ply
 

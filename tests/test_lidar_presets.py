@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.lidar import LIDAR_PRESETS
+from cadet.sensors.lidar import LIDAR_PRESETS
 
-FOLDER = Path(cadet.__file__).parent / "presets" / "lidars"
+FOLDER = Path(cadet.__file__).parent / "sensors" / "presets" / "lidars"
 
 # Name: rings, top and bottom elevation in degrees, points a second at ten turns, maximal range.
 DATA_SHEETS = {

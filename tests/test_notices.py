@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from cadet import Assets, CadetWarning, Camera, District, Environment, Lidar, Rig, Scene, SceneConfig
-from cadet.notices import notice
+from cadet._util.notices import notice
 from fuzz.road_text import map_of, road
 from gen_process import FINE, SIZE, run
 from obj_meshes import assets_folder
@@ -65,7 +65,7 @@ def test_cadet_gen_prints_a_maps_losses_in_one_line_however_many_workers_read_it
 
 
 def test_what_finds_no_room_is_warned_of_if_the_user_asked_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cadet.notices._said", set())
+    monkeypatch.setattr("cadet._util.notices._said", set())
     crowd = District(name="crowd", parking_occupancy=(0.0, 0.0), num_cars=(500, 500), num_pedestrians=(0, 0))
     crowded = small_policy().with_districts(crowd)
     with warnings.catch_warnings(record=True) as caught:

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from cadet import CadetError, ResetPolicy
+from cadet._util.sink import LocalSink, Sink, read_each
 from cadet.cli import run_cadet_gen
 from cadet.generate import Settings
 from cadet.generate.folder import open_folder
-from cadet.object_sink import ObjectSink, is_url, open_sink
-from cadet.sink import LocalSink, Sink, read_each
+from cadet.generate.object_sink import ObjectSink, is_url, open_sink
 from gen_process import FAILED, FINE, SIZE, run, tree
 from small_runs import small_policy
 

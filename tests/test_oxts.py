@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from cadet import Rig
-from cadet.kitti.calib import KEYS
-from cadet.kitti.from_sample import calibration_of
-from cadet.kitti_sequences.oxts import FIELDS, oxts_lines
+from cadet.formats.kitti.calib import KEYS
+from cadet.formats.kitti.from_sample import calibration_of
+from cadet.formats.kitti_sequences.oxts import FIELDS, oxts_lines
 
 Array = NDArray[np.float64]
 RADIUS_M, TURN = 30.0, 0.4

@@ -15,7 +15,8 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from cadet.operating_system import ENDING_SIGNALS, FolderInUseError, locked_folder, num_processors
+import cadet
+from cadet._util.operating_system import ENDING_SIGNALS, FolderInUseError, locked_folder, num_processors
 
 ROOT = Path(__file__).parent.parent
 
@@ -24,6 +25,11 @@ def test_the_citation_has_the_packages_version() -> None:
     cargo = tomllib.loads((ROOT / "Cargo.toml").read_text())
     found = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
     assert found is not None and found[1] == cargo["workspace"]["package"]["version"]
+
+
+def test_what_the_package_lists_is_public() -> None:
+    assert dir(cadet) == sorted(cadet.__all__)
+    assert all(hasattr(cadet, name) for name in cadet.__all__)
 
 
 def test_every_extra_that_is_named_exists() -> None:

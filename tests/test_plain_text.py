@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
+from cadet._util.plain_text import MAX_DEPTH, json_from_text, toml_from_text
 from cadet.errors import CadetError, FileFormatError
-from cadet.plain_text import MAX_DEPTH, json_from_text, toml_from_text
 
 
 def lists(deep: int) -> str:

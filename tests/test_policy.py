@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, SceneConfig, weather_names
-from cadet.districts import DISTRICTS
-from cadet.policy_choice import draw_with
+from cadet.worlds.districts import DISTRICTS
+from cadet.worlds.policy_choice import draw_with
 
 DRY = {"clear_noon", "cloudy_noon", "clear_sunset", "cloudy_sunset"}
 STREET = District(name="street", parking_occupancy=(0.1, 0.2), num_cars=(2, 3), num_pedestrians=(0, 1))

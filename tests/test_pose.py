@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, Pose
-from cadet.pose import angle_of, angles_of_rotation, inverse, product, quaternion_of, rotation_of_angles
+from cadet.sensors.pose import angle_of, angles_of_rotation, inverse, product, quaternion_of, rotation_of_angles
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 

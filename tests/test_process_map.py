@@ -5,8 +5,8 @@ import os
 
 import pytest
 
+from cadet._util.process_map import process_map
 from cadet.errors import CadetError
-from cadet.process_map import process_map
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cadet import BeamTable, Laser, Lidar, Scene, UniformFiring
-from cadet.lidar_fit import LidarFit, fit_lidar
+from cadet.datasets.lidar_fit import LidarFit, fit_lidar
 from lidar_scans import ring_of, write_scan, yard_scan
 
 TABLE = BeamTable(

@@ -18,14 +18,15 @@ import cv2
 import numpy as np
 import pytest
 
-from cadet import boxes, kitti
+from cadet import kitti
 from cadet.cli import run_cadet
+from cadet.datasets.report import write_report
+from cadet.datasets.report.charts import distance, histogram
+from cadet.datasets.report.gather import gather
+from cadet.datasets.report.quantities import CLASSES, LABEL_QUANTITIES, POINTS, QUANTITIES
+from cadet.datasets.report.statistics import Statistics, kitti_statistics
 from cadet.errors import CadetError, FileFormatError, MissingFileError
-from cadet.report import write_report
-from cadet.report.charts import distance, histogram
-from cadet.report.gather import gather
-from cadet.report.quantities import CLASSES, LABEL_QUANTITIES, POINTS, QUANTITIES
-from cadet.report.statistics import Statistics, kitti_statistics
+from cadet.formats.kitti import boxes
 from real_kitti import ROOT as KITTI
 from synthetic import make_calib, make_frame, make_labels
 

@@ -9,10 +9,10 @@ import pytest
 
 import cadet
 from cadet import CadetError, Camera, Extrinsics, Lidar, Rig
-from cadet.kitti import Calibration
-from cadet.kitti.from_sample import calibration_of
-from cadet.lidar import LIDAR_PRESETS
-from cadet.rig import RIG_PRESETS
+from cadet.formats.kitti import Calibration
+from cadet.formats.kitti.from_sample import calibration_of
+from cadet.sensors.lidar import LIDAR_PRESETS
+from cadet.sensors.rig import RIG_PRESETS
 
 SHARED = Path(__file__).parents[2] / "shared"
 
@@ -241,7 +241,7 @@ def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) ->
     + ["size = [1600", "focal_px = [1266.417203046554", "center_px = [816.2670197447984"],
 )
 def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) -> None:
-    text = (Path(cadet.__file__).parent / "presets" / "rigs" / "nuscenes.toml").read_text()
+    text = (Path(cadet.__file__).parent / "sensors" / "presets" / "rigs" / "nuscenes.toml").read_text()
     name, number = old.split(" = [")
     assert old in text
     endless = (f"1{'0' * 400}", r"\[0\]: a whole number of 401 digits")
@@ -251,7 +251,9 @@ def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) ->
             Rig.from_toml(tmp_path / "mine.toml")
 
 
-@pytest.mark.parametrize("path", sorted((Path(cadet.__file__).parent / "presets" / "rigs").glob("*.toml")), ids=str)
+@pytest.mark.parametrize(
+    "path", sorted((Path(cadet.__file__).parent / "sensors" / "presets" / "rigs").glob("*.toml")), ids=str
+)
 def test_a_file_is_a_preset(path: Path) -> None:
     assert path.stem in RIG_PRESETS
     assert Rig.named(path.stem) == Rig.from_toml(path) and Rig.named(path.stem).name == path.stem

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from cadet import CadetError, MissingFileError
-from cadet.kitti import dialects
-from cadet.scan_files import RecordedScan, read_scan
-from cadet.scan_files.read import scan_from_data
+from cadet.formats.kitti.files import dialects
+from cadet.formats.scan_files import RecordedScan, read_scan
+from cadet.formats.scan_files.read import scan_from_data
 from scan_writers import npy, pcd, ply
 
 Columns = dict[str, NDArray[np.generic]]

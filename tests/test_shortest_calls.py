@@ -36,7 +36,7 @@ class World:
         (root / "rules.toml").write_text('[class.Car]\ntypes = ["Car"]\nmin_overlap = 0.5\n')
         (root / "vlp16.toml").write_text(cadet.Lidar.vlp16().to_toml())
         (root / "rig.toml").write_text(
-            Path(cadet.__file__).with_name("presets").joinpath("rigs/nuscenes.toml").read_text()
+            Path(cadet.__file__).with_name("sensors").joinpath("presets/rigs/nuscenes.toml").read_text()
         )
         (root / "props").mkdir()
         (root / "props" / "bin.toml").write_text(

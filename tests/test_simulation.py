@@ -8,7 +8,7 @@ import pytest
 
 import cadet
 from cadet.errors import CadetError, FileFormatError, MissingFileError
-from cadet.simulation import Simulation
+from cadet.simulation.simulation import Simulation
 from obj_meshes import assets_folder
 
 

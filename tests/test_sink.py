@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cadet.sink import LocalSink
+from cadet._util.sink import LocalSink
 
 
 def test_objects_come_back_and_nothing_lies_aside(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ import pytest
 
 import cadet
 from cadet import kitti
-from cadet.beam_table import ListedFiring
 from cadet.evaluation.curve import Curve
+from cadet.sensors.beam_table import ListedFiring
 from evaluation_helpers import detected
 from obj_meshes import assets_folder
 from synthetic import make_frame

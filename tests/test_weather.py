@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, NonFiniteError, ShapeError
-from cadet.kitti.velodyne import points_from_bytes
-from cadet.weather import Air, Fate, air_of, apply, weather_names
+from cadet.formats.kitti.files.velodyne import points_from_bytes
+from cadet.worlds.weather import Air, Fate, air_of, apply, weather_names
 from real_kitti import files, needs_kitti
 
 WEATHERS: list[dict[str, Any]] = [

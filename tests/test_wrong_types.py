@@ -13,11 +13,13 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet import CadetError, boxes, kitti
+from cadet import CadetError, kitti
+from cadet.formats.kitti import boxes
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.planes import plane_from_text
 from cadet.generate import Settings
-from cadet.kitti import images
-from cadet.kitti.planes import plane_from_text
 from cadet.view.bev import bev_figure
+from cadet.worlds import weather
 from obj_meshes import car_mesh
 from synthetic import make_frame
 
@@ -195,10 +197,10 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "read_rules": (cadet.read_rules, ["path"]),
     "nms_bev": (lambda **k: cadet.nms_bev(BOXES, np.array([0.1, 0.2]), **k), ["threshold"]),
     "weather.apply": (
-        lambda **k: cadet.weather.apply(frame().points_velo[:9], **k),
+        lambda **k: weather.apply(frame().points_velo[:9], **k),
         ["fog", "rain", "snow", "wetness", "seed", "sensor_height_m"],
     ),
-    "weather.air_of": (cadet.weather.air_of, ["name"]),
+    "weather.air_of": (weather.air_of, ["name"]),
     "estimate_plane": (
         lambda **k: kitti.estimate_plane(**{"points_velo": frame().points_velo, "calib": frame().calib, **k}),
         ["points_velo", "calib", "seed"],
@@ -285,7 +287,7 @@ def test_numpy_numbers_are_numbers_everywhere() -> None:
     camera = dataclasses.replace(KITTI, width=np.int64(640), fx=np.float64(500.0))  # type: ignore[arg-type]
     plain = dataclasses.replace(KITTI, width=640, fx=500.0)
     assert cadet.Rig(camera=camera).sha256() == cadet.Rig(camera=plain).sha256()
-    assert kitti.files.check_id(np.int64(12)) == "000012"  # type: ignore[arg-type]
+    assert kitti.files.folder.check_id(np.int64(12)) == "000012"  # type: ignore[arg-type]
     settings = Settings(policy=cadet.ResetPolicy.kitti(), seed=three, num_frames=np.int64(40))  # type: ignore[arg-type]
     assert settings == Settings(policy=cadet.ResetPolicy.kitti(), seed=3, num_frames=40)
     assert type(settings.seed) is int and type(settings.num_frames) is int
@@ -303,7 +305,7 @@ def test_numpys_small_numbers_are_not_confined_to_their_bits() -> None:
     half: Any = np.float16(0.5)
     assert dataclasses.replace(frame().labels[0], truncated=half).truncated == 0.5
     points = frame().points_velo
-    np.testing.assert_array_equal(cadet.weather.apply(points, rain=half), cadet.weather.apply(points, rain=0.5))
+    np.testing.assert_array_equal(weather.apply(points, rain=half), weather.apply(points, rain=0.5))
 
 
 @pytest.mark.parametrize("occluded", [0.5, 1.0, True, "0", None])

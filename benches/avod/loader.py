@@ -33,10 +33,10 @@ from avod.data.scan_changes import drop_points, shift_ranges
 from avod.data.world import WorldChange
 from avod.geometry.anchors import anchors_over, occupancy
 from cadet import bev, kitti
-from cadet.kitti import boxes_cam_from_labels
-from cadet.kitti.frame import Frame
-from cadet.kitti.velodyne import points_from_bytes
-from cadet.object_bank import ObjectBank
+from cadet.datasets.object_bank import ObjectBank
+from cadet.formats.kitti import boxes_cam_from_labels
+from cadet.formats.kitti.files.velodyne import points_from_bytes
+from cadet.formats.kitti.frame import Frame
 
 _EVERYTHING = AugmentationConfig(
     rotation_deg=10.0,
@@ -96,7 +96,7 @@ def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Ca
     sent = pickle.loads(pickle.dumps(packed(sample), protocol=5))
     png, binary = (folder / kind / f"{frame_id}.{end}" for kind, end in (("image_2", "png"), ("velodyne", "bin")))
     yield "reading a frame", lambda: kitti.read_frame(folder, frame_id, has_extras=False)
-    yield "  of it, the image", lambda: kitti.images.decode_image(png.read_bytes())
+    yield "  of it, the image", lambda: kitti.files.images.decode_image(png.read_bytes())
     yield "  of it, the scan", lambda: points_from_bytes(binary.read_bytes())
     yield "ground, once a frame", lambda: ground_plane(scan, calib, frame.plane, config)
     yield "points in the image", lambda: _points_cam_in_image(scan, calib, frame.image_size)

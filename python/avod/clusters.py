@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cadet import kitti
 from cadet.errors import CadetError
-from cadet.webdataset import open_dataset
+from cadet.formats.webdataset import open_dataset
 
 _RESTARTS: Final = 40
 _MOST_ROUNDS: Final = 200

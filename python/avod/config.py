@@ -11,10 +11,10 @@ from typing import Final, Literal
 
 from avod.augmentation_config import AugmentationConfig
 from avod.training_config import TrainingConfig
+from cadet._util.checks import check_number, check_range, shown
 from cadet.bev import BevConfig
-from cadet.checks import check_number, check_range, shown
 from cadet.errors import CadetError
-from cadet.kitti.label import is_object_type, kitti_spelling
+from cadet.formats.kitti.label import is_object_type, kitti_spelling
 
 __all__ = [
     "CAR_SIZES",

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from avod.config import Config
-from cadet.checks import shown, shown_key
+from cadet._util.checks import shown, shown_key
+from cadet._util.plain_text import toml_from_text
+from cadet._util.user_files import read_settings
 from cadet.errors import CadetError
-from cadet.plain_text import toml_from_text
-from cadet.user_files import read_settings
 
 T = TypeVar("T")
 

@@ -18,10 +18,10 @@ from avod.device import resolve_device
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.results import detections
 from avod.train.checkpoint import read_checkpoint, trained_network
-from cadet.arrays import as_array
+from cadet._util.arrays import as_array
+from cadet._util.summary import summary
 from cadet.errors import CadetError, ShapeError
-from cadet.kitti import Calibration, Frame, Label
-from cadet.summary import summary
+from cadet.formats.kitti import Calibration, Frame, Label
 
 
 class Detector:

@@ -11,12 +11,12 @@ from typing import Any, Final
 from avod.config import PathDropConfig
 from avod.detector import Detector
 from avod.predict import Data, opened, predict_all
-from cadet.analysis import Analysis, analyze
 from cadet.errors import CadetError
 from cadet.evaluation import Report
+from cadet.evaluation.analysis import Analysis, analyze
 from cadet.evaluation.limits import MinOverlap
-from cadet.kitti import Label, labels_from_text, text_from_labels
-from cadet.kitti.unreadable import Unreadable
+from cadet.formats.kitti import Label, labels_from_text, text_from_labels
+from cadet.formats.kitti.files.unreadable import Unreadable
 
 
 @dataclass(frozen=True)

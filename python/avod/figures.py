@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from avod.train.log import TERMS
 from cadet.errors import CadetError
-from cadet.kitti import Label
-from cadet.kitti.frame import Frame
+from cadet.formats.kitti import Label
+from cadet.formats.kitti.frame import Frame
 from cadet.view import bev_figure, boxes_figure, style
 
 _MARGIN: Final = 12

@@ -18,9 +18,9 @@ from avod.detector import Detector
 from avod.results import detections
 from cadet import kitti
 from cadet.errors import CadetError
-from cadet.kitti import Label
-from cadet.kitti.unreadable import READING_ERRORS, Unreadable
-from cadet.webdataset import ShardDataset, open_dataset
+from cadet.formats.kitti import Label
+from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
+from cadet.formats.webdataset import ShardDataset, open_dataset
 
 Data: TypeAlias = "str | Path | kitti.Dataset | ShardDataset"
 

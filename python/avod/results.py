@@ -16,9 +16,9 @@ from avod.geometry.orientation import fix_up
 from avod.geometry.projection import ground_boxes
 from avod.model.network import FrameOutputs
 from avod.ops import nms
-from cadet.boxes import alpha_from_boxes, clip_boxes_img, project_boxes
-from cadet.kitti import Calibration, Label
-from cadet.summary import summary
+from cadet._util.summary import summary
+from cadet.formats.kitti import Calibration, Label
+from cadet.formats.kitti.boxes import alpha_from_boxes, clip_boxes_img, project_boxes
 
 
 @dataclass(frozen=True, eq=False)

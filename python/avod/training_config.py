@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cadet.checks import check_number
+from cadet._util.checks import check_number
 
 
 @dataclass(frozen=True, kw_only=True)

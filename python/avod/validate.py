@@ -24,10 +24,10 @@ from avod.train.validation_log import Validated
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.evaluation import evaluate
-from cadet.kitti import labels_from_text, text_from_labels
-from cadet.kitti.image_sets import check_not_empty
-from cadet.kitti.unreadable import READING_ERRORS, Unreadable
-from cadet.webdataset import open_dataset
+from cadet.formats.kitti import labels_from_text, text_from_labels
+from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
+from cadet.formats.kitti.image_sets import check_not_empty
+from cadet.formats.webdataset import open_dataset
 
 
 class Validator:

@@ -1,15 +1,8 @@
 """KITTI-format driving data from procedurally generated suburbs: images, LIDAR scans, exact 3D labels, with no GPU."""
 
-from cadet import bev, kitti
+from cadet import bev
 from cadet._cadet import __version__
-from cadet.analysis import Analysis, Comparison, analyze
-from cadet.assets import Assets, VehicleMesh
-from cadet.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
 from cadet.bev import BevConfig
-from cadet.camera import Camera
-from cadet.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
-from cadet.districts import District
-from cadet.environment import Environment
 from cadet.errors import (
     CadetError,
     CadetWarning,
@@ -33,21 +26,29 @@ from cadet.evaluation import (
     read_ground_truth,
     read_rules,
 )
-from cadet.extrinsics import Extrinsics
-from cadet.kitti import Calibration, Frame, FrameObject, Label
-from cadet.lidar import Lidar
-from cadet.mounted import MountedCamera, MountedLidar
-from cadet.policy import ResetPolicy
-from cadet.pose import Pose
-from cadet.props import Props
-from cadet.rig import Rig
-from cadet.road_map import RoadMap
-from cadet.sample import Agent, Sample, Scan
-from cadet.scene import RayHits, Scene
-from cadet.semantic import Semantic
-from cadet.simulation import Simulation
-from cadet.streaming import FrameStream, stream
-from cadet.weather import weather_names
+from cadet.evaluation.analysis import Analysis, Comparison, analyze
+from cadet.formats import kitti
+from cadet.formats.kitti import Calibration, Frame, FrameObject, Label
+from cadet.sensors.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
+from cadet.sensors.camera import Camera
+from cadet.sensors.extrinsics import Extrinsics
+from cadet.sensors.lidar import Lidar
+from cadet.sensors.mounted import MountedCamera, MountedLidar
+from cadet.sensors.pose import Pose
+from cadet.sensors.rig import Rig
+from cadet.sensors.sample import Agent, Sample, Scan
+from cadet.sensors.semantic import Semantic
+from cadet.simulation.environment import Environment
+from cadet.simulation.scene import RayHits, Scene
+from cadet.simulation.simulation import Simulation
+from cadet.simulation.streaming import FrameStream, stream
+from cadet.worlds.assets import Assets, VehicleMesh
+from cadet.worlds.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
+from cadet.worlds.districts import District
+from cadet.worlds.policy import ResetPolicy
+from cadet.worlds.props import Props
+from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import weather_names
 
 __all__ = [
     "Agent",
@@ -114,3 +115,8 @@ __all__ = [
     "stream",
     "weather_names",
 ]
+
+
+def __dir__() -> list[str]:
+    """List what is public, and not the rooms that it comes from."""
+    return sorted(__all__)

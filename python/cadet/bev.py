@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet.arrays import check_array
-from cadet.checks import as_tuple, check_kind, check_number, check_range, is_one_of, make_plain, shown
+from cadet._util.arrays import check_array
+from cadet._util.checks import as_tuple, check_kind, check_number, check_range, is_one_of, make_plain, shown
 from cadet.errors import CadetError, ShapeError
 
 Feature = Literal["max_height", "min_height", "density", "density_log64"]

@@ -61,3 +61,7 @@ class MissingFileError(CadetError, FileNotFoundError):
 
 class FrameExistsError(CadetError, FileExistsError):
     """A frame that would be overwritten without permission."""
+
+
+class WorkerError(CadetError):
+    """A worker died twice in the same episode or met a bug; the frames written so far are whole."""

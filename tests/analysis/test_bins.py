@@ -12,7 +12,7 @@ import pytest
 import cadet
 from analysis_helpers import car, found, moved, set_of_cars
 from cadet import CadetError, MissingFileError, kitti
-from cadet.kitti import Label
+from cadet.formats.kitti import Label
 from synthetic import make_frame
 
 

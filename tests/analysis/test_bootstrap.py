@@ -13,9 +13,9 @@ import pytest
 import cadet
 from analysis_helpers import car, found, moved, set_of_cars, shaky_set
 from cadet import CadetError, MissingFileError
-from cadet.analysis.bootstrap import draw_frames
-from cadet.analysis.groups import find_groups
-from cadet.kitti import Label, text_from_labels
+from cadet.evaluation.analysis.bootstrap import draw_frames
+from cadet.evaluation.analysis.groups import find_groups
+from cadet.formats.kitti import Label, text_from_labels
 
 Frames = list[list[Label]]
 CARS: dict[str, Any] = {"parts": [], "classes": ["Car"], "levels": "large_small"}

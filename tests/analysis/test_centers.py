@@ -10,8 +10,8 @@ import pytest
 
 import cadet
 from analysis_helpers import car, found, moved, set_of_cars, shaky_set
-from cadet.analysis.centers import CenterAp
-from cadet.kitti import Label
+from cadet.evaluation.analysis.centers import CenterAp
+from cadet.formats.kitti import Label
 
 Frames = list[list[Label]]
 

@@ -13,10 +13,10 @@ from click.testing import CliRunner, Result
 import cadet
 from analysis_helpers import car, found, moved, shaky_set
 from cadet import CadetError, EvalClass, Level
-from cadet.analysis.bins import parse_by
 from cadet.cli.tools import cadet as command
 from cadet.evaluation import LEVELS, Rules
-from cadet.kitti import Label, text_from_labels
+from cadet.evaluation.analysis.bins import parse_by
+from cadet.formats.kitti import Label, text_from_labels
 
 RULES = """
 [[level]]

@@ -11,10 +11,10 @@ import pytest
 
 import cadet
 from analysis_helpers import car, found, moved, set_of_cars
-from cadet.analysis.box_errors import differences
-from cadet.analysis.class_errors import ClassErrors
-from cadet.analysis.mending import mend_boxes
-from cadet.kitti import Label
+from cadet.evaluation.analysis.box_errors import differences
+from cadet.evaluation.analysis.class_errors import ClassErrors
+from cadet.evaluation.analysis.mending import mend_boxes
+from cadet.formats.kitti import Label
 
 Frames = list[list[Label]]
 
@@ -67,7 +67,7 @@ def test_the_nearest_corner_stays_where_it_is() -> None:
     def corners(box: np.ndarray) -> np.ndarray:
         return cadet_corners(box[None])[0, :4][:, [0, 2]]
 
-    from cadet.boxes import corners_cam as cadet_corners
+    from cadet.formats.kitti.boxes import corners_cam as cadet_corners
 
     rng = np.random.default_rng(0)
     for _ in range(200):

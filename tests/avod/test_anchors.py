@@ -10,7 +10,7 @@ from avod.config_file import load_config
 from avod.data.build import build_sample, normal_plane
 from avod.geometry.anchors import anchor_grid, anchors_over, occupancy
 from cadet.bev import BevConfig
-from cadet.kitti import read_frame
+from cadet.formats.kitti import read_frame
 from real_kitti import ROOT, needs_kitti
 
 PLANE = normal_plane(np.array([0.02, -0.999, 0.01, 1.65]))

@@ -23,9 +23,9 @@ from avod.data.object_sizes import resize_objects
 from avod.data.sample import Sample
 from avod.data.scan_changes import drop_points, shift_ranges
 from avod.data.world import WorldChange
-from cadet.boxes import corners_cam, points_in_boxes
 from cadet.errors import CadetError
-from cadet.kitti import write_frame
+from cadet.formats.kitti import write_frame
+from cadet.formats.kitti.boxes import corners_cam, points_in_boxes
 from synthetic import make_calib, make_frame, make_label
 
 CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")

@@ -19,9 +19,9 @@ from avod.geometry.encoding import (
 )
 from avod.geometry.orientation import angle_vectors, fix_up, wrap_angle
 from avod.geometry.projection import bev_boxes, image_boxes
-from cadet import boxes as cadet_boxes
 from cadet.bev import BevConfig
 from cadet.evaluation import box_iou_3d
+from cadet.formats.kitti import boxes as cadet_boxes
 from synthetic import IMAGE_SIZE, make_calib
 
 PLANE = torch.tensor([0.03, -0.998, 0.02, 1.7], dtype=torch.float64)

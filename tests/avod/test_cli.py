@@ -24,8 +24,8 @@ from avod.figures import _running_mean
 from avod.train.step import new_network
 from cadet import kitti
 from cadet.errors import CadetError, CadetWarning
-from cadet.kitti import Calibration, Label, labels_from_text, write_frame
-from cadet.kitti.frame import Frame
+from cadet.formats.kitti import Calibration, Label, labels_from_text, write_frame
+from cadet.formats.kitti.frame import Frame
 from synthetic import make_frame
 
 CONFIG = Path(__file__).parents[1] / "overfit.toml"
@@ -123,7 +123,7 @@ def test_all_checkpoints_are_evaluated_on_one_reading(
         read.append(frame_id)
         return right(root, frame_id, **options)
 
-    monkeypatch.setattr("cadet.kitti.dataset.read_frame", counting)
+    monkeypatch.setattr("cadet.formats.kitti.dataset.read_frame", counting)
     result = call("eval", "--checkpoint", run, "--data", dataset, "--split", "all", "--last", 3, "--workers", 0)
     assert read == ["000000", "000001", "000002"]
     values = re.findall(r"^(\d{9})  (\d+\.\d\d)", result.output, re.MULTILINE)
@@ -263,7 +263,7 @@ def test_evaluation_and_validation_leave_out_what_cannot_be_read(
     with pytest.warns(CadetWarning, match="1 of 3 frames cannot be read .*b2: image_2/b2.png"):
         found = call("eval", "--data", tmp_path, *common)
     assert json.loads(found.stdout) == json.loads(call("eval", "--data", whole, *common).stdout)
-    monkeypatch.setattr("cadet.notices._said", set())
+    monkeypatch.setattr("cadet._util.notices._said", set())
     run = ["train", "--config", CONFIG, "--workers", 0, "--steps", 2, "--val-every", 1, "--split", "all"]
     with pytest.warns(CadetWarning, match="b2"):
         call(*run, "--data", tmp_path, "--out", tmp_path / "run")
@@ -325,7 +325,7 @@ def test_frames_without_ground_are_trained_on_and_predicted_with_one_warning_eac
         )
     ):
         shutil.rmtree(tmp_path / "training" / "planes", ignore_errors=True)
-        monkeypatch.setattr("cadet.notices._said", set())
+        monkeypatch.setattr("cadet._util.notices._said", set())
         with pytest.warns(CadetWarning) as caught:
             call(*arguments, *common)
         lines = [str(one.message) for one in caught]

@@ -13,7 +13,7 @@ from avod.cli.commands import avod
 from avod.clusters import anchor_sizes, k_means, toml_of
 from avod.config_file import load_config
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import write_frame
+from cadet.formats.kitti import write_frame
 from synthetic import make_calib, make_frame, make_label
 
 

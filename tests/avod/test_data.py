@@ -28,9 +28,9 @@ from avod.data.sample import Sample
 from avod.geometry.anchors import anchor_grid
 from avod.geometry.encoding import anchors_from_boxes, offsets_from_anchors
 from avod.model.network import AvodNetwork
-from cadet.boxes import project_boxes
 from cadet.errors import CadetError, CadetWarning, NonFiniteError, ShapeError
-from cadet.kitti import Calibration, estimate_plane, points_in_image, write_frame
+from cadet.formats.kitti import Calibration, estimate_plane, points_in_image, write_frame
+from cadet.formats.kitti.boxes import project_boxes
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
 CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")

@@ -20,7 +20,7 @@ from avod.results import Boxes, decode, labels_from_boxes
 from avod.train.step import new_network
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.evaluation import evaluate
-from cadet.kitti import Calibration, Label
+from cadet.formats.kitti import Calibration, Label
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
 CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")

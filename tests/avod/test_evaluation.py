@@ -16,7 +16,7 @@ import cadet
 from avod.cli.commands import avod as command
 from avod.evaluate import ablation_table, analyze_detector, without
 from cadet.errors import CadetError
-from cadet.kitti import Label, write_frame
+from cadet.formats.kitti import Label, write_frame
 
 
 @pytest.fixture(scope="module")

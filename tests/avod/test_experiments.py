@@ -27,9 +27,9 @@ from avod.train.record import read_record
 from avod_experiments import STEPS, micro_cells, micro_scale, micro_sets, run_micro
 from avod_runs import assert_same_training, weights
 from cadet import evaluate
+from cadet._util.operating_system import locked_folder
 from cadet.errors import CadetError
-from cadet.kitti import text_from_labels
-from cadet.operating_system import locked_folder
+from cadet.formats.kitti import text_from_labels
 
 
 @pytest.fixture(scope="module")

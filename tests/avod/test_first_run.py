@@ -24,7 +24,7 @@ from avod.train.run import Run, with_steps
 from cadet import __version__
 from cadet.cli import progress
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import write_frame
+from cadet.formats.kitti import write_frame
 from cadet.view import style
 from synthetic import make_frame
 

@@ -19,8 +19,8 @@ from avod.data.order import Order
 from avod.data.sample import Sample
 from avod.train.record import read_record
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
+from cadet.datasets.object_bank import cut_objects, write_bank
 from cadet.errors import CadetError, CadetWarning
-from cadet.object_bank import cut_objects, write_bank
 from synthetic import make_frame
 
 PLAIN = TrainingConfig(flip=False, pca_jitter=False)

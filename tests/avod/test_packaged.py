@@ -15,7 +15,7 @@ from avod.config_file import load_config
 from avod.train.checkpoint import packaged_checkpoints
 from cadet.errors import MissingFileError
 from cadet.evaluation import box_iou_3d
-from cadet.kitti import labels_from_text, write_frame
+from cadet.formats.kitti import labels_from_text, write_frame
 
 _NAMES = ("small_car", "tiny_car")
 _SEEDS = range(100_001, 100_011)

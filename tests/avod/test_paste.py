@@ -17,11 +17,11 @@ from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.paste import paste_crop, paste_objects
 from avod.data.placement import Scene, place
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
-from cadet.boxes import alpha_from_boxes, corners_cam, points_in_boxes, project_boxes
+from cadet.datasets.object_bank import BankObject, ObjectBank, cut_objects, write_bank
 from cadet.errors import CadetError
 from cadet.evaluation import box_iou_bev
-from cadet.kitti import Calibration
-from cadet.object_bank import BankObject, ObjectBank, cut_objects, write_bank
+from cadet.formats.kitti import Calibration
+from cadet.formats.kitti.boxes import alpha_from_boxes, corners_cam, points_in_boxes, project_boxes
 from synthetic import IMAGE_SIZE, make_calib, make_frame
 
 CALIB = make_calib()

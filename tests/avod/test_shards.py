@@ -18,8 +18,8 @@ from avod.train.processes import Processes
 from avod.train.validation_log import Validated
 from avod.validate import Validator
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
-from cadet.convert import convert
 from cadet.errors import CadetError
+from cadet.formats.convert import convert
 
 STEPS = 5
 NUM_TRAIN, NUM_VAL, NUM_CHANGES = 5, 2, 4

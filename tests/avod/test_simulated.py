@@ -22,7 +22,7 @@ from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from avod_runs import StopAfter, assert_same_training, short_run, small_config
 from cadet.errors import CadetError
-from cadet.simulation import Simulation
+from cadet.simulation.simulation import Simulation
 
 BLOCK = 6
 STEPS = 8

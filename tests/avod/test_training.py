@@ -37,7 +37,7 @@ from avod.train.step import (
 from avod_runs import Frozen
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation import box_iou_3d
-from cadet.kitti import write_frame
+from cadet.formats.kitti import write_frame
 from synthetic import make_frame
 
 CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")

@@ -9,7 +9,7 @@ import pytest
 
 import cadet
 from cadet import CadetError, EvalClass
-from cadet.kitti import Label
+from cadet.formats.kitti import Label
 from evaluation_helpers import DONT_CARE, detected, make_object, write
 
 CAR, CONE, SMALL = make_object(), make_object("Trafficcone", 1), make_object("trafficcone", 2)

@@ -10,11 +10,12 @@ import pytest
 from click.testing import CliRunner
 
 import cadet
-from cadet import CadetError, MissingFileError, boxes
+from cadet import CadetError, MissingFileError
 from cadet.cli.tools import cadet as command
 from cadet.evaluation.packed import read_packed
 from cadet.evaluation.projected import project_sides
-from cadet.kitti import Label, images
+from cadet.formats.kitti import Label, boxes
+from cadet.formats.kitti.files import images
 from evaluation_helpers import DONT_CARE, detected, write
 from synthetic import IMAGE_SIZE, make_calib, make_label
 

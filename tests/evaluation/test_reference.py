@@ -21,7 +21,7 @@ import pytest
 
 import cadet
 from cadet.evaluation import LEVELS, Level
-from cadet.kitti import Label, labels_from_text
+from cadet.formats.kitti import Label, labels_from_text
 
 CASES = Path(__file__).parents[3] / "shared" / "eval_cases"
 TOLERANCE = 1e-5

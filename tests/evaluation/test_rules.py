@@ -9,7 +9,7 @@ import pytest
 
 import cadet
 from cadet.evaluation import Level
-from cadet.kitti import Label
+from cadet.formats.kitti import Label
 from evaluation_helpers import DONT_CARE, detected, make_object, write
 
 FULL = 41

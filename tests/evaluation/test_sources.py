@@ -14,9 +14,9 @@ import pytest
 
 import cadet
 from cadet import CadetError, Detections, GroundTruth, KittiFormatError, MissingFileError, NonFiniteError, ShapeError
-from cadet.kitti import Label, labels_from_text
-from cadet.kitti.dialects import collected
-from cadet.kitti.text import text_from_bytes
+from cadet.formats.kitti import Label, labels_from_text
+from cadet.formats.kitti.files.dialects import collected
+from cadet.formats.kitti.files.text import text_from_bytes
 from evaluation_helpers import detected, make_object, write
 
 CAR = make_object()

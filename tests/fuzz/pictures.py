@@ -13,10 +13,10 @@ import cv2
 import numpy as np
 
 import image_bytes as made
-from cadet.bdd100k import convert_bdd100k
+from cadet.datasets.object_bank import BankObject, ObjectBank, write_bank
 from cadet.errors import CadetError
-from cadet.kitti import images
-from cadet.object_bank import BankObject, ObjectBank, write_bank
+from cadet.formats.bdd100k import convert_bdd100k
+from cadet.formats.kitti.files import images
 from fuzz.mutations import damage_bytes
 from fuzz.target import Input, Target
 

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import cadet
-from cadet.bdd100k import labels_from_text
-from cadet.beam_table import BeamTable
-from cadet.kitti.lint.manifest import read_manifest
-from cadet.object_bank import ObjectBank
-from cadet.plain_text import toml_from_text
+from cadet._util.plain_text import toml_from_text
+from cadet.datasets.object_bank import ObjectBank
+from cadet.formats.bdd100k import labels_from_text
+from cadet.formats.kitti.lint.manifest import read_manifest
+from cadet.sensors.beam_table import BeamTable
 from fuzz.mutations import damage_values
 from fuzz.target import Input, Target
 
@@ -50,7 +50,7 @@ _MANIFEST = {
     "rig": {"range_m": [1.45, 80.0]},
     "sha256": {"training/calib/000000.txt": "0" * 64, "ImageSets/train.txt": "1" * 64},
 }
-_PRESETS = Path(cadet.__file__).parent / "presets"
+_PRESETS = Path(cadet.__file__).parent / "sensors" / "presets"
 _RIG = toml_from_text((_PRESETS / "rigs" / "nuscenes.toml").read_bytes(), "nuscenes.toml")
 _LIDAR = toml_from_text(cadet.Lidar.vlp16().to_toml(), "vlp16.toml")
 

@@ -13,16 +13,16 @@ import numpy as np
 
 import cadet
 from cadet import _cadet, kitti
-from cadet.analysis.groups import groups_from_text
-from cadet.beam_table import BeamTable
+from cadet._util.plain_text import json_from_text, toml_from_text
 from cadet.evaluation import Rules
-from cadet.kitti import dialects
-from cadet.kitti.planes import plane_from_text
-from cadet.kitti.velodyne import points_from_bytes
-from cadet.plain_text import json_from_text, toml_from_text
-from cadet.scan_files.read import scan_from_data
-from cadet.webdataset import Member, read_members
-from cadet.webdataset.index import index_from_text, text_from_index
+from cadet.evaluation.analysis.groups import groups_from_text
+from cadet.formats.kitti.files import dialects
+from cadet.formats.kitti.files.planes import plane_from_text
+from cadet.formats.kitti.files.velodyne import points_from_bytes
+from cadet.formats.scan_files.read import scan_from_data
+from cadet.formats.webdataset import Member, read_members
+from cadet.formats.webdataset.index import index_from_text, text_from_index
+from cadet.sensors.beam_table import BeamTable
 from fuzz.archives import damage_archive, tar_archive
 from fuzz.checkpoints import checkpoint_targets
 from fuzz.meshes import MESH_TARGETS

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.boxes import points_in_boxes
 from cadet.cli import run_cadet_gen
-from cadet.kitti.lint import lint
+from cadet.formats.kitti.boxes import points_in_boxes
+from cadet.formats.kitti.lint import lint
 from obj_meshes import CAR, Block, assets_folder, obj_of
 from sensed import sense
 

@@ -11,8 +11,8 @@ import pytest
 
 import cadet
 from cadet import ResetPolicy, Rig
+from cadet.formats.kitti.from_sample import calibration_of
 from cadet.generate import Settings, generate
-from cadet.kitti.from_sample import calibration_of
 from cadet.view.sheet import overview, view_frame
 
 NUM_EPISODES = 6

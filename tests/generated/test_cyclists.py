@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.boxes import points_in_boxes
+from cadet.formats.kitti.boxes import points_in_boxes
 
 
 def scene_with(*cyclists: dict[str, Any], boxes: str = "exact") -> tuple[cadet.Scene, list[int]]:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.boxes import corners_cam
+from cadet.formats.kitti.boxes import corners_cam
 
 NUM_FRAMES = 100
 

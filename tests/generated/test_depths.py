@@ -7,9 +7,9 @@ import pytest
 
 import cadet
 from cadet import Rig
-from cadet.kitti import Calibration
-from cadet.kitti.from_sample import move_off_zero_depth
-from cadet.rig import RIG_PRESETS
+from cadet.formats.kitti import Calibration
+from cadet.formats.kitti.from_sample import move_off_zero_depth
+from cadet.sensors.rig import RIG_PRESETS
 from synthetic import make_calib
 
 RIGS = [*(Rig.named(name) for name in RIG_PRESETS), *(rig for rig, _ in Rig.every_kitti())]

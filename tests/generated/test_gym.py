@@ -18,7 +18,7 @@ SHORT: dict[str, Any] = {"rig": SMALL, "hz": 5, "length_s": 1.0}
 
 def make(**changes: Any) -> Any:
     pytest.importorskip("gymnasium", reason="needs gymnasium, the extra gym")
-    from cadet.gym import DrivingEnv
+    from cadet.simulation.gym import DrivingEnv
 
     return DrivingEnv(**{**SHORT, **changes})
 
@@ -143,6 +143,8 @@ def test_what_makes_no_sense_is_one_clear_line() -> None:
 
 
 def test_without_gymnasium_the_module_says_what_it_needs() -> None:
-    code = "import sys; sys.modules['gymnasium'] = None; import cadet.gym"
+    code = "import sys; sys.modules['gymnasium'] = None; import cadet.simulation.gym"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60)
-    assert done.stderr.splitlines()[-1].endswith("CadetError: cadet.gym needs gymnasium: pip install 'cadet-sim[gym]'")
+    assert done.stderr.splitlines()[-1].endswith(
+        "CadetError: cadet.simulation.gym needs gymnasium: pip install 'cadet-sim[gym]'"
+    )

@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
+from cadet.formats.kitti_sequences import KittiRawExporter
 from cadet.generate import Settings, generate
-from cadet.kitti_sequences import KittiRawExporter
 
 RIG = cadet.Rig(camera=cadet.Camera.kitti().resized(310, 94), lidar=cadet.Lidar.vlp16())
 

@@ -17,9 +17,9 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
+from cadet.formats.kitti_sequences.oxts import FIELDS
+from cadet.formats.kitti_sequences.record import calibration_of_record
 from cadet.generate import Settings, generate
-from cadet.kitti_sequences.oxts import FIELDS
-from cadet.kitti_sequences.record import calibration_of_record
 
 Array = NDArray[np.float64]
 
@@ -251,7 +251,7 @@ def test_tracklets_hold_every_label_and_go_on_between_them(tracking: Path, raw: 
 
 def test_a_hidden_objects_box_stays_on_its_agent(raw: Path) -> None:
     """Take an object's labels away in two frames: its box must be interpolated to where the label was."""
-    from cadet.kitti_sequences.tracklets import tracklets_of
+    from cadet.formats.kitti_sequences.tracklets import tracklets_of
 
     records = records_of(raw)
     ids = [{seen["id"] for seen in record["objects"] if seen["is_labeled"]} for record in records]

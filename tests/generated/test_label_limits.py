@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import cadet
+from cadet.worlds.weather import air_of
 from obj_meshes import WALL, assets_folder
 from sensed import objects_of
 
@@ -45,7 +46,7 @@ def test_fog_takes_of_what_is_visible_what_it_takes_of_the_contrast() -> None:
     clear, foggy = (cars_ahead(weather, exact()) for weather in ("clear_noon", "dense_fog"))
     assert len(clear) == len(PLACES) and all(is_labeled(clear).values())
     assert set(foggy) == set(clear), "what fog hides from the labels is not to be counted against a detector"
-    extinction_per_m = cadet.weather.air_of("dense_fog").fog
+    extinction_per_m = air_of("dense_fog").fog
     for actor_id, (label, meta) in foggy.items():
         _, of_clear = clear[actor_id]
         assert (of_clear["contrast"], of_clear["visible_fraction"]) == (1.0, 1.0)

@@ -11,8 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
-from cadet.boxes import corners_cam, points_in_boxes
-from cadet.kitti.dataset import encode_frame
+from cadet.formats.kitti.boxes import corners_cam, points_in_boxes
+from cadet.formats.kitti.dataset import encode_frame
 from obj_meshes import WALL, assets_folder
 from sensed import Sensed, objects_of, sense
 

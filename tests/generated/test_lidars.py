@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, Camera, EncoderFiring, Lidar, Rig, Scene, kitti
-from cadet.kitti.lint import lint
-from cadet.lidar import LIDAR_PRESETS
+from cadet.formats.kitti.lint import lint
+from cadet.sensors.lidar import LIDAR_PRESETS
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.districts import DISTRICTS, District
+from cadet.worlds.districts import DISTRICTS, District
 
 LUMA = np.array([0.2126, 0.7152, 0.0722])
 

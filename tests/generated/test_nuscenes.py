@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import cadet
+from cadet._util.sink import Sink
+from cadet.formats.nuscenes import VERSION
+from cadet.formats.nuscenes.classes import ATTRIBUTES, CATEGORIES, attribute, category, visibility
+from cadet.formats.nuscenes.scene_names import scene_names
 from cadet.generate import Settings, generate
-from cadet.nuscenes import VERSION
-from cadet.nuscenes.classes import ATTRIBUTES, CATEGORIES, attribute, category, visibility
-from cadet.nuscenes.scene_names import scene_names
-from cadet.sink import Sink
 
 SCENES, SAMPLES = 2, 5
 

@@ -10,9 +10,9 @@ import pytest
 
 import cadet
 from cadet import LabelConfig, ResetPolicy
-from cadet.episode import Episode
-from cadet.kitti.from_sample import labels_of
-from cadet.sample import Wanted
+from cadet.formats.kitti.from_sample import labels_of
+from cadet.sensors.sample import Wanted
+from cadet.simulation.episode import Episode
 
 EPISODES, SAMPLES = 30, 7
 

@@ -13,7 +13,7 @@ import math, sys
 from dataclasses import replace
 import cadet
 from cadet.generate import Settings, generate
-from cadet.process_map import process_map
+from cadet._util.process_map import process_map
 
 print("began")
 rig = cadet.Rig(camera=cadet.Camera.kitti().resized(124, 38), lidar=cadet.Lidar.vlp16())

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
-from cadet.semantic import Semantic
+from cadet.sensors.semantic import Semantic
 from real_kitti import files, needs_kitti
 from sensed import Sensed
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.kitti import Calibration, points_in_image
-from cadet.kitti_calibrations import KITTI_CALIBRATIONS
+from cadet.formats.kitti import Calibration, points_in_image
+from cadet.sensors.kitti_calibrations import KITTI_CALIBRATIONS
 
 CALIBRATIONS = list(KITTI_CALIBRATIONS)
 

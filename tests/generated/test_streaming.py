@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 
 import cadet
-from cadet.camera import Camera
-from cadet.generate.engine import WorkerError
+from cadet.errors import WorkerError
+from cadet.sensors.camera import Camera
 
 # Three samples an episode and a small image: what is tested is the order.
 _RIG = replace(cadet.Rig.kitti(), camera=Camera.kitti().resized(310, 94), lidar=cadet.Lidar("vlp16"))

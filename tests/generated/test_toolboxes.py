@@ -17,10 +17,10 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
-from cadet import boxes, kitti
+from cadet import kitti
 from cadet.evaluation import LEVELS
+from cadet.formats.kitti import boxes, points_in_image
 from cadet.generate import Settings, generate
-from cadet.kitti import points_in_image
 
 NUM_FRAMES = 8
 CLASSES = {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc"}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.boxes import points_in_boxes
+from cadet.formats.kitti.boxes import points_in_boxes
 from sensed import objects_of, sense
 
 LARGEST_HWL = {"Truck": (4.4, 3.1, 17.2), "Misc": (4.1, 2.8, 13.0)}

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 import cadet
-from cadet.districts import District
+from cadet.worlds.districts import District
 
 REASONS = {"vehicle", "obstacle", "person", "light", "junction", "road end"}
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from cadet import boxes
 from cadet.errors import NonFiniteError, ShapeError
+from cadet.formats.kitti import boxes
 from synthetic import make_calib
 
 AHEAD = -np.pi / 2

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cadet.boxes import project_boxes
 from cadet.errors import CadetError, KittiFormatError, NonFiniteError, ShapeError
-from cadet.kitti import Calibration, points_in_image
-from cadet.kitti.dialects import collected
+from cadet.formats.kitti import Calibration, points_in_image
+from cadet.formats.kitti.boxes import project_boxes
+from cadet.formats.kitti.files.dialects import collected
 from synthetic import make_calib
 
 SHAPES = {"P0": (3, 4), "P1": (3, 4), "P2": (3, 4), "P3": (3, 4), "R0_rect": (3, 3)} | {

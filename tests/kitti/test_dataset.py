@@ -9,8 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError, NonFiniteError, ShapeError
-from cadet.kitti import Dataset, ImageSet, images, read_calib, read_frame, read_labels, write_frame, write_image_set
-from cadet.kitti.frame import Frame
+from cadet.formats.kitti import Dataset, ImageSet, read_calib, read_frame, read_labels, write_frame, write_image_set
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.frame import Frame
 from synthetic import make_frame
 
 

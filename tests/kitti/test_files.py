@@ -8,10 +8,11 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, KittiFormatError, NonFiniteError, ShapeError
-from cadet.kitti import ImageSet, images
-from cadet.kitti.dialects import collected
-from cadet.kitti.planes import plane_from_text, text_from_plane
-from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
+from cadet.formats.kitti import ImageSet
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.dialects import collected
+from cadet.formats.kitti.files.planes import plane_from_text, text_from_plane
+from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 
 
 @given(arrays(np.float32, st.tuples(st.integers(0, 20), st.just(4)), elements=st.floats(-100, 100, width=32)))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cadet import Camera, Lidar, Rig, Sample, Scene
-from cadet.episode import request
-from cadet.kitti import frame_from_sample
-from cadet.kitti.from_sample import _rounded, labels_of
-from cadet.sample import Wanted
+from cadet.formats.kitti import frame_from_sample
+from cadet.formats.kitti.from_sample import _rounded, labels_of
+from cadet.sensors.sample import Wanted
+from cadet.simulation.episode import request
 
 RIG = Rig(camera=Camera.kitti().resized(310, 94), lidar=Lidar.vlp16())
 

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cadet.errors import KittiFormatError
-from cadet.kitti import Calibration, ImageSet, Label, labels_from_text
-from cadet.kitti.dialects import collected
-from cadet.kitti.planes import plane_from_text
-from cadet.kitti.velodyne import points_from_bytes
+from cadet.formats.kitti import Calibration, ImageSet, Label, labels_from_text
+from cadet.formats.kitti.files.dialects import collected
+from cadet.formats.kitti.files.planes import plane_from_text
+from cadet.formats.kitti.files.velodyne import points_from_bytes
 from synthetic import make_calib, make_frame
 
 LABELS = "".join(f"{label.to_line()}\n" for label in make_frame().labels)

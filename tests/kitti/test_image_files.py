@@ -13,10 +13,10 @@ import pytest
 from numpy.typing import NDArray
 
 import image_bytes as made
+from cadet._util.image_file import decode_file
 from cadet.errors import FileFormatError, KittiFormatError
-from cadet.image_file import decode_file
-from cadet.kitti import images
-from cadet.kitti.dialects import collected
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.dialects import collected
 
 _RNG = np.random.default_rng(3)
 COLORS = _RNG.integers(0, 256, (6, 8, 3)).astype(np.uint8)

@@ -13,12 +13,13 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 
 import image_bytes as made
-from cadet import kitti, notices
+from cadet import kitti
+from cadet._util import notices
 from cadet.cli.tools import cadet as command
-from cadet.convert import convert
 from cadet.errors import CadetError, CadetWarning, MissingFileError
-from cadet.kitti.lint import lint
-from cadet.webdataset import open_dataset
+from cadet.formats.convert import convert
+from cadet.formats.kitti.lint import lint
+from cadet.formats.webdataset import open_dataset
 from gen_process import tree
 from synthetic import make_frame
 

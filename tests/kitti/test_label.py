@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cadet.errors import CadetError, KittiFormatError, NonFiniteError, ShapeError
-from cadet.kitti import TYPES, Label, labels_from_text, text_from_labels
-from cadet.kitti.dialects import collected
+from cadet.formats.kitti import TYPES, Label, labels_from_text, text_from_labels
+from cadet.formats.kitti.files.dialects import collected
 
 CAR = "Car 0.00 0 1.85 387.63 181.54 423.81 203.12 1.67 1.87 3.69 -16.53 2.39 58.49 1.57"
 DONT_CARE = "DontCare -1 -1 -10 503.89 169.71 590.61 190.13 -1 -1 -1 -1000 -1000 -1000 -10"

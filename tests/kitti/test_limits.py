@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cadet.errors import CadetError, KittiFormatError
-from cadet.kitti import Calibration
-from cadet.kitti.planes import plane_from_text
+from cadet.formats.kitti import Calibration
+from cadet.formats.kitti.files.planes import plane_from_text
 from synthetic import make_calib
 
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cadet.kitti import ImageSet, Label, images, lint, write_frame, write_image_set
+from cadet.formats.kitti import ImageSet, Label, lint, write_frame, write_image_set
+from cadet.formats.kitti.files import images
 from synthetic import DONT_CARE, make_calib, make_frame, make_label
 
 

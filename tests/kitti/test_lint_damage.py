@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cadet.kitti import ImageSet, lint, write_frame, write_image_set
+from cadet.formats.kitti import ImageSet, lint, write_frame, write_image_set
 from synthetic import make_frame
 
 DEEP = "[" * 100_000

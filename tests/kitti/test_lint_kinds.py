@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cadet.kitti import RULES, lint, write_frame
+from cadet.formats.kitti import RULES, lint, write_frame
 from damages import KINDS, seal, write_set
 from synthetic import make_calib, make_frame, make_label, make_labels
 

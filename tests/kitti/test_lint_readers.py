@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cadet.kitti import Calibration, lint, write_frame
+from cadet.formats.kitti import Calibration, lint, write_frame
 from synthetic import DONT_CARE, make_calib, make_frame
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from cadet import CadetError, kitti
 from cadet.errors import KittiFormatError
-from cadet.kitti import Dataset, ImageSet, read_image_set, write_frame, write_image_set
-from cadet.kitti.dialects import collected
+from cadet.formats.kitti import Dataset, ImageSet, read_image_set, write_frame, write_image_set
+from cadet.formats.kitti.files.dialects import collected
 from synthetic import make_frame
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cadet import kitti
 from cadet.errors import CadetError, NonFiniteError
-from cadet.kitti import estimate_plane
+from cadet.formats.kitti import estimate_plane
 from real_kitti import ROOT, files, needs_kitti
 from synthetic import make_calib
 

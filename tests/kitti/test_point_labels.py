@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cadet import Agent, KittiFormatError, Scan, Semantic
-from cadet.kitti.point_labels import bytes_from_point_labels, point_labels, point_labels_from_bytes
+from cadet.formats.kitti.files.point_labels import bytes_from_point_labels, point_labels, point_labels_from_bytes
 
 
 def make_scan(seen: list[tuple[int, Semantic]]) -> Scan:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cadet import boxes
 from cadet.errors import MissingFileError
-from cadet.kitti import (
+from cadet.formats.kitti import (
     Calibration,
     Dataset,
     ImageSet,
+    boxes,
     boxes_cam_from_labels,
     labels_from_text,
     lint,
@@ -24,8 +24,8 @@ from cadet.kitti import (
     text_from_labels,
     write_frame,
 )
-from cadet.kitti.planes import plane_from_text, text_from_plane
-from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
+from cadet.formats.kitti.files.planes import plane_from_text, text_from_plane
+from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 from real_kitti import ROOT, files, needs_kitti
 
 pytestmark = needs_kitti

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 import real_kitti
 from cadet.errors import KittiFormatError
-from cadet.kitti import dialects, lint, read_frame, write_frame
-from cadet.kitti.scan_columns import Layout, layout_of
-from cadet.kitti.velodyne import points_from_bytes
+from cadet.formats.kitti import lint, read_frame, write_frame
+from cadet.formats.kitti.files import dialects
+from cadet.formats.kitti.files.scan_columns import Layout, layout_of
+from cadet.formats.kitti.files.velodyne import points_from_bytes
 from lidar_scans import VLP16, yard_scan
 from synthetic import make_frame
 
@@ -106,7 +107,7 @@ def test_unknown_columns_are_refused_by_name(kind: str) -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"# .PCD v0.7\nVERSION 0.7\n", r"a PCD file, .*`cadet.scan_files.read_scan` reads it"),
+        (b"# .PCD v0.7\nVERSION 0.7\n", r"a PCD file, .*`cadet.formats.scan_files.read_scan` reads it"),
         (b"ply\nformat ascii 1.0\n", "a PLY file"),
         (b"\x93NUMPY\x01\x00v\x00", r"a \.npy file"),
         (b"1.0 2.0 3.0 0.5\n1.0 2.0 3.0 0.5\n", "a text file, .*convert it"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cadet import CadetError
-from cadet.meshes import Beside, MeshTriangles, obj_from_bytes
+from cadet.worlds.meshes import Beside, MeshTriangles, obj_from_bytes
 from gltf_boxes import png_bytes
 
 CORNERS = "".join(f"v {x} {y} {z}\n" for x in (0, 4) for y in (0, 1.8) for z in (0, 1.5))

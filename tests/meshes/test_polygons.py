@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cadet.meshes.polygons import triangles_of
+from cadet.worlds.meshes.polygons import triangles_of
 
 
 def area(points: NDArray[np.float64]) -> float:

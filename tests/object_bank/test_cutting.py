@@ -14,14 +14,14 @@ import pytest
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
-from cadet.boxes import corners_cam, points_in_boxes
 from cadet.cli.tools import cadet
+from cadet.datasets.object_bank import BankObject, ObjectBank, cut_objects, write_bank
+from cadet.datasets.object_bank.silhouette import is_solid, refined_silhouette, silhouette_from_points
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import write_frame
-from cadet.kitti.frame import Frame
-from cadet.kitti.images import encode_png
-from cadet.object_bank import BankObject, ObjectBank, cut_objects, write_bank
-from cadet.object_bank.silhouette import is_solid, refined_silhouette, silhouette_from_points
+from cadet.formats.kitti import write_frame
+from cadet.formats.kitti.boxes import corners_cam, points_in_boxes
+from cadet.formats.kitti.files.images import encode_png
+from cadet.formats.kitti.frame import Frame
 from image_bytes import PNG_START, header
 from synthetic import make_frame
 

@@ -10,9 +10,9 @@ from click.testing import CliRunner
 
 from cadet import kitti
 from cadet.cli.tools import cadet as command
-from cadet.convert import convert
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
-from cadet.webdataset import ArchiveError, open_dataset
+from cadet.formats.convert import convert
+from cadet.formats.webdataset import ArchiveError, open_dataset
 from gen_process import tree
 from synthetic import make_frame
 

@@ -16,11 +16,11 @@ from typing import Any
 import pytest
 
 from cadet import ResetPolicy
-from cadet.convert import convert
+from cadet._util.sink import LocalSink
 from cadet.errors import CadetError
+from cadet.formats.convert import convert
 from cadet.generate import Settings
 from cadet.generate.folder import open_folder
-from cadet.sink import LocalSink
 from gen_process import FINE, SIZE, run, start, tree, wait_for, write_whole
 from small_runs import make, small_settings
 

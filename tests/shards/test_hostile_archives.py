@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cadet.errors import CadetError, MissingFileError
-from cadet.webdataset import ArchiveError, Shard, ShardDataset, expand_pattern, read_members, tar_reading
-from cadet.webdataset.index import index_from_text, text_from_index
-from cadet.webdataset.member import Member
+from cadet.formats.webdataset import ArchiveError, Shard, ShardDataset, expand_pattern, read_members, tar_reading
+from cadet.formats.webdataset.index import index_from_text, text_from_index
+from cadet.formats.webdataset.member import Member
 
 GOOD = "000001.calib.txt"
 

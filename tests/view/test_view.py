@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cadet import boxes, view
+from cadet import view
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import images, read_frame, write_frame
-from cadet.kitti.frame import Frame
+from cadet.formats.kitti import boxes, read_frame, write_frame
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.frame import Frame
 from cadet.view import style
 from cadet.view.style import dashes
 from real_kitti import ROOT, needs_kitti

@@ -9,7 +9,7 @@ import click
 from avod.cli.options import check_split, resolve_split, split_option
 from avod.clusters import anchor_sizes, toml_of
 from cadet.errors import CadetError
-from cadet.kitti.label import is_object_type, kitti_spelling
+from cadet.formats.kitti.label import is_object_type, kitti_spelling
 
 _MOST = 64
 

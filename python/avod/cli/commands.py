@@ -33,16 +33,16 @@ from avod.train.checkpoint import checkpoints, keep_checkpoint
 from avod.train.log import read_log
 from avod.train.validation_log import read_validations
 from cadet import __version__
-from cadet.analysis import Analysis
-from cadet.analysis.result import PARTS
+from cadet._util.sink import LocalSink
 from cadet.errors import CadetError, MissingFileError
+from cadet.evaluation.analysis import Analysis
+from cadet.evaluation.analysis.result import PARTS
 from cadet.evaluation.limits import MIN_OVERLAP
-from cadet.kitti import text_from_labels
-from cadet.kitti.files import check_id
-from cadet.kitti.unreadable import Unreadable
-from cadet.sink import LocalSink
+from cadet.formats.kitti import text_from_labels
+from cadet.formats.kitti.files.folder import check_id
+from cadet.formats.kitti.files.unreadable import Unreadable
+from cadet.formats.webdataset import open_dataset
 from cadet.view.picture import check_picture_path, write_picture
-from cadet.webdataset import open_dataset
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})

@@ -14,14 +14,14 @@ from rich.console import Console
 from avod import device
 from avod.data.simulated import is_simulation
 from cadet import kitti
+from cadet._util.operating_system import num_processors
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import sample_folder, set_root
-from cadet.kitti.image_sets import LISTS, check_not_empty, list_paths
-from cadet.kitti.unreadable import Unreadable, frames_with_files
-from cadet.operating_system import num_processors
-from cadet.webdataset import ShardDataset, open_dataset
-from cadet.webdataset.dataset import is_pattern, is_shard_folder
+from cadet.formats.kitti.files.folder import sample_folder, set_root
+from cadet.formats.kitti.files.unreadable import Unreadable, frames_with_files
+from cadet.formats.kitti.image_sets import LISTS, check_not_empty, list_paths
+from cadet.formats.webdataset import ShardDataset, open_dataset
+from cadet.formats.webdataset.dataset import is_pattern, is_shard_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 

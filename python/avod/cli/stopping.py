@@ -8,8 +8,8 @@ import time
 from types import FrameType, TracebackType
 from typing import Final
 
+from cadet._util.operating_system import ENDING_SIGNALS
 from cadet.cli.signals import INTERRUPTED, Terminated
-from cadet.operating_system import ENDING_SIGNALS
 
 OUT_OF_TIME: Final = 75
 """The exit code when `--max-minutes` are over: sysexits.h's "try again later"."""

@@ -41,7 +41,7 @@ from avod.train.validation_log import Validated
 from avod.validate import Validator
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError, MissingFileError
-from cadet.webdataset.dataset import is_pattern
+from cadet.formats.webdataset.dataset import is_pattern
 
 _SECONDS_BETWEEN_LINES: Final = 10.0
 _AMP: Final = {"bfloat16": "bf16"}

@@ -18,10 +18,10 @@ from avod.data.scan_changes import drop_points, shift_ranges
 from avod.data.world import WorldChange
 from avod.geometry.anchors import anchors_over, occupancy
 from cadet import bev
-from cadet.arrays import check_array
+from cadet._util.arrays import check_array
+from cadet._util.notices import notice
 from cadet.errors import CadetError
-from cadet.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
-from cadet.notices import notice
+from cadet.formats.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
 
 _MIN_UPRIGHT: Final = 0.5
 _ROUGH_ERROR: Final = 1e-5

@@ -23,14 +23,14 @@ from avod.data.paste import DamagedBankError, check_bank, paste_objects
 from avod.data.sample import Sample
 from avod.data.subset import draw_frames, usable_frames
 from cadet import kitti
+from cadet._util.notices import notice
+from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError
-from cadet.kitti import Calibration, Label
-from cadet.kitti.files import REQUIRED
-from cadet.kitti.frame import Frame
-from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
-from cadet.notices import notice
-from cadet.object_bank import ObjectBank
-from cadet.webdataset import ShardDataset, open_dataset
+from cadet.formats.kitti import Calibration, Label
+from cadet.formats.kitti.files.folder import REQUIRED
+from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable, frames_with_files
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.webdataset import ShardDataset, open_dataset
 
 _MOST_TRIED: Final = 20
 """Number of frames in a row that are never unreadable by chance where most can be read."""

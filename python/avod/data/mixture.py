@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avod.data.order import Entry, Order, stream_seed
-from cadet.checks import as_pairs, as_path, check_number
+from cadet._util.checks import as_pairs, as_path, check_number
 from cadet.errors import CadetError
 
 Folders = str | Path | Sequence[tuple[str | Path, float]]

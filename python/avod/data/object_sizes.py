@@ -12,8 +12,8 @@ from avod.augmentation_config import AugmentationConfig
 from avod.clusters import mean_sizes
 from avod.config import Size
 from avod.data.augmentation import Augmentation
-from cadet.boxes import points_in_boxes
-from cadet.kitti import Label
+from cadet.formats.kitti import Label
+from cadet.formats.kitti.boxes import points_in_boxes
 
 _SIZES: Final = slice(3, 6)
 _HALF, _TWICE = 0.5, 2.0

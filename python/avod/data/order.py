@@ -15,7 +15,7 @@ from torch.utils.data import Sampler
 
 from avod.config import TrainingConfig
 from avod.data.augmentation import Augmentation
-from cadet.kitti.files import is_numbered
+from cadet.formats.kitti.files.folder import is_numbered
 
 
 def stream_seed(seed: int, name: str, *numbers: int) -> int:

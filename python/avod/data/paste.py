@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from avod.config import Config
 from avod.data.augmentation import Augmentation
 from avod.data.placement import Placement, Scene, place, slopes
-from cadet.boxes import alpha_from_boxes, corners_cam, project_boxes
+from cadet.datasets.object_bank import BankObject, ObjectBank
 from cadet.errors import CadetError
-from cadet.kitti import Calibration, Label, boxes_cam_from_labels
-from cadet.kitti.frame import Frame
-from cadet.object_bank import BankObject, ObjectBank
+from cadet.formats.kitti import Calibration, Label, boxes_cam_from_labels
+from cadet.formats.kitti.boxes import alpha_from_boxes, corners_cam, project_boxes
+from cadet.formats.kitti.frame import Frame
 
 _TRIES: Final = 6
 """Places that an object is tried in before it is given up."""

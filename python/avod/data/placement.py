@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avod.data.outline import HALF_BEAM, Outline
-from cadet.boxes import points_in_boxes, project_boxes, wrap_angle
+from cadet.datasets.object_bank import BankObject
 from cadet.evaluation.overlaps import box_iou_bev
-from cadet.kitti import Calibration
-from cadet.object_bank import BankObject
+from cadet.formats.kitti import Calibration
+from cadet.formats.kitti.boxes import points_in_boxes, project_boxes, wrap_angle
 
 _NEAR_M: Final = 0.5
 _ROOM_M: Final = 0.3

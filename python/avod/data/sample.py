@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from cadet.summary import summary
+from cadet._util.summary import summary
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ from avod.data.paste import check_bank
 from avod.data.prefetch import prefetched
 from avod.data.sample import Sample
 from avod.data.subset import usable_frames
+from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError
-from cadet.kitti import Frame
-from cadet.object_bank import ObjectBank
-from cadet.simulation import Simulation
+from cadet.formats.kitti import Frame
+from cadet.simulation.simulation import Simulation
 
 PREFIX: Final = "sim:"
 """Begins the name of a simulation's file where data are named."""
@@ -41,7 +41,7 @@ class SimulatedData:
     several processes each takes its own share of the episodes.
 
     Args:
-        name: "sim:" and a TOML file of `cadet.simulation.Simulation`.
+        name: "sim:" and a TOML file of `cadet.Simulation`.
         config: the detector and its training.
         seed: of the order and the augmentations.
         bank: objects to paste into the frames.

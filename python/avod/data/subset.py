@@ -9,7 +9,7 @@ import numpy as np
 from avod.config import Config
 from avod.data.order import stream_seed
 from cadet.errors import CadetError
-from cadet.kitti import Label
+from cadet.formats.kitti import Label
 
 
 def usable_frames(labels: Mapping[str, Sequence[Label]], config: Config, place: str) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import torch
 from torch.utils.data import DataLoader
 from torch.utils.data.dataloader import _MultiProcessingDataLoaderIter
 
-from cadet.operating_system import ENDING_SIGNALS
+from cadet._util.operating_system import ENDING_SIGNALS
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avod.data.augmentation import Augmentation
-from cadet.boxes import wrap_angle
+from cadet.formats.kitti.boxes import wrap_angle
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,9 @@ from avod.experiments.sets import Sets
 from avod.experiments.table import plain_rows, tables
 from avod.experiments.testing import run_tests
 from avod.experiments.training import train_cell
+from cadet._util.operating_system import FolderInUseError, locked_folder
 from cadet.errors import CadetError
-from cadet.kitti.files import write_whole
-from cadet.operating_system import FolderInUseError, locked_folder
+from cadet.formats.kitti.files.folder import write_whole
 from cadet.view.picture import write_picture
 
 WAIT_S: Final = 20.0

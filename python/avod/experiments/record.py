@@ -20,9 +20,9 @@ from avod.experiments.cells import Cell
 from avod.experiments.scales import Scale
 from avod.experiments.sets import Sets
 from avod.train.record import differences
+from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError
-from cadet.kitti.files import write_whole
-from cadet.plain_text import json_from_text
+from cadet.formats.kitti.files.folder import write_whole
 
 _FORMAT: Final = "avod-paper"
 _VERSION: Final = 1

@@ -12,9 +12,9 @@ from typing import Any, Final
 from avod.experiments.cells import Cell
 from cadet import kitti
 from cadet.errors import CadetError
-from cadet.kitti import text_from_labels
-from cadet.kitti.image_sets import check_not_empty
-from cadet.webdataset.dataset import is_shard_folder
+from cadet.formats.kitti import text_from_labels
+from cadet.formats.kitti.image_sets import check_not_empty
+from cadet.formats.webdataset.dataset import is_shard_folder
 
 TRAIN: Final = "train"
 VAL: Final = "val"

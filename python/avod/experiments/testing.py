@@ -18,9 +18,9 @@ from avod.experiments.training import BEST, candidates
 from avod.predict import predict_all
 from avod.train.checkpoint import forget_old, keep_checkpoint, read_checkpoint
 from cadet import evaluate, kitti
+from cadet._util.sink import LocalSink
 from cadet.evaluation import Report
-from cadet.kitti import labels_from_text, text_from_labels
-from cadet.sink import LocalSink
+from cadet.formats.kitti import labels_from_text, text_from_labels
 
 _LEVELS: Final = "kitti"
 

@@ -20,7 +20,7 @@ from avod.model.path_drop import detection_masks, draw_masks, fuse
 from avod.model.pyramid import FeaturePyramid
 from avod.ops import crop_and_resize, nms
 from avod.targets import ProposalTargets, sample_proposals, truth_proposals
-from cadet.summary import summary
+from cadet._util.summary import summary
 
 _NUM_ANCHOR_OFFSETS = 6
 _NUM_BOX_OFFSETS = 10

@@ -19,7 +19,7 @@ from avod.data.simulated import SimulatedData
 from avod.data.workers import as_it_is, outlive_signals, running
 from avod.train.processes import Processes
 from cadet.errors import CadetError
-from cadet.kitti.unreadable import READING_ERRORS
+from cadet.formats.kitti.files.unreadable import READING_ERRORS
 
 
 def batches(

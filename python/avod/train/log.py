@@ -11,9 +11,9 @@ from typing import Any, Final
 
 from torch import Tensor
 
+from cadet._util.user_files import names_file
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import write_whole
-from cadet.user_files import names_file
+from cadet.formats.kitti.files.folder import write_whole
 
 TERMS: Final = ("objectness", "anchor", "classification", "box", "orientation", "total")
 COLUMNS: Final = ("step", "learning_rate", *TERMS, "seconds_per_step")

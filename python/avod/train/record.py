@@ -11,9 +11,9 @@ from typing import Any, Final
 from avod.config import Config
 from avod.config_file import config_from_table, table_from_config
 from avod.train.made_with import made_with
+from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import write_whole
-from cadet.plain_text import json_from_text
+from cadet.formats.kitti.files.folder import write_whole
 
 _NAME: Final = "run.json"
 _FORMAT: Final = "avod-training"

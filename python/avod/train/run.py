@@ -26,8 +26,8 @@ from avod.train.settings import Run
 from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
 from avod.train.validation_log import Validated, ValidationLog
+from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError, CadetWarning
-from cadet.object_bank import ObjectBank
 
 __all__ = ["OnStep", "Run", "Validate", "train", "with_steps"]
 

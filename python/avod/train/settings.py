@@ -8,7 +8,7 @@ from pathlib import Path
 import torch
 
 from avod.data.mixture import Folders
-from cadet.checks import check_number
+from cadet._util.checks import check_number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,7 @@ class Run:
 
     Attributes:
         data: a KITTI folder, a folder of shards, a pattern that names shards, such as `set/train/{000..099}.tar`,
-            or "sim:CONFIG.toml", frames of a `cadet.simulation.Simulation` without a dataset on disk; or several
+            or "sim:CONFIG.toml", frames of a `cadet.Simulation` without a dataset on disk; or several
             folders, each with its share of the frames: `(("sim", 0.8), ("real", 0.2))`.
         out: where `run.json`, `log.csv` and `checkpoints` go: a folder without those of another training, unless
             `resume` is set or `resume_from` is this one's last checkpoint; the logs then keep their rows up to there.

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from avod.train.log import TERMS, read_table, table_line, text_of
+from cadet._util.user_files import names_file
 from cadet.errors import CadetError
-from cadet.kitti.files import write_whole
-from cadet.user_files import names_file
+from cadet.formats.kitti.files.folder import write_whole
 
 _FIRST: Final = ("step", *TERMS, "ap")
 

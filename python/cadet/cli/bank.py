@@ -8,16 +8,16 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from cadet.checks import shown
+from cadet._util.checks import shown
 from cadet.cli.progress import reporter
+from cadet.datasets.object_bank import BankObject, cut_objects, write_bank
+from cadet.datasets.object_bank.cut import MIN_POINTS
 from cadet.errors import CadetError
-from cadet.kitti.files import REQUIRED
-from cadet.kitti.image_sets import check_not_empty
-from cadet.kitti.label import is_object_type, kitti_spelling
-from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
-from cadet.object_bank import BankObject, cut_objects, write_bank
-from cadet.object_bank.cut import MIN_POINTS
-from cadet.webdataset import open_dataset
+from cadet.formats.kitti.files.folder import REQUIRED
+from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable, frames_with_files
+from cadet.formats.kitti.image_sets import check_not_empty
+from cadet.formats.kitti.label import is_object_type, kitti_spelling
+from cadet.formats.webdataset import open_dataset
 
 
 def _types(context: click.Context, option: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:

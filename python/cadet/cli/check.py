@@ -12,9 +12,9 @@ from typing import Final
 
 import click
 
-from cadet.kitti.files import frame_ids, sample_folder, testing_folder
-from cadet.kitti.lint import Finding, lint
-from cadet.operating_system import num_processors
+from cadet._util.operating_system import num_processors
+from cadet.formats.kitti.files.folder import frame_ids, sample_folder, testing_folder
+from cadet.formats.kitti.lint import Finding, lint
 
 _ROWS_SHOWN: Final = 50
 _ALIKE_SHOWN: Final = 3

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from cadet.bdd100k import convert_bdd100k
-from cadet.convert import FORMATS, convert
 from cadet.errors import CadetError
-from cadet.webdataset.exporter import SHARD_SIZE
+from cadet.formats.bdd100k import convert_bdd100k
+from cadet.formats.convert import FORMATS, convert
+from cadet.formats.webdataset.exporter import SHARD_SIZE
 
 _SHOWN = 3
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from cadet.object_sink import is_url
+from cadet.generate.object_sink import is_url
 
 
 class Destination(click.Path):

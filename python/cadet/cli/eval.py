@@ -10,17 +10,17 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from cadet.analysis import Analysis, analyze
-from cadet.analysis.bins import EDGES, parse_by
-from cadet.analysis.result import PARTS
-from cadet.analysis.run import DRAWS, MAX_DRAWS
-from cadet.checks import MAX_SEED
+from cadet._util.checks import MAX_SEED
 from cadet.errors import CadetError
 from cadet.evaluation import LEVELS, EvalClass, Report, read_rules
+from cadet.evaluation.analysis import Analysis, analyze
+from cadet.evaluation.analysis.bins import EDGES, parse_by
+from cadet.evaluation.analysis.result import PARTS
+from cadet.evaluation.analysis.run import DRAWS, MAX_DRAWS
 from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
 from cadet.evaluation.sources import BOXES_2D
-from cadet.kitti.label import is_object_type
+from cadet.formats.kitti.label import is_object_type
 from cadet.view.picture import check_picture_path
 
 

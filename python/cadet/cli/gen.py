@@ -13,21 +13,21 @@ import click
 from rich.console import Console
 
 from cadet import _cadet
-from cadet.assets import Assets
-from cadet.checks import check_number
+from cadet._util.checks import check_number
+from cadet._util.notices import notice
 from cadet.cli.destination import Destination
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
-from cadet.districts import DISTRICTS, District
 from cadet.errors import CadetError
 from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
-from cadet.lidar import LIDAR_PRESETS, Lidar
-from cadet.notices import notice
-from cadet.policy import POLICIES, ResetPolicy
-from cadet.props import Props
-from cadet.rig import RIG_PRESETS, Rig
-from cadet.road_map import RoadMap
-from cadet.weather import weather_names
+from cadet.sensors.lidar import LIDAR_PRESETS, Lidar
+from cadet.sensors.rig import RIG_PRESETS, Rig
+from cadet.worlds.assets import Assets
+from cadet.worlds.districts import DISTRICTS, District
+from cadet.worlds.policy import POLICIES, ResetPolicy
+from cadet.worlds.props import Props
+from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import weather_names
 
 _LEAST_FRACTION = 1e-6
 

@@ -9,10 +9,10 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from cadet.datasets.lidar_fit import LidarFit, fit_lidar
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import write_whole
-from cadet.lidar import LIDAR_PRESETS, Lidar
-from cadet.lidar_fit import LidarFit, fit_lidar
+from cadet.formats.kitti.files.folder import write_whole
+from cadet.sensors.lidar import LIDAR_PRESETS, Lidar
 
 
 @click.command(name="lidar")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from cadet.operating_system import num_processors
-from cadet.report import write_report
+from cadet._util.operating_system import num_processors
+from cadet.datasets.report import write_report
 
 
 @click.command(name="report")

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from types import FrameType
 from typing import NoReturn
 
-from cadet.operating_system import ENDING_SIGNALS
+from cadet._util.operating_system import ENDING_SIGNALS
 
 INTERRUPTED = 130
 """The exit code after Ctrl-C; after another signal it is 128 and the signal's number."""

@@ -8,8 +8,8 @@ from typing import Final
 
 import click
 
-from cadet import _cadet, kitti
-from cadet.checks import shown_key
+from cadet import _cadet
+from cadet._util.checks import shown_key
 from cadet.cli.bank import bank_command
 from cadet.cli.check import check_command
 from cadet.cli.convert import convert_command
@@ -18,11 +18,12 @@ from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.image_sets import check_not_empty
-from cadet.kitti.unreadable import READING_ERRORS, Unreadable
+from cadet.formats import kitti
+from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
+from cadet.formats.kitti.image_sets import check_not_empty
+from cadet.formats.webdataset import ShardDataset, open_dataset
 from cadet.view import overview, sheet, view_bev_maps
 from cadet.view.picture import check_picture_path, write_picture
-from cadet.webdataset import ShardDataset, open_dataset
 
 _OVERVIEW_ROWS: Final = 4
 _NAMED: Final = 4

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cadet.checks import as_tuple, check_text, shown
+from cadet._util.checks import as_tuple, check_text, shown
 from cadet.errors import CadetError
 from cadet.evaluation.limits import METRICS, MinOverlap, class_limits, resolve_limits
-from cadet.kitti.label import is_object_type, kitti_spelling
+from cadet.formats.kitti.label import is_object_type, kitti_spelling
 
 NEIGHBORS: Final = {"Car": ("Van",), "Pedestrian": ("Person_sitting",)}
 """KITTI's neighbors: finding one as the class is neither right nor wrong."""

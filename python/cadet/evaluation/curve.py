@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from cadet.summary import summary
+from cadet._util.summary import summary
 
 METRIC_TITLES: Final[Mapping[str, str]] = {
     "2d": "2D",

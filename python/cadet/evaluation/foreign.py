@@ -16,13 +16,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.arrays import as_array
-from cadet.boxes import alpha_from_boxes, wrap_angle
-from cadet.checks import as_path, shown
+from cadet._util.arrays import as_array
+from cadet._util.checks import as_path, shown
+from cadet._util.plain_text import json_from_text
+from cadet._util.user_files import read_file
 from cadet.errors import CadetError, FileFormatError
 from cadet.evaluation.objects import Detections, GroundTruth
-from cadet.plain_text import json_from_text
-from cadet.user_files import read_file
+from cadet.formats.kitti.boxes import alpha_from_boxes, wrap_angle
 
 _ARRAY: Final = np.zeros(1)
 _OF_ARRAYS: Final[dict[str, Callable[..., Any]]] = {

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cadet.checks import as_tuple, check_flag, check_number, check_text, make_plain, shown
+from cadet._util.checks import as_tuple, check_flag, check_number, check_text, make_plain, shown
 from cadet.errors import CadetError
 
 # KITTI's mark for "unknown" is -1.

@@ -7,9 +7,9 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from cadet.checks import shown
+from cadet._util.checks import shown
 from cadet.errors import CadetError
-from cadet.kitti.label import TYPES, is_object_type, kitti_spelling
+from cadet.formats.kitti.label import TYPES, is_object_type, kitti_spelling
 
 METRICS: Final = ("2d", "bev", "3d")
 """How overlap is measured: boxes in the image, seen from above, volumes."""

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.arrays import as_array
-from cadet.checks import shown
+from cadet._util.arrays import as_array
+from cadet._util.checks import shown
+from cadet._util.summary import counts, summary
 from cadet.errors import CadetError, ShapeError
-from cadet.kitti import Label
-from cadet.summary import counts, summary
+from cadet.formats.kitti import Label
 
 MIN_SCORE = -1e7
 """KITTI's program never matches a detection whose score is not above this."""

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cadet import _cadet
-from cadet.arrays import as_array
-from cadet.checks import check_number
+from cadet._util.arrays import as_array
+from cadet._util.checks import check_number
 from cadet.errors import CadetError
 
 _LENGTH, _HEIGHT = 3, 6

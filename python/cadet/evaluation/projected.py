@@ -10,12 +10,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet import boxes, kitti
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.packed import Packed
-from cadet.kitti import images
-from cadet.kitti.files import file_path
-from cadet.kitti.frame_files import FolderFiles
+from cadet.formats import kitti
+from cadet.formats.kitti import boxes
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.folder import file_path
+from cadet.formats.kitti.frame_files import FolderFiles
 
 IMAGE_SIZE: Final = (1242, 375)
 """KITTI's, in pixels: that of frames without an image."""

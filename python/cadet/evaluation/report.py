@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+from cadet._util.summary import summary
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.curve import METRIC_TITLES, ByLevel, Curve
 from cadet.evaluation.levels import Level
-from cadet.summary import summary
 
 RECALLS: Final[Mapping[str, str]] = {
     "r40": "mean over recall 1/40, 2/40, ..., 1",

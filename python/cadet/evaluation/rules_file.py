@@ -7,12 +7,12 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cadet.checks import as_path
+from cadet._util.checks import as_path
+from cadet._util.plain_text import toml_from_text
+from cadet._util.user_files import read_settings
 from cadet.errors import CadetError, FileFormatError
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.levels import Level, resolve_levels
-from cadet.plain_text import toml_from_text
-from cadet.user_files import read_settings
 
 T = TypeVar("T")
 _SECTIONS = ("level", "class")

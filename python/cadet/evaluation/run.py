@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cadet import _cadet
-from cadet.checks import is_one_of, shown
+from cadet._util.checks import is_one_of, shown
 from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass, resolve_classes
 from cadet.evaluation.curve import METRIC_TITLES, ByLevel, Curve, by_level
@@ -16,7 +16,7 @@ from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap
 from cadet.evaluation.notes import notes_of
 from cadet.evaluation.report import RECALLS, Report
 from cadet.evaluation.sources import BOXES_2D, Chosen, DetectionSource, GroundTruthSource, Split, choose
-from cadet.kitti.label import TYPES
+from cadet.formats.kitti.label import TYPES
 
 
 def evaluate(

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
-from cadet.checks import as_tuple, is_one_of, shown
+from cadet._util.checks import as_tuple, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.packed import Packed, pack, read_packed
 from cadet.evaluation.projected import project_sides
-from cadet.kitti import ImageSet, Label, read_image_set
-from cadet.kitti.image_sets import check_not_empty
-from cadet.kitti.text import text_from_bytes
+from cadet.formats.kitti import ImageSet, Label, read_image_set
+from cadet.formats.kitti.files.text import text_from_bytes
+from cadet.formats.kitti.image_sets import check_not_empty
 
 Objects = TypeVar("Objects", GroundTruth, Detections)
 Frames: TypeAlias = "Mapping[str, Objects | Sequence[Label]] | Sequence[Objects | Sequence[Label]]"

@@ -1,6 +1,6 @@
 """Writes datasets: `cadet-gen` as a function."""
 
-from cadet.generate.engine import WorkerError
+from cadet.errors import WorkerError
 from cadet.generate.run import ENGINES, Summary, generate
 from cadet.generate.settings import EXPORTERS, EXTRAS, Settings
 

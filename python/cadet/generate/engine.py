@@ -6,14 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Protocol
 
-from cadet.errors import CadetError
+from cadet.errors import CadetError, WorkerError
 
 SILENCE_S: Final = 60.0
 """After so long without a sign of life a line says who is waited for."""
-
-
-class WorkerError(CadetError):
-    """A worker died twice in the same episode or met a bug; the frames written so far are whole."""
 
 
 @dataclass(frozen=True)

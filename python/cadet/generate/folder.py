@@ -7,11 +7,11 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from cadet.checks import shown
+from cadet._util.checks import shown
+from cadet._util.plain_text import json_from_text
+from cadet._util.sink import Sink
 from cadet.errors import CadetError, FileFormatError
 from cadet.generate.settings import Settings, differences
-from cadet.plain_text import json_from_text
-from cadet.sink import Sink
 
 RUN = "run.json"
 """What the run was begun with, for `--resume`."""

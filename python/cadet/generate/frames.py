@@ -9,13 +9,13 @@ from __future__ import annotations
 from hashlib import sha256
 from typing import Any
 
+from cadet._util.plain_text import json_from_text
+from cadet._util.sink import Sink
 from cadet.errors import CadetError
-from cadet.exporter import Place
+from cadet.formats.exporter import Place
+from cadet.formats.record_seal import BLANK, SEAL, is_intact, sealed
 from cadet.generate.settings import Settings
-from cadet.plain_text import json_from_text
-from cadet.record_seal import BLANK, SEAL, is_intact, sealed
-from cadet.sample import Sample
-from cadet.sink import Sink
+from cadet.sensors.sample import Sample
 
 _HASHES = "sha256"
 

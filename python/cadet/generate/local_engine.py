@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from typing import Final
 
-from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
-from cadet.generate.interrupts import interrupts_held
+from cadet._util.interrupts import interrupts_held
+from cadet._util.operating_system import ENDING_SIGNALS
+from cadet._util.worker_processes import WorkerContext, WorkerProcess
+from cadet.errors import WorkerError
+from cadet.generate.engine import SILENCE_S, Failed, Made
 from cadet.generate.settings import Settings
 from cadet.generate.worker import EpisodeDone, work
-from cadet.operating_system import ENDING_SIGNALS
-from cadet.worker_processes import WorkerContext, WorkerProcess
 
 _MOST_DEATHS: Final = 2
 _POLL_S: Final = 1.0

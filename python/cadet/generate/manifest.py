@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterable, Iterator
 from hashlib import sha256
 from typing import Any
 
+from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError
 from cadet.generate.frames import recorded_hashes
 from cadet.generate.settings import Settings
-from cadet.sink import Sink, read_each
 
 MANIFEST = "manifest.json"
 _NOT_ALLOWED = (errno.EROFS, errno.EACCES, errno.EPERM)

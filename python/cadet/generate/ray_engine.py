@@ -14,13 +14,13 @@ from itertools import islice
 from typing import Any, Final
 
 from cadet import _cadet
-from cadet.errors import CadetError
-from cadet.extras import load_extra
-from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
+from cadet._util.extras import load_extra
+from cadet._util.sink import Sink
+from cadet.errors import CadetError, WorkerError
+from cadet.generate.engine import SILENCE_S, Failed, Made
 from cadet.generate.folder import RUN
 from cadet.generate.settings import Settings
 from cadet.generate.worker import make_episode, outcome, prepare
-from cadet.sink import Sink
 
 _MOST_DEATHS: Final = 4
 """Nodes that are rented by the minute go more often than processes crash."""

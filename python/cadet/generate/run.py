@@ -8,16 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from cadet.checks import check_kind, check_number, is_one_of, shown
+from cadet._util.checks import check_kind, check_number, is_one_of, shown
+from cadet._util.operating_system import num_processors
 from cadet.errors import CadetError
 from cadet.generate.engine import Engine
 from cadet.generate.folder import open_folder
 from cadet.generate.local_engine import LocalEngine
 from cadet.generate.manifest import put_manifest
+from cadet.generate.object_sink import is_url, open_sink
 from cadet.generate.ray_engine import RayEngine
 from cadet.generate.settings import Settings
-from cadet.object_sink import is_url, open_sink
-from cadet.operating_system import num_processors
 
 ENGINES: Final = ("local", "ray")
 """What makes episodes: processes of this machine, or a Ray cluster."""

@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import Any, Final
 
 from cadet import _cadet
-from cadet.checks import as_seed, as_tuple, check_kind, check_number, is_one_of, make_plain, shown
+from cadet._util.checks import as_seed, as_tuple, check_kind, check_number, is_one_of, make_plain, shown
+from cadet._util.sink import Sink
 from cadet.errors import CadetError
-from cadet.exporter import Exporter, Place, Split
-from cadet.kitti.exporter import KittiExporter
-from cadet.kitti_sequences import KittiRawExporter, KittiTrackingExporter
-from cadet.nuscenes.exporter import NuscenesExporter
-from cadet.object_sink import open_sink
-from cadet.policy import ResetPolicy
-from cadet.rig import Rig
-from cadet.sink import Sink
-from cadet.webdataset.exporter import WebdatasetExporter
+from cadet.formats.exporter import Exporter, Place, Split
+from cadet.formats.kitti.exporter import KittiExporter
+from cadet.formats.kitti_sequences import KittiRawExporter, KittiTrackingExporter
+from cadet.formats.nuscenes.exporter import NuscenesExporter
+from cadet.formats.webdataset.exporter import WebdatasetExporter
+from cadet.generate.object_sink import open_sink
+from cadet.sensors.rig import Rig
+from cadet.worlds.policy import ResetPolicy
 
 FORMAT_VERSION = 2
 """Rises with every change of what the same settings give."""

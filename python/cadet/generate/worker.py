@@ -11,12 +11,12 @@ from functools import partial
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
-from cadet.episode import Episode
+from cadet._util.sink import Sink
 from cadet.errors import CadetError, CadetWarning, InternalError
 from cadet.generate.engine import Failed, Made
 from cadet.generate.frames import put_sample, whole_record
 from cadet.generate.settings import Settings
-from cadet.sink import Sink
+from cadet.simulation.episode import Episode
 
 _STANDING_MPS: Final = 0.1
 

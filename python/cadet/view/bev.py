@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet import boxes
-from cadet.checks import check_number
-from cadet.kitti.calib import Calibration
-from cadet.kitti.frame import Frame
-from cadet.kitti.label import Label
+from cadet._util.checks import check_number
+from cadet.formats.kitti import boxes
+from cadet.formats.kitti.calib import Calibration
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.label import Label
 from cadet.view import style
 
 AHEAD_M: Final = 70.0

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from cadet import bev
 from cadet.bev import BevConfig
 from cadet.errors import CadetError
-from cadet.kitti.calib import points_in_image
-from cadet.kitti.frame import Frame
-from cadet.kitti.plane_estimate import estimate_plane
+from cadet.formats.kitti.calib import points_in_image
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.plane_estimate import estimate_plane
 from cadet.view import style
 from cadet.view.picture import check_picture_path, write_picture
 

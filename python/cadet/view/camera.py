@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet import boxes
-from cadet.kitti.calib import Calibration, points_in_image
-from cadet.kitti.frame import Frame
-from cadet.kitti.label import Label
+from cadet.formats.kitti import boxes
+from cadet.formats.kitti.calib import Calibration, points_in_image
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.label import Label
 from cadet.view import style
 from cadet.view.visibility import corner_visibility
 

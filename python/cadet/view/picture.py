@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import images
-from cadet.kitti.files import write_whole
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.folder import write_whole
 
 _JPEG_QUALITY: Final = 95
 

@@ -12,11 +12,11 @@ import cv2
 import numpy as np
 
 from cadet.errors import CadetError
-from cadet.kitti.calib import points_in_image
-from cadet.kitti.dataset import read_frame
-from cadet.kitti.files import check_id
-from cadet.kitti.frame import Frame
-from cadet.kitti.label import Label
+from cadet.formats.kitti.calib import points_in_image
+from cadet.formats.kitti.dataset import read_frame
+from cadet.formats.kitti.files.folder import check_id
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.label import Label
 from cadet.view import style
 from cadet.view.bev import bev_figure, height_colors
 from cadet.view.camera import boxes_figure, corners_figure, far_to_near, lidar_figure

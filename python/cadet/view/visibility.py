@@ -7,10 +7,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet import boxes
-from cadet.kitti.calib import points_in_image
-from cadet.kitti.frame import Frame
-from cadet.kitti.label import Label, boxes_cam_from_labels
+from cadet.formats.kitti import boxes
+from cadet.formats.kitti.calib import points_in_image
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.label import Label, boxes_cam_from_labels
 
 _DEPTH_MARGIN_M: Final = 0.1
 _LIDAR_MARGIN_M: Final = 0.3

@@ -1,0 +1,1 @@
+"""Helpers of all rooms: checks, arrays, text, files, processes, and atomic writes."""

@@ -1,0 +1,1 @@
+"""Recorded data as a whole: pages of figures, banks of objects, fitted LIDARs."""

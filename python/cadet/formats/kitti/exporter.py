@@ -1,0 +1,104 @@
+"""KITTI's folder as an exporter's."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from itertools import tee
+from typing import Any, Final
+
+from cadet._util.sink import Sink, read_each
+from cadet.errors import CadetError
+from cadet.formats.exporter import Ending, FilesInPlace, Place
+from cadet.formats.kitti.dataset import encode_facts, encode_maps, encode_meta
+from cadet.formats.kitti.files.folder import REQUIRED, SUFFIXES, ids_among, is_numbered
+from cadet.formats.kitti.files.point_labels import bytes_from_point_labels, point_labels
+from cadet.formats.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
+from cadet.formats.kitti.image_sets import ImageSet
+from cadet.sensors.rig import RIGHT_CAMERA, Rig
+from cadet.sensors.sample import Sample, Wanted
+
+_MAPS: Final = ("depth", "instance", "semantic")
+
+
+class KittiExporter(FilesInPlace):
+    """One image, one scan, labels, a calibration and a plane for each sample; see `cadet.formats.exporter.Exporter`."""
+
+    name = "kitti"
+    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, "point_labels")
+    base: tuple[str, ...] = ("image_2", "velodyne", "calib", "label_2", "planes")
+    needs_sequence = False
+
+    def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
+        """Refuse a right image of a rig without a right camera."""
+        if RIGHT_CAMERA in extras and not rig.has_right_camera:
+            raise CadetError(f"cannot write {RIGHT_CAMERA}: the rig {rig.name} has no right color camera")
+
+    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+        """Return what the folders need."""
+        sensors = (RIGHT_CAMERA,) if RIGHT_CAMERA in extras else ()
+        return Wanted(sensors=sensors, maps=any(name in extras for name in _MAPS))
+
+    def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the folders."""
+        return self.base + tuple(extra for extra in self.extras if extra in extras)
+
+    def path(self, place: Place, kind: str) -> str:
+        """Return a file's name under `training` or `testing`."""
+        folder = "meta" if kind == "record" else kind
+        part = "testing" if place.split == "test" else "training"
+        return f"{part}/{folder}/{place.id}{SUFFIXES[folder]}"
+
+    def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
+        """Return the files by folder. Images are encoded by the core that made them."""
+        calib, scan = calibration_of(sample.rig), sample.scan()
+        points_velo = move_off_zero_depth(scan.points_velo, calib)
+        files = {"image_2": sample.png()} | encode_facts(points_velo, calib, labels_of(sample), sample.plane)
+        maps = sample.maps() if any(name in extras for name in _MAPS) else None
+        if maps is not None:
+            files |= encode_maps(*(getattr(maps, name) if name in extras else None for name in _MAPS))
+        if RIGHT_CAMERA in extras:
+            files[RIGHT_CAMERA] = sample.png(RIGHT_CAMERA)
+        if "point_labels" in extras:
+            files["point_labels"] = bytes_from_point_labels(point_labels(scan, sample.agents))
+        return files
+
+    def record(self, sample: Sample) -> dict[str, Any]:
+        """Return the `meta` of a sample."""
+        return meta_of(sample)
+
+    def record_bytes(self, record: Mapping[str, Any]) -> bytes:
+        """Return the `meta` file."""
+        return encode_meta(dict(record))
+
+    def written(self, sink: Sink) -> set[int]:
+        """Return the numbers of the frames. Strange files, such as a copy that a file manager made, are no frames."""
+        found = set()
+        for part in ("training", "testing"):
+            for kind in REQUIRED:
+                ids = ids_among(sink.names(f"{part}/{kind}"), kind)
+                found |= {int(frame_id) for frame_id in ids if is_numbered(frame_id)}
+        return found
+
+    def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
+        """Return `ImageSets`, and count the labels of the files."""
+        places, same = tee(places)
+        labels = read_each(sink, (self.path(place, "label_2") for place in same))
+        # Tools of others list these folders, be there a test frame or none.
+        folders = tuple(f"testing/{folder}" for folder in REQUIRED)
+        return replace(ending(places, labels), folders=folders)
+
+
+def ending(places: Iterable[Place], labels: Iterable[bytes]) -> Ending:
+    """Return `ImageSets`, and count the labels of samples' label files."""
+    ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
+    types: Counter[str] = Counter()
+    for place, text in zip(places, labels, strict=True):
+        ids[place.split].append(place.id)
+        if place.split != "test":
+            ids["trainval"].append(place.id)
+        lines = text.decode("ascii").splitlines()
+        types.update(line.split(" ", 1)[0] for line in lines)
+    files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
+    return Ending(files, types)

@@ -1,0 +1,1 @@
+"""KITTI's files, parsed and written: a module for each kind."""

@@ -1,0 +1,186 @@
+"""A frame from its files' bytes, wherever they lie: in a folder, or in an archive."""
+
+from __future__ import annotations
+
+import glob
+import os
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet._util.plain_text import json_from_text
+from cadet.errors import FileFormatError, KittiFormatError, MissingFileError
+from cadet.formats.kitti.calib import Calibration
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.dialects import accept
+from cadet.formats.kitti.files.folder import SUFFIXES, display_name, found_path
+from cadet.formats.kitti.files.planes import plane_from_text
+from cadet.formats.kitti.files.text import text_from_bytes
+from cadet.formats.kitti.files.velodyne import points_from_bytes
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.label import Label, labels_from_text
+
+
+class FrameFiles(Protocol):
+    """A store of frames' files. Kinds are the keys of `cadet.formats.kitti.files.folder.SUFFIXES`."""
+
+    def has(self, kind: str, frame_id: str) -> bool:
+        """Tell whether anything stands in a file's place, readable or not."""
+
+    def has_kind(self, kind: str) -> bool:
+        """Tell whether frames of this store have such files."""
+
+    def read(self, kind: str, frame_id: str) -> tuple[bytes, str]:
+        """Return a file's bytes, and its name for messages.
+
+        Raises:
+            MissingFileError: there is none.
+            FileFormatError: it is no file, or its store is damaged.
+        """
+
+
+@dataclass(frozen=True)
+class FolderFiles:
+    """The files of a folder that holds `calib` and its fellows."""
+
+    folder: Path
+
+    def has(self, kind: str, frame_id: str) -> bool:
+        """Tell whether anything stands in a file's place."""
+        # Not is_file: a folder or a broken link in a file's place is to be found, not passed over.
+        return os.path.lexists(found_path(self.folder, kind, frame_id))
+
+    def has_kind(self, kind: str) -> bool:
+        """Tell whether there is such a folder."""
+        return (self.folder / kind).is_dir()
+
+    def read(self, kind: str, frame_id: str) -> tuple[bytes, str]:
+        """Return a file's bytes, and its name for messages.
+
+        Raises:
+            MissingFileError: there is none.
+            KittiFormatError: something else stands in its place.
+        """
+        path = found_path(self.folder, kind, frame_id)
+        try:
+            # Opening a pipe would wait for its writer.
+            if not stat.S_ISREG(path.stat().st_mode):
+                raise KittiFormatError("no regular file", display_name(path))
+            return path.read_bytes(), display_name(path)
+        except FileNotFoundError:
+            others = sorted(other.name for other in path.parent.glob(f"{glob.escape(frame_id)}.*"))
+            beside = f"; {others[0]} lies there: save it as {path.name}" if others else ""
+            raise MissingFileError(f"{path}: no such file{beside}") from None
+
+
+def frame_from_files(files: FrameFiles, frame_id: str, *, has_extras: bool = True) -> Frame:
+    """Read one frame: see `cadet.kitti.read_frame`.
+
+    Raises:
+        MissingFileError: a file that its fellows have is missing.
+        KittiFormatError: a damaged file, named with line and reason.
+    """
+    image = image_from_files(files, frame_id)
+    points_velo = points_from_bytes(*files.read("velodyne", frame_id))
+    calib = Calibration.from_text(*read_text(files, "calib", frame_id))
+    extras: dict[str, Any] = {}
+    if has_extras:
+        extras = {
+            "depth": read_depth(files, frame_id, image.shape),
+            "instance": read_instance(files, frame_id, image.shape),
+            "semantic": read_map(files, "semantic", frame_id, np.uint8, image.shape),
+            "meta": meta_from_files(files, frame_id) if files.has("meta", frame_id) else None,
+        }
+    return Frame(
+        image=image,
+        points_velo=points_velo,
+        labels=labels_from_files(files, frame_id) if files.has_kind("label_2") else (),
+        calib=calib,
+        plane=plane_from_text(*read_text(files, "planes", frame_id)) if files.has("planes", frame_id) else None,
+        **extras,
+    )
+
+
+def image_from_files(files: FrameFiles, frame_id: str, kind: str = "image_2") -> NDArray[np.uint8]:
+    """Read a camera's image: (H, W, 3) RGB.
+
+    Raises:
+        MissingFileError: there is none.
+        KittiFormatError: as `images.decode_image` refuses it.
+    """
+    data, name = files.read(kind, frame_id)
+    if not name.endswith(SUFFIXES[kind]):
+        accept("image-suffix", f"{Path(name).suffix} is read where KITTI has {SUFFIXES[kind]}", name)
+    return images.decode_image(data, name)
+
+
+def labels_from_files(files: FrameFiles, frame_id: str) -> tuple[Label, ...]:
+    """Read the labels of a frame.
+
+    Raises:
+        MissingFileError: there is no label file.
+        KittiFormatError: a malformed line.
+    """
+    return labels_from_text(*read_text(files, "label_2", frame_id))
+
+
+def read_text(files: FrameFiles, kind: str, frame_id: str) -> tuple[str, str]:
+    """Return a file's text and its name.
+
+    Raises:
+        MissingFileError: there is none.
+        KittiFormatError: it is not ASCII.
+    """
+    data, name = files.read(kind, frame_id)
+    return text_from_bytes(data, name), name
+
+
+def read_map(
+    files: FrameFiles, kind: str, frame_id: str, dtype: type[np.generic], image_shape: tuple[int, ...]
+) -> NDArray[Any] | None:
+    """Read a map of the image; None where there is none.
+
+    Raises:
+        KittiFormatError: a damaged one, or one of another size than the image.
+    """
+    if not files.has(kind, frame_id):
+        return None
+    data, name = files.read(kind, frame_id)
+    pixels = images.decode_map(data, name, dtype)
+    if pixels.shape != image_shape[:2]:
+        raise KittiFormatError(
+            f"{pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
+        )
+    return pixels
+
+
+def read_depth(files: FrameFiles, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.float32] | None:
+    """Read the depth of the image in meters: as `read_map`."""
+    pixels = read_map(files, "depth", frame_id, np.uint16, image_shape)
+    return None if pixels is None else images.depth_from_pixels(pixels)
+
+
+def read_instance(files: FrameFiles, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.int32] | None:
+    """Read the actors' ids in the image: as `read_map`."""
+    pixels = read_map(files, "instance", frame_id, np.uint16, image_shape)
+    return None if pixels is None else images.instance_from_pixels(pixels)
+
+
+def meta_from_files(files: FrameFiles, frame_id: str) -> dict[str, Any]:
+    """Read what else the generator knew.
+
+    Raises:
+        KittiFormatError: no JSON object.
+    """
+    data, name = files.read("meta", frame_id)
+    try:
+        meta = json_from_text(data, name)
+    except FileFormatError as error:
+        raise KittiFormatError(error.reason, name, error.line) from None
+    if not isinstance(meta, dict):
+        raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
+    return meta

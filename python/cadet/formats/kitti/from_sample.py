@@ -1,0 +1,139 @@
+"""KITTI's view of a sample: the only place where its marks for "unknown" and its rounding are made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet import _cadet
+from cadet.formats.kitti.calib import Calibration, is_at_zero_depth
+from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.label import Label
+from cadet.sensors.rig import Rig
+from cadet.sensors.sample import Sample
+
+_STEPS: Final = 1e6
+"""The numbers of a `meta` are rounded to a millionth: keeps the file short."""
+
+
+def frame_from_sample(sample: Sample) -> Frame:
+    """Return KITTI's view of a sample: the first camera's image and the first LIDAR's scan."""
+    calib = calibration_of(sample.rig)
+    maps = sample.maps()
+    return Frame(
+        image=sample.image(),
+        points_velo=move_off_zero_depth(sample.scan().points_velo, calib),
+        labels=labels_of(sample),
+        calib=calib,
+        plane=sample.plane,
+        depth=None if maps is None else maps.depth,
+        instance=None if maps is None else maps.instance,
+        semantic=None if maps is None else maps.semantic,
+        meta=meta_of(sample),
+        sample=sample,
+    )
+
+
+def calibration_of(rig: Rig) -> Calibration:
+    """Return the calibration file's matrices of a rig."""
+    matrices: dict[str, Any] = {**rig.camera.projections(), **rig.extrinsics.matrices()}
+    return Calibration(**matrices)
+
+
+def labels_of(sample: Sample) -> tuple[Label, ...]:
+    """Return the lines of a sample's label file: objects, then a DontCare region for what is seen without a label."""
+    return tuple(
+        _label(seen) if seen.is_labeled else Label.in_image("DontCare", seen.bbox) for seen in sample.sightings
+    )
+
+
+def meta_of(sample: Sample) -> dict[str, Any]:
+    """Return what else is known of a sample, with one entry of `objects` for each line of its labels."""
+    elevation_rad, azimuth_rad = sample.sun_rad
+    return {
+        **sample.origin,
+        "time_s": sample.time_s,
+        "ego_speed_mps": sample.ego_speed_mps,
+        "world_from_ego": sample.world_from_ego.tolist(),
+        "boxes": sample.boxes,
+        "objects": [_object(seen) for seen in sample.sightings],
+        "map": sample.map,
+        "weather": sample.weather,
+        "rig": sample.rig.name,
+        "ego_from_velo": sample.ego_from_velo,
+        "sun": {"elevation_rad": elevation_rad, "azimuth_rad": azimuth_rad},
+    }
+
+
+def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float32]:
+    """Round points with z = 0 in the cam frame to the next millimeter outwards: other programs divide by z.
+
+    Coordinates are whole millimeters, so with LIDAR and camera in one point every point whose x rounds to 0 has no
+    depth; `Rig.cadet()` has two columns of such beams, to the left and to the right.
+
+    Args:
+        points_velo: (N, 4) float32 [x, y, z, intensity], meters, velo frame.
+        calib: the calibration.
+
+    Returns:
+        (N, 4) float32; the same array if no point lies there.
+    """
+    is_zero = is_at_zero_depth(points_velo, calib)
+    if not is_zero.any():
+        return points_velo
+    axis = int(np.argmax(np.abs(calib.cam_from_velo[2, :3])))
+    moved = points_velo.copy()
+    millimeters = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
+    moved[is_zero, axis] = (millimeters + np.where(millimeters < 0.0, -1.0, 1.0)) / 1e3
+    return moved
+
+
+def _label(seen: _cadet.Sighting) -> Label:
+    length, width, height = seen.size_lwh
+    x, y, z = seen.location_cam
+    return Label(
+        type=seen.class_name,
+        truncated=seen.truncation,
+        occluded=seen.occlusion_level,
+        alpha=seen.observation_angle,
+        bbox=seen.bbox,
+        dimensions_hwl=(height, width, length),
+        location_cam=(x, y, z),
+        rotation_y=seen.rotation_y,
+    )
+
+
+def _object(seen: _cadet.Sighting) -> dict[str, Any]:
+    length, width, height = seen.size_lwh
+    return {
+        "actor_id": seen.actor_id,
+        "type": seen.class_name,
+        "model": seen.model,
+        "visible_fraction": _rounded(seen.visible_fraction),
+        "visible_pixels": seen.visible_pixels,
+        "contrast": _rounded(seen.contrast),
+        "num_points": seen.num_points,
+        "velocity_world": _all_rounded(seen.velocity_world),
+        "silhouette_bbox": seen.silhouette_bbox,
+        "corner_visible": seen.corner_visible,
+        "dimensions_hwl": _all_rounded((height, width, length)),
+        "location_cam": _all_rounded(seen.location_cam),
+        "rotation_y": _rounded(seen.rotation_y),
+    }
+
+
+def _all_rounded(values: Sequence[float]) -> list[float]:
+    return [_rounded(value) for value in values]
+
+
+def _rounded(value: float) -> float:
+    """Round halves away from zero, by steps rather than by decimals as Python does, and write no negative zero."""
+    steps = math.trunc(value * _STEPS)
+    rest = value * _STEPS - steps
+    if abs(rest) >= 0.5:
+        steps += 1 if rest > 0.0 else -1
+    return steps / _STEPS

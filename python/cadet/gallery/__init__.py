@@ -1,5 +1,0 @@
-"""Contact sheets of what scenes are made of: every family of actors, every district in several weathers, scans."""
-
-from cadet.gallery.pages import PAGES, write_gallery
-
-__all__ = ["PAGES", "write_gallery"]

@@ -1,6 +1,0 @@
-"""Whether a KITTI folder is whole, keeps to its definitions, and holds together."""
-
-from cadet.kitti.lint.finding import RULES, Finding
-from cadet.kitti.lint.folder import lint, lint_frame
-
-__all__ = ["RULES", "Finding", "lint", "lint_frame"]

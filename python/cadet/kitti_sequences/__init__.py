@@ -1,6 +1,0 @@
-"""KITTI's formats of sequences: the tracking benchmark's and the raw data's."""
-
-from cadet.kitti_sequences.raw import KittiRawExporter
-from cadet.kitti_sequences.tracking import KittiTrackingExporter
-
-__all__ = ["KittiRawExporter", "KittiTrackingExporter"]

@@ -1,5 +1,0 @@
-"""nuScenes' format: tables of scenes, key frames and instances over time, and the files of every sensor."""
-
-from cadet.nuscenes.exporter import VERSION, NuscenesExporter
-
-__all__ = ["VERSION", "NuscenesExporter"]

@@ -1,7 +1,0 @@
-"""Objects cut out of labeled frames, with their points and pixels, to be pasted into others."""
-
-from cadet.object_bank.cut import cut_objects
-from cadet.object_bank.object import BankObject
-from cadet.object_bank.store import ObjectBank, write_bank
-
-__all__ = ["BankObject", "ObjectBank", "cut_objects", "write_bank"]

@@ -1,0 +1,225 @@
+"""The camera, as calibration files describe it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet import _cadet
+from cadet._util.checks import check_number, check_three, make_plain, shown
+from cadet.errors import CadetError
+from cadet.sensors.kitti_calibrations import MOST_FREQUENT, KittiCalibration, Row3, kitti_calibration
+
+
+def _offset_m(calibration: KittiCalibration, column: Row3) -> Row3:
+    """Return where camera 0 stands in the frame of the camera with that fourth column of its projection."""
+    (u, v, z), (cx, cy), focal_px = column, calibration.center_px, calibration.focal_px
+    return (u - cx * z) / focal_px, (v - cy * z) / focal_px, z
+
+
+_HERE: Row3 = (0.0, 0.0, 0.0)
+
+MAX_PIXELS = 1 << 24
+"""The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
+
+
+def _check_side(name: str, size: object) -> None:
+    least, most = _cadet.limits()["image_side_px"]
+    check_number("Camera", name, size, int(least), int(most), whole=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Camera:
+    """A pinhole camera by its intrinsics; `kitti` and `from_fov` derive them.
+
+    Labels stand in the frame of KITTI's camera 0, and the image is that of camera 2, the left color camera. The four
+    cameras have the same intrinsics, and all are one unless it is told where the others stand.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    width: int
+    """Pixels."""
+    height: int
+    """Pixels."""
+    fx: float
+    """Focal length along the rows, pixels."""
+    fy: float
+    """Focal length along the columns, pixels."""
+    cx: float
+    """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
+    cy: float
+    """Row of the optical axis."""
+    cam1_from_cam0_m: Row3 = _HERE
+    """Where camera 0 stands in the frame of camera 1, the right gray one: the translation behind P1's fourth column."""
+    cam2_from_cam0_m: Row3 = _HERE
+    """Where camera 0 stands in the frame of camera 2, which takes the image: from P2's fourth column."""
+    cam3_from_cam0_m: Row3 = _HERE
+    """Where camera 0 stands in the frame of camera 3, the right color one: from P3's fourth column."""
+    image_scale: tuple[float, float] = (1.0, 1.0)
+    """By what the image was scaled along the rows and the columns (`resized`); labels' pixel limits follow."""
+
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    """k1, k2, p1, p2, k3 of OpenCV's lens model; all 0 for the rectified image that KITTI's files hold."""
+    rolling_shutter_s: float = 0.0
+    """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0: a global shutter."""
+
+    def __post_init__(self) -> None:
+        make_plain(self)
+        for name in ("width", "height"):
+            _check_side(name, getattr(self, name))
+        if self.width * self.height > MAX_PIXELS:
+            raise CadetError(f"Camera: {self.width} x {self.height} pixels, expected at most {MAX_PIXELS}")
+        for name in ("fx", "fy"):
+            check_number("Camera", name, getattr(self, name), 1, 1e6)
+        for name in ("cx", "cy"):
+            check_number("Camera", name, getattr(self, name), -1e6, 1e6)
+        for name in ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m"):
+            check_three("Camera", name, getattr(self, name), 10)
+        if not isinstance(self.image_scale, tuple) or len(self.image_scale) != 2:
+            raise CadetError(f"Camera.image_scale: expected two numbers, got {shown(self.image_scale)}")
+        for factor in self.image_scale:
+            check_number("Camera", "image_scale", factor, 1e-4, 1e4)
+        if not isinstance(self.distortion, tuple) or len(self.distortion) != 5:
+            raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
+        for coefficient in self.distortion:
+            check_number("Camera", "distortion", coefficient, -100, 100)
+        check_number("Camera", "rolling_shutter_s", self.rolling_shutter_s, *_cadet.limits()["rolling_shutter_s"])
+
+    def __repr__(self) -> str:
+        rare = ("image_scale", "distortion", "rolling_shutter_s")
+        usual = {f.name: f.default for f in fields(self) if f.name in rare}
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        shown = {name: value for name, value in parts.items() if name not in usual or value != usual[name]}
+        return f"Camera({', '.join(f'{name}={value!r}' for name, value in shown.items())})"
+
+    @classmethod
+    def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Camera:
+        """KITTI's left color camera: 1242 x 375 pixels on 26 September 2011, other sizes on other days.
+
+        Raises:
+            CadetError: a calibration that KITTI does not have.
+        """
+        figures = kitti_calibration(calibration)
+        return cls(
+            width=figures.image_size[0],
+            height=figures.image_size[1],
+            fx=figures.focal_px,
+            fy=figures.focal_px,
+            cx=figures.center_px[0],
+            cy=figures.center_px[1],
+            cam1_from_cam0_m=_offset_m(figures, figures.p1_column),
+            cam2_from_cam0_m=_offset_m(figures, figures.p2_column),
+            cam3_from_cam0_m=_offset_m(figures, figures.p3_column),
+        )
+
+    @classmethod
+    def from_fov(
+        cls,
+        width: int,
+        height: int,
+        *,
+        horizontal_deg: float,
+        distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+        rolling_shutter_s: float = 0.0,
+    ) -> Camera:
+        """Return a camera with square pixels whose optical axis goes through the middle of the image.
+
+        Args:
+            width: pixels.
+            height: pixels.
+            horizontal_deg: what it sees from the left edge to the right one, lens distortion aside, 1 to 175 degrees.
+            distortion: as in a camera.
+            rolling_shutter_s: as in a camera.
+
+        Raises:
+            CadetError: a number outside its range.
+        """
+        _check_side("width", width)
+        _check_side("height", height)
+        check_number("Camera", "horizontal_deg", horizontal_deg, 1, 175)
+        # Rounded, since the last bit of a tangent differs between machines.
+        focal_px = round(width / 2 / math.tan(math.radians(horizontal_deg) / 2), 9)
+        return cls(
+            width=width,
+            height=height,
+            fx=focal_px,
+            fy=focal_px,
+            cx=(width - 1) / 2,
+            cy=(height - 1) / 2,
+            distortion=distortion,
+            rolling_shutter_s=rolling_shutter_s,
+        )
+
+    def resized(self, width: int, height: int) -> Camera:
+        """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it.
+
+        Raises:
+            CadetError: a size that is no whole number of pixels, or out of range.
+        """
+        for name, size in (("width", width), ("height", height)):
+            _check_side(name, size)
+        x, y = width / self.width, height / self.height
+        return replace(
+            self,
+            width=width,
+            height=height,
+            fx=self.fx * x,
+            fy=self.fy * y,
+            cx=(self.cx + 0.5) * x - 0.5,
+            cy=(self.cy + 0.5) * y - 0.5,
+            image_scale=(self.image_scale[0] * x, self.image_scale[1] * y),
+        )
+
+    def unusual(self) -> dict[str, list[float] | float]:
+        """Return what most cameras do not have, for a manifest."""
+        found: dict[str, list[float] | float] = {}
+        if self.image_scale != (1.0, 1.0):
+            found["image_scale"] = list(self.image_scale)
+        if any(self.distortion):
+            found["distortion"] = list(self.distortion)
+        if self.rolling_shutter_s > 0.0:
+            found["rolling_shutter_s"] = self.rolling_shutter_s
+        return found
+
+    def to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
+        """Return the camera as the core takes it.
+
+        Args:
+            name: names its images.
+            projection: one of `projections`.
+            mount: poses that lead from the ego to the camera's frame.
+        """
+        return _cadet.Camera(
+            name,
+            width=int(self.width),
+            height=int(self.height),
+            projection=projection,
+            distortion=[float(k) for k in self.distortion],
+            rolling_shutter_s=float(self.rolling_shutter_s),
+            mount=mount,
+        )
+
+    def projection(self, offset_m: Row3) -> NDArray[np.float64]:
+        """Return the (3, 4) projection of a camera with these intrinsics that sees camera 0 at `offset_m`."""
+        x, y, z = offset_m
+        matrix = [
+            [self.fx, 0.0, self.cx, self.fx * x + self.cx * z],
+            [0.0, self.fy, self.cy, self.fy * y + self.cy * z],
+            [0.0, 0.0, 1.0, z],
+        ]
+        # Rounded to what a calib file's reader would see, so that file and memory agree.
+        return np.round(np.array(matrix), 9)
+
+    def projections(self) -> dict[str, NDArray[np.float64]]:
+        """Return the (3, 4) projections of the four cameras by KITTI's keys."""
+        return {
+            "P0": self.projection((0.0, 0.0, 0.0)),
+            "P1": self.projection(self.cam1_from_cam0_m),
+            "P2": self.projection(self.cam2_from_cam0_m),
+            "P3": self.projection(self.cam3_from_cam0_m),
+        }

@@ -1,0 +1,1 @@
+"""Episodes, driven: scenes, environments, and endless streams of frames."""
