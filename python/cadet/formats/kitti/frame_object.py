@@ -18,7 +18,7 @@ _NUMBERS: Final = {"actor_id": 0, "visible_fraction": 0, "num_points": 0, "veloc
     "dimensions_hwl": 3,
     "rotation_y": 0,
 }
-"""What is read of an entry of `meta["objects"]`, and how many numbers it is; 0 for one that stands alone."""
+"""The entries of `meta["objects"]` that are read, and of how many numbers each is; 0 for one that stands alone."""
 
 
 @dataclass(frozen=True, eq=False)
