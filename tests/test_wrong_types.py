@@ -15,10 +15,10 @@ import pytest
 import cadet
 from cadet import CadetError, kitti
 from cadet.formats.kitti import boxes
+from cadet.formats.kitti.drawing.bev import bev_figure
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.planes import plane_from_text
 from cadet.generate import Settings
-from cadet.view.bev import bev_figure
 from cadet.worlds import weather
 from obj_meshes import car_mesh
 from synthetic import make_frame

@@ -27,6 +27,7 @@ from cadet.evaluation import (
     read_rules,
 )
 from cadet.evaluation.analysis import Analysis, Comparison, analyze
+from cadet.figures.show import view
 from cadet.formats import kitti
 from cadet.formats.kitti import Calibration, Frame, FrameObject, Label
 from cadet.sensors.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
@@ -113,6 +114,7 @@ __all__ = [
     "read_ground_truth",
     "read_rules",
     "stream",
+    "view",
     "weather_names",
 ]
 

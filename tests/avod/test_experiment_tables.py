@@ -25,7 +25,7 @@ from avod.experiments.table import plain_rows, tables
 from avod.train.processes import Processes
 from avod_experiments import micro_cells, micro_scale, micro_sets, silent
 from cadet import evaluate
-from cadet.view import style
+from cadet._util import style
 from synthetic import make_frame
 
 

@@ -11,9 +11,9 @@ import pytest
 
 import cadet
 from cadet import ResetPolicy, Rig
+from cadet.figures.sheet import overview, view_frame
 from cadet.formats.kitti.from_sample import calibration_of
 from cadet.generate import Settings, generate
-from cadet.view.sheet import overview, view_frame
 
 NUM_EPISODES = 6
 

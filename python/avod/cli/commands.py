@@ -38,11 +38,11 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.analysis import Analysis
 from cadet.evaluation.analysis.result import PARTS
 from cadet.evaluation.limits import MIN_OVERLAP
+from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti import text_from_labels
 from cadet.formats.kitti.files.folder import check_id
 from cadet.formats.kitti.files.unreadable import Unreadable
 from cadet.formats.webdataset import open_dataset
-from cadet.view.picture import check_picture_path, write_picture
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from avod.experiments.statistics import Mean
-from cadet.view import style
+from cadet._util import style
 
 WIDTH: Final = 560
 HEIGHT: Final = 360

@@ -21,8 +21,8 @@ from avod.experiments.testing import run_tests
 from avod.experiments.training import train_cell
 from cadet._util.operating_system import FolderInUseError, locked_folder
 from cadet.errors import CadetError
+from cadet.figures.picture import write_picture
 from cadet.formats.kitti.files.folder import write_whole
-from cadet.view.picture import write_picture
 
 WAIT_S: Final = 20.0
 """How long a cell is waited for: the workers of a process that was killed notice it after 5 s, and hold its lock."""

@@ -14,8 +14,8 @@ from avod.experiments.published import RULE
 from avod.experiments.scales import CLASSES, MAPS
 from avod.experiments.statistics import Mean
 from avod.experiments.table import FEW_RULE, TRAINED_TITLES, few_frame_groups, published
+from cadet._util import style
 from cadet.evaluation.curve import METRIC_TITLES
-from cadet.view import style
 
 _LEVEL: Final = "Moderate"
 _COLORS: Final[dict[str, style.Color]] = {REAL: (64, 200, 255), SIM: (255, 170, 40), TUNED: (74, 222, 94)}

@@ -20,8 +20,8 @@ from cadet.evaluation.analysis.run import DRAWS, MAX_DRAWS
 from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
 from cadet.evaluation.sources import BOXES_2D
+from cadet.figures.picture import check_picture_path
 from cadet.formats.kitti.label import is_object_type
-from cadet.view.picture import check_picture_path
 
 
 @click.command(name="eval")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cadet.view.gallery import PAGES, write_gallery
+from cadet.figures.gallery import PAGES, write_gallery
 
 
 @click.command(name="gallery")

@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet.errors import CadetError
 from cadet.sensors.camera import Camera
 from cadet.sensors.extrinsics import Extrinsics
 from cadet.sensors.rig import Rig
 from cadet.simulation.scene import Scene
-from cadet.view import style
 
 # A focal length as a portrait has it: little perspective, and more pixels on an actor than the finest level needs.
 _CAMERA: Final = Camera(width=1920, height=1080, fx=2400.0, fy=2400.0, cx=959.5, cy=539.5)

@@ -1,0 +1,40 @@
+"""A frame shown in a window, or written as a picture."""
+
+from __future__ import annotations
+
+import tempfile
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+
+from cadet._util.checks import check_kind
+from cadet.figures.picture import check_picture_path, write_picture
+from cadet.figures.sheet import overview, sheet
+from cadet.formats.kitti.frame import Frame
+
+
+def view(frame: Frame | Sequence[Frame], path: str | Path | None = None) -> Path:
+    """Draw all figures of a frame on a sheet, as `cadet view` does, or several frames, a row each, and show them.
+
+    Args:
+        frame: the frame, or one or more.
+        path: a PNG or JPEG file to write, in a folder that is there; None writes a PNG to the system's temporary folder
+            and opens it with the viewer of pictures, if there is one.
+
+    Returns:
+        The file.
+
+    Raises:
+        CadetError: no frame, or a name that ends in no picture's suffix.
+    """
+    place = Path(tempfile.mkdtemp(prefix="cadet-")) / "frame.png" if path is None else check_picture_path(path)
+    if isinstance(frame, (list, tuple)):
+        for one in frame:
+            check_kind("", "frame", one, Frame)
+        overview(frame, place)
+    else:
+        check_kind("", "frame", frame, Frame)
+        write_picture(place, sheet(frame))
+    if path is None:
+        webbrowser.open(place.as_uri())
+    return place
