@@ -202,10 +202,18 @@ fn call(function: Function, arguments: &[Expression], scope: &mut Scope) -> Resu
         Function::Min => values.iter().copied().fold(f64::INFINITY, f64::min),
         Function::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         Function::Ramp => ramp(x, &values[1..])?,
-        Function::Range => scope.stream.range(x, values[1]),
-        Function::Chance => truth(scope.stream.chance(x)),
-        Function::Below => scope.stream.below(index(x, 1 << 16)?) as f64,
-        Function::Weighted => scope.stream.weighted(&values) as f64,
+        Function::Range if x <= values[1] => scope.stream.range(x, values[1]),
+        Function::Range => {
+            return Err(format!("range({x}, {}): the first number must be at most the second", values[1]));
+        }
+        Function::Chance if (0.0..=1.0).contains(&x) => truth(scope.stream.chance(x)),
+        Function::Chance => return Err(format!("chance({x}): expected a probability from 0 to 1")),
+        Function::Below if x != 0.0 => scope.stream.below(index(x, 1 << 16)?) as f64,
+        Function::Below => return Err("below(0): expected at least 1".to_owned()),
+        Function::Weighted if values.iter().all(|w| *w >= 0.0) && values.iter().any(|w| *w > 0.0) => {
+            scope.stream.weighted(&values) as f64
+        }
+        Function::Weighted => return Err("weighted(): expected weights of at least 0, and one above 0".to_owned()),
         Function::If | Function::ByLevel | Function::Choose => f64::NAN,
     })
 }
@@ -305,6 +313,12 @@ mod tests {
             ("1 2", "'2'"),
             ("1 ? 2", "'?'"),
             ("ramp(1, 0, 1, 2, 3, 4)", "pairs"),
+            ("range(2, 1)", "at most the second"),
+            ("range(sqrt(-1), 1)", "at most the second"),
+            ("chance(5)", "expected a probability"),
+            ("below(0)", "expected at least 1"),
+            ("weighted(-1, 2)", "weights of at least 0"),
+            ("weighted(0, 0)", "weights of at least 0"),
         ] {
             let error = value(text).unwrap_err();
             assert!(error.contains(part), "{text}: {error}");
