@@ -15,7 +15,7 @@ def openpcdet_frames() -> list[dict[str, Any]]:
     """Lay out a frame of three objects, and one of none, as OpenPCDet's `generate_prediction_dicts` does."""
     labels = make_labels(make_calib())[:3]
     lhw = np.array([[one.dimensions_hwl[2], one.dimensions_hwl[0], one.dimensions_hwl[1]] for one in labels], "f4")
-    found = {
+    found: dict[str, Any] = {
         "name": np.array([one.type for one in labels]),
         "truncated": np.zeros(3),
         "occluded": np.zeros(3),

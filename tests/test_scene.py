@@ -91,6 +91,9 @@ def test_actors_and_the_ego_go_where_they_are_put() -> None:
     assert places(scene) == {car: [12, -3.5], van: [30, 0], walker: [6, 8]}
     kinds = {agent.id: agent.type for agent in scene.agents}
     assert kinds == {car: "Car", van: "Van", walker: "Pedestrian"}
+    ahead = scene.add("car", x_m=40, y_m=-3.5)
+    (placed,) = [agent.world_from_agent for agent in scene.agents if agent.id == ahead]
+    assert placed[:3, 0] == pytest.approx([1, 0, 0]), "it looks along the road unless it is told where to"
     scene.step(1.0)
     moved = places(scene)
     assert moved[car] == [12, -3.5]

@@ -16,7 +16,9 @@ from synthetic import make_frame
 
 
 def decoded(data: bytes) -> np.ndarray:
-    return cv2.cvtColor(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    assert image is not None
+    return image[:, :, ::-1]
 
 
 def test_a_frame_draws_itself_with_its_boxes_and_its_scan() -> None:

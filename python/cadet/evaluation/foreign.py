@@ -11,7 +11,7 @@ import pickle
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,10 @@ from cadet.errors import CadetError, FileFormatError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.formats.kitti.boxes import alpha_from_boxes, wrap_angle
 
+_Read = TypeVar("_Read")
+
 _ARRAY: Final = np.zeros(1)
-_OF_ARRAYS: Final[dict[str, Callable[..., Any]]] = {
+_OF_ARRAYS: Final[dict[str, Any]] = {
     "numpy.dtype": np.dtype,
     "numpy.ndarray": np.ndarray,
     "numpy.core.multiarray._reconstruct": _ARRAY.__reduce_ex__(4)[0],
@@ -195,7 +197,7 @@ def _of_openpcdet(data: bytes, file: str) -> dict[str, Detections]:
     try:
         frames = _ArraysOnly(io.BytesIO(data)).load()
     except Exception as error:  # noqa: BLE001 - a damaged pickle raises whatever its own bytes lead to
-        raise FileFormatError(f"no pickle of arrays: {error or type(error).__name__}", file) from None
+        raise FileFormatError(f"no pickle of arrays: {str(error) or type(error).__name__}", file) from None
 
     def read() -> dict[str, Detections]:
         return {str(frame["frame_id"]): _frame_of_openpcdet(frame) for frame in frames}
@@ -217,7 +219,7 @@ def _frame_of_openpcdet(frame: Mapping[str, Any]) -> Detections:
     )
 
 
-def _checked(read: Callable[[], Any], file: str) -> Any:
+def _checked(read: Callable[[], _Read], file: str) -> _Read:
     """Name the file in what is wrong with it."""
     try:
         return read()

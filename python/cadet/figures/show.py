@@ -28,13 +28,12 @@ def view(frame: Frame | Sequence[Frame], path: str | Path | None = None) -> Path
         CadetError: no frame, or a name that ends in no picture's suffix.
     """
     place = Path(tempfile.mkdtemp(prefix="cadet-")) / "frame.png" if path is None else check_picture_path(path)
-    if isinstance(frame, (list, tuple)):
-        for one in frame:
+    if isinstance(frame, Frame):
+        write_picture(place, sheet(frame))
+    else:
+        for one in frame if isinstance(frame, (list, tuple)) else (frame,):
             check_kind("", "frame", one, Frame)
         overview(frame, place)
-    else:
-        check_kind("", "frame", frame, Frame)
-        write_picture(place, sheet(frame))
     if path is None:
         webbrowser.open(place.as_uri())
     return place
