@@ -30,7 +30,7 @@ def test_large_seeds_are_used_in_full_and_episodes_that_would_share_their_stream
     policy = ResetPolicy.kitti()
     assert len({policy.draw(seed, 0).config for seed in seeds}) == len(seeds)
     # Both are the 32-bit words 1, 3, 7, 0.
-    assert policy.draw(1 + 3 * 2**32, 7).episode == 7
+    assert policy.draw(1 + 3 * 2**32, 7).config != policy.draw(1, 3).config
     for episode, attempt, name in [(3 + 7 * 2**32, 0, "episode"), (-1, 0, "episode"), (0, 10**9 + 1, "attempt")]:
         with pytest.raises(CadetError, match=f"^{name}: expected a whole number from 0 to 1000000000, got "):
             policy.draw(1, episode, attempt)
