@@ -11,7 +11,7 @@ import pytest
 
 import cadet
 from cadet import CadetError
-from cadet.figures import sheet
+from cadet.figures.sheet import sheet
 from synthetic import make_frame
 
 

@@ -18,8 +18,9 @@ from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
-from cadet.figures import overview, sheet, view_bev_maps
+from cadet.figures.bev_maps import view_bev_maps
 from cadet.figures.picture import check_picture_path, write_picture
+from cadet.figures.sheet import overview, sheet
 from cadet.formats import kitti
 from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
 from cadet.formats.kitti.image_sets import check_not_empty

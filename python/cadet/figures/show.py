@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
-import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
 from cadet._util.checks import check_kind
-from cadet.figures.picture import check_picture_path, write_picture
-from cadet.figures.sheet import overview, sheet
 from cadet.formats.kitti.frame import Frame
 
 
@@ -27,6 +23,13 @@ def view(frame: Frame | Sequence[Frame], path: str | Path | None = None) -> Path
     Raises:
         CadetError: no frame, or a name that ends in no picture's suffix.
     """
+    # Loaded when something is drawn: `import cadet` stays fast.
+    import tempfile
+    import webbrowser
+
+    from cadet.figures.picture import check_picture_path, write_picture
+    from cadet.figures.sheet import overview, sheet
+
     place = Path(tempfile.mkdtemp(prefix="cadet-")) / "frame.png" if path is None else check_picture_path(path)
     if isinstance(frame, Frame):
         write_picture(place, sheet(frame))

@@ -13,7 +13,6 @@ from cadet._util.checks import check_kind
 from cadet._util.summary import counts, summary
 from cadet.errors import ShapeError
 from cadet.formats.kitti.calib import Calibration
-from cadet.formats.kitti.drawing.panel import panel
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.frame_object import FrameObject, objects_of
 from cadet.formats.kitti.label import Label
@@ -124,6 +123,9 @@ class Frame:
         Returns:
             (H, width, 3) uint8 RGB.
         """
+        # Loaded when a frame is drawn: `import cadet` stays fast.
+        from cadet.formats.kitti.drawing.panel import panel
+
         return panel(self, width)
 
     def _repr_png_(self) -> bytes:
