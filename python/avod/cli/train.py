@@ -176,7 +176,7 @@ def _settings(options: _Options) -> tuple[Config, Run]:
     for folder, _ in data:
         check_split(folder, split)
     val_every = recorded("val_every", None)
-    if any(is_pattern(folder) or is_simulation(folder) for folder, _ in data):
+    if any(is_pattern(folder) for folder, _ in data) or all(is_simulation(folder) for folder, _ in data):
         _check_no_split(options, val_every)
     run = Run(
         data=data,
@@ -239,7 +239,7 @@ def _validation(
             last_s = time.monotonic()
             click.echo(f"validating {done}/{total} frames", err=True)
 
-    folder = shares_of(run.data)[0][0]
+    folder = next(name for name, _ in shares_of(run.data) if not is_simulation(name))
     validator = Validator(folder, run.val_split, config, workers=run.workers, should_stop=stopping, on_frame=on_frame)
 
     def validate(network: AvodNetwork, step: int, processes: Processes) -> Validated | None:

@@ -12,6 +12,7 @@ from torch.utils.data import DataLoader
 
 from avod.config import TrainingConfig
 from avod.data.dataset import TrainingData
+from avod.data.mixed import MixedData
 from avod.data.order import StepSampler
 from avod.data.packing import PackedSample, on_device
 from avod.data.sample import Sample
@@ -23,7 +24,11 @@ from cadet.formats.kitti.files.unreadable import READING_ERRORS
 
 
 def batches(
-    data: TrainingData | SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+    data: TrainingData | SimulatedData | MixedData,
+    training: TrainingConfig,
+    first_step: int,
+    processes: Processes,
+    workers: int,
 ) -> AbstractContextManager[Iterator[list[Sample | PackedSample | CadetError | OSError]]]:
     """Return what iterates, meanwhile, over the samples of each step, or the errors that reading them raised.
 
@@ -34,7 +39,7 @@ def batches(
         processes: each has frames of its own.
         workers: processes that read samples, or simulate them; 0 does so in between.
     """
-    if isinstance(data, SimulatedData):
+    if not isinstance(data, TrainingData):
         return _simulated(data, training, first_step, processes, workers)
     sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
     loader: DataLoader[Any] = DataLoader(
@@ -51,7 +56,7 @@ def batches(
 
 @contextmanager
 def _simulated(
-    data: SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+    data: SimulatedData | MixedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
 ) -> Iterator[Iterator[list[Sample | PackedSample | CadetError | OSError]]]:
     count = training.frames_per_step
     with data.samples(first_step * count, processes.rank, processes.world_size, workers) as samples:
