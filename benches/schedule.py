@@ -1,6 +1,6 @@
 """What a large dataset takes on a cluster: a simulated schedule with stragglers and failures.
 
-    python benches/schedule.py                      # the table of docs/scale.md
+    python benches/schedule.py                      # the table of docs/measurements/performance.md
     python benches/schedule.py --samples 1000000 --nodes 16 --processors 64 --price 0.02
 
 Episodes are handed out as `cadet-gen --engine ray` does: in their order, to whichever processor is free; what a dead

@@ -320,7 +320,7 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         True,
         CALIB,
         "calibration",
-        "Tr_imu_to_velo: no rotation",
+        "Tr_imu_to_velo: not a rotation",
     ),
     "a LIDAR turned round": (mirrored_calib, True, SCAN, "scan-off-image", "falls into the image"),
     "a plane upside down": (
@@ -372,7 +372,7 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         True,
         f"{LABELS}:4",
         "other-readers",
-        "objects must stand first",
+        "objects must come first",
     ),
     "another frame's record": (text("meta", '"Pedestrian"', '"Cyclist"'), True, "meta/000001.json", "meta", "Cyclist"),
 }

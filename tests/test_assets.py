@@ -102,8 +102,8 @@ def _toml(old: str, new: str) -> Callable[[Path], None]:
 BAD: list[tuple[Callable[[Path], None], str]] = [
     (_remove("assets.toml"), "'ROOT': no assets.toml in it"),
     (shutil.rmtree, "'ROOT': no assets.toml in it"),
-    (_write("assets.toml", "share = \n"), "assets.toml: no TOML: Invalid value (at line 1, column 9)"),
-    (_write("assets.toml", "name = '\xe4'"), "assets.toml: no TOML: 'utf-8' codec can't decode byte"),
+    (_write("assets.toml", "share = \n"), "assets.toml: invalid TOML: Invalid value (at line 1, column 9)"),
+    (_write("assets.toml", "name = '\xe4'"), "assets.toml: invalid TOML: 'utf-8' codec can't decode byte"),
     (_write("assets.toml", "share = 0.5\n"), "assets.toml: missing key 'vehicle'"),
     (_write("assets.toml", "vehicle = 3\n"), "assets.toml: vehicle: expected [[vehicle]] tables, got 3"),
     (_write("assets.toml", "vehicle = []\n"), "assets: expected at least one vehicle, got none"),

@@ -89,7 +89,7 @@ def test_frames_without_labels_and_the_newer_layout() -> None:
 @pytest.mark.parametrize(
     ("labels", "said"),
     [
-        ({"version": 1}, "no labels of BDD100K: expected a list of frames"),
+        ({"version": 1}, "not labels of BDD100K: expected a list of frames"),
         ([{"name": "../a.jpg"}], "frame 0: name: expected an image's file name, got '../a.jpg'"),
         ([{"name": "a.jpg"}, {"name": "a.jpg"}], "a.jpg is listed twice"),
         ([{"name": "a.jpg", "labels": [{"category": "cow"}]}], "frame 0, label 0: unknown category 'cow'"),

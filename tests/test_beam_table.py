@@ -116,7 +116,7 @@ def test_toml_keeps_every_bit(
         (
             "[firing]",
             "[firing",
-            "mine.toml: no TOML: Expected ']' at the end of a table declaration (at line 12, column 8)",
+            "mine.toml: invalid TOML: Expected ']' at the end of a table declaration (at line 12, column 8)",
         ),
     ],
 )

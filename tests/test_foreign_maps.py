@@ -169,7 +169,7 @@ def test_a_road_of_no_length_is_passed_over(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<osm/>", "m.xodr: no OpenDRIVE: expected the element <OpenDRIVE> first, got osm"),
+        ("<osm/>", "m.xodr: not OpenDRIVE: expected the element <OpenDRIVE> first, got osm"),
         ("hello", "m.xodr:1: not readable as XML: "),
         ('<?xml version="1.0"?><!DOCTYPE html><html/>', "m.xodr:1: not readable as XML: "),
         ("<!-- <OpenDRIVE/> -->", "m.xodr:1: not readable as XML: "),

@@ -116,7 +116,7 @@ def test_a_worker_that_is_killed_is_replaced_and_the_bytes_stay(whole: Path, tmp
         os.kill(workers_of(process)[0], signal.SIGKILL)
         _, stderr = process.communicate(timeout=60)
     assert process.returncode == FINE, stderr
-    assert re.match(r"a worker died by signal 9 in episode \d: another one goes on\n", stderr)
+    assert re.match(r"a worker died by signal 9 in episode \d: another one continues\n", stderr)
     # Frames that two workers have told of count once.
     assert re.search(r"^10 frames( \(\d were there\))? in ", stderr, re.MULTILINE)
     assert tree(out) == tree(whole)

@@ -40,7 +40,7 @@ def test_a_worker_that_dies_again_in_the_same_episode_is_named(tmp_path: Path) -
     done = run(out, "-n", 10, *SIZE, "--workers", 1, fault="die=1")
     assert done.returncode == FAILED
     first, second = done.stderr.splitlines()
-    assert first == "a worker died by signal 9 in episode 1: another one goes on"
+    assert first == "a worker died by signal 9 in episode 1: another one continues"
     assert second.startswith(
         "cadet-gen: a worker died by signal 9 in episode 1, as the one before it did; "
         "at least 4 of 10 frames are whole; go on with: cadet-gen "

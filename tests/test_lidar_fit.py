@@ -181,7 +181,7 @@ def test_other_sensors_come_back_as_their_drivers_write_them(sensor: str, kind: 
     fit = fit_lidar([tmp_path])
     check(fit, table, 0.03, 0.003)
     assert fit.num_left_out == pytest.approx(2 * len(rows) / 4, rel=0.05)
-    assert f"{fit.num_left_out} more rows stand for no return (not finite, or at the origin)." in fit.remarks()
+    assert f"{fit.num_left_out} more rows mean no return (not finite, or at the origin)." in fit.remarks()
     assert fit.moved_m == pytest.approx(0.45 if kind == "moved" else 0.0, abs=0.03)
     assert any("motion, which is undone" in line for line in fit.remarks()) == (kind == "moved")
     assert fit.table.num_columns == pytest.approx(table.num_columns, rel=0.005)

@@ -154,7 +154,7 @@ def test_statistics_come_back_from_their_text(dataset: Path) -> None:
     for quantity in QUANTITIES:
         for name in CLASSES:
             np.testing.assert_array_equal(again.counts(quantity, name), own.counts(quantity, name))
-    with pytest.raises(FileFormatError, match=r"^x: no statistics"):
+    with pytest.raises(FileFormatError, match=r"^x: invalid statistics"):
         Statistics.from_text(
             '{"num_frames": 1, "labels": {}, "num_frames_with": {}, "histograms": {"points": {"Car": [1]}}}', "x"
         )

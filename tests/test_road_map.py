@@ -52,7 +52,7 @@ def test_maps_are_read_in_the_encoding_that_they_declare(tmp_path: Path, declare
         *(
             (
                 TEXT.format(name).encode(),
-                f"m.xodr: declared to be '{name}', which is no encoding that is known: convert it with iconv -f {name} "
+                f"m.xodr: declared to be '{name}', which is not a known encoding: convert it with iconv -f {name} "
                 "-t UTF-8, and declare that",
             )
             for name in ("x-mine", "rot13", "punycode", "undefined")

@@ -164,7 +164,7 @@ DAMAGED: dict[str, tuple[bytes, str]] = {
     "half a file": (BINARY[: len(BINARY) // 2], "truncated"),
     "half a compressed file": (SQUEEZED[: len(SQUEEZED) // 2], "truncated"),
     "an unknown kind": (edited(BINARY, "DATA binary", "DATA zipped"), "11: DATA: expected ascii, binary"),
-    "a word among numbers": (ASCII.rstrip() + b"x", rf"{11 + N}: expected numbers alone"),
+    "a word among numbers": (ASCII.rstrip() + b"x", rf"{11 + N}: expected numbers only"),
     "a short line": (ASCII.rstrip().rsplit(b" ", 1)[0], rf"{11 + N}: expected 8 numbers, got 7"),
     "no x": (edited(BINARY, "FIELDS x", "FIELDS q"), "no field x of one number, .*; it has q, y"),
     "x twice": (edited(BINARY, "FIELDS x y", "FIELDS x x"), "no field x of one number"),
@@ -180,10 +180,10 @@ DAMAGED: dict[str, tuple[bytes, str]] = {
     ".npy of three": (npy(np.zeros((9, 3))), r"expected numbers \(N, 4\) .*\(9, 3\)"),
     ".npy of objects": (
         b"\x93NUMPY\x01\x00v\x00{'descr': '|O', 'fortran_order': False, 'shape': (9, 4), }\n",
-        "no array",
+        "cannot be read as an array",
     ),
-    "half an array": (npy(np.zeros((900, 4)))[:-999], "no array that can be read"),
-    "a header alone": (b"\x93NUMPY\x01\x00", "no array that can be read"),
+    "half an array": (npy(np.zeros((900, 4)))[:-999], "cannot be read as an array"),
+    "a header alone": (b"\x93NUMPY\x01\x00", "cannot be read as an array"),
 }
 
 

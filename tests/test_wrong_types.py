@@ -270,7 +270,7 @@ def test_a_scene_refuses_what_is_no_place_configuration_or_kind() -> None:
             assert what is None, what
     for half in ("\ud800", "car\udfff"):
         for given in ({"kind": half}, {"kind": "car", "model": half}):
-            with pytest.raises(CadetError, match=r"^add\.(kind|model): expected a text, got half of a surrogate pair"):
+            with pytest.raises(CadetError, match=r"^add\.(kind|model): expected a string, got half of a surrogate"):
                 scene.add(**given, x_m=0.0, y_m=0.0, yaw_rad=0.0)  # type: ignore[arg-type]
     assert scene.num_actors == 0
 
@@ -318,5 +318,5 @@ def test_a_level_of_occlusion_is_a_whole_number(occluded: Any) -> None:
 def test_a_path_that_no_file_can_have_is_refused_wherever_one_is_read(path: str) -> None:
     readers = (cadet.RoadMap.read, cadet.Assets.read, cadet.Rig.from_toml, lambda text: kitti.read_image_set(".", text))
     for read in readers:
-        with pytest.raises(CadetError, match=r"^\w+: (a path of \d+ bytes|expected a (path|text), got )"):
+        with pytest.raises(CadetError, match=r"^\w+: (a path of \d+ bytes|expected a (path|string), got )"):
             read(path)

@@ -117,7 +117,7 @@ def _convert(kind: Any, value: object, source: str, path: str) -> Any:
     return value
 
 
-_KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
+_KINDS = {float: "a number", int: "a whole number", str: "a string", bool: "true or false"}
 
 
 def _convert_tuple(kinds: tuple[Any, ...], value: object, source: str, path: str) -> tuple[Any, ...]:

@@ -73,7 +73,7 @@ def analyze_detectors(
         levels: "kitti" or "large_small".
         min_overlap: as for `cadet.evaluate`.
         workers: processes that prepare frames.
-        on_frame: hears of each frame that is done.
+        on_frame: called after each frame.
     """
     found: list[dict[str, tuple[Label, ...]]] = [{} for _ in detectors]
     frames = opened(data)

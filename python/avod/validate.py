@@ -41,8 +41,8 @@ class Validator:
         split: a list of its `ImageSets`; None for every frame.
         config: of the detector.
         workers: processes that prepare frames; 0 does so in between.
-        should_stop: is asked after each frame; the validation is then given up.
-        on_frame: hears how many frames of this process are done, and how many there are.
+        should_stop: called after each frame; on True the validation is abandoned.
+        on_frame: called with the number of this process's frames done, and their total.
 
     Raises:
         MissingFileError: no folder, split, frame, or label file.

@@ -115,7 +115,7 @@ def test_nonsense_is_refused(tmp_path: Path) -> None:
         ({"distance": (3, 2)}, r"by\['distance'\]: expected rising numbers"),
         ({"distance": ()}, r"by\['distance'\]: expected rising numbers"),
         ({"distance": (-1, 2)}, "of at least 0"),
-        (["points"], "no KITTI folder"),
+        (["points"], "not a KITTI folder"),
     ):
         with pytest.raises(CadetError, match=message):
             cadet.analyze(labels, detections, by=by)

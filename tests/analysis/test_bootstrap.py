@@ -174,8 +174,8 @@ def test_a_and_b_must_be_of_the_same_frames(tmp_path: Path) -> None:
     other.mkdir()
     for k in range(3):
         (other / f"{k:06d}.txt").write_text((results / f"{k:06d}.txt").read_text())
-    with pytest.raises(CadetError, match="1 have results of one alone, such as 000003"):
+    with pytest.raises(CadetError, match="1 have results of only one, such as 000003"):
         cadet.analyze(root, results, other, **CARS)
     assert cadet.analyze(root, results, other, frames="all", bootstrap=5, **CARS).comparison is not None
-    with pytest.raises(CadetError, match="groups are drawn by a bootstrap"):
+    with pytest.raises(CadetError, match="groups are drawn only by a bootstrap"):
         cadet.analyze(root, results, groups="frames", **CARS)

@@ -150,12 +150,12 @@ def test_a_class_of_several_types_is_that_of_the_same_types_renamed() -> None:
         ('"Truck"]', '"DontCare"]', r"class Vehicle\.types: expected types of labels such as Car, got 'D"),
         ('["Misc"]', '["Van"]', r"class Vehicle\.neighbors: Van is one of its own types"),
         (", 3d = 0.25", "", r"class Vehicle\.min_overlap: no limit for 3d"),
-        ("3d = 0.25", "3d = 1.0", "1.0 is no limit"),
+        ("3d = 0.25", "3d = 1.0", "1.0 is not a limit"),
         ("min_overlap = 0.5", "", "class Car: min_overlap is missing"),
         (RULES, "", r"neither a \[\[level\]\] nor a \[class.NAME\]"),
         (RULES, "level = 3", r"level: expected tables \[\[level\]\]"),
         (RULES, "class = 3", r"class: expected tables \[class.NAME\]"),
-        ("]]", "]", "mine.toml: no TOML"),
+        ("]]", "]", "mine.toml: invalid TOML"),
     ],
 )
 def test_rules_that_make_no_sense_are_refused(old: str, new: str, message: str) -> None:
@@ -184,7 +184,7 @@ def test_the_command_prints_what_was_asked_for(folders: tuple[str, str, str], tm
     output = run(*folders, "--details", "--bootstrap", "20", "--seed", "3").output
     for text in (
         "Best operating point, Moderate, percent",
-        "Car: AP if one kind of error were mended, Moderate, overlap > 0.7/0.7",
+        "Car: AP if one kind of error were corrected, Moderate, overlap > 0.7/0.7",
         "Car: found minus true, median (16 to 84 %) by distance",
         "AP by distance, Moderate",
         "AP by occlusion, Moderate without its limit of occlusion",

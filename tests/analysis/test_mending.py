@@ -161,4 +161,4 @@ def test_without_a_usable_detection_there_is_nothing_to_mend() -> None:
     assert analysis.errors == {}
     far = cadet.analyze([[car()]], [[found(car(20.0, 60.0))]], parts=["errors"], classes=["Car"])
     assert far.errors is not None and far.errors["Car"].operating_point is None and far.errors["Car"].boxes == ()
-    assert "Car: AP if one kind of error were mended" in str(far)
+    assert "Car: AP if one kind of error were corrected" in str(far)

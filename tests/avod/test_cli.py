@@ -216,7 +216,7 @@ def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> Non
         (("train", "--config", "none", "--data", dataset, "--out", tmp_path), "unknown configuration 'none'"),
         (("train", "--config", CONFIG, "--data", tmp_path / "no", "--out", tmp_path), "no: no such folder"),
         (("train", "--config", CONFIG, "--data", dataset, "--split", "no", "--out", tmp_path), "no such split"),
-        (("predict", "--checkpoint", tmp_path, "--data", dataset, "--out", tmp_path), "no checkpoint"),
+        (("predict", "--checkpoint", tmp_path, "--data", dataset, "--out", tmp_path), "not a checkpoint"),
         (
             ("predict", "--checkpoint", trained, "--data", dataset, "--out", tmp_path, "--device", "gpu"),
             "--device: 'gpu'",

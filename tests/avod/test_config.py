@@ -66,7 +66,7 @@ def test_class_groups() -> None:
             "{file}: classes[0]: ObjectClass.name: expected a type of labels such as Car, got 'D",
         ),
         ("ground = 'flat'", "{file}: ground: expected one of 'file', 'estimated', got 'flat'"),
-        ("rpn = ", "{file}: no TOML: "),
+        ("rpn = ", "{file}: invalid TOML: "),
         ("base = 'nothing'", "unknown configuration 'nothing': expected a .toml file or one of all_default, "),
     ],
 )

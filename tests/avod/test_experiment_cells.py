@@ -120,5 +120,5 @@ def test_given_weights_take_the_place_of_the_pretraining() -> None:
         few_frame_cells(SCALES["tiny"], tuple(CLASSES), ("default",), 1, (10,), inits=(Path("tiny_car"),))
     with pytest.raises(CadetError, match=r"--init \S+tiny_car: its configuration has another 'classes'"):
         few_frame_cells(SCALES["tiny"], ("Pedestrian",), ("default",), 1, (10,), inits=(Path("tiny_car"),))
-    with pytest.raises(MissingFileError, match="nothing: no checkpoint"):
+    with pytest.raises(MissingFileError, match="nothing: not a checkpoint"):
         few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 1, (10,), inits=(Path("nothing"),))

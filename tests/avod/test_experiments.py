@@ -293,8 +293,8 @@ def test_a_damaged_file_is_named(finished: Path, scale: Scale, sets: Sets, folde
     path = cell_folder(finished, micro_cells(scale)[1].name) / "test_real.json"
     text = path.read_text()
     for damaged, message in (
-        ("{", r"test_real.json:\d+: no JSON"),
-        ("{}", "test_real.json: no file of avod paper"),
+        ("{", r"test_real.json:\d+: invalid JSON"),
+        ("{}", "test_real.json: not a file of avod paper"),
         (text.replace('"version": 1', '"version": 2'), "test_real.json: version 2, expected 1"),
         (text.replace('"r40"', '"r41"'), "real-seed0: damaged: KeyError: 'r40'"),
         (json.dumps({**json.loads(text), "ap": [1]}), "real-seed0: damaged: TypeError"),

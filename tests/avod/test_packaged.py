@@ -74,7 +74,7 @@ def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_p
 
 def test_an_unknown_name_lists_what_there_is() -> None:
     with pytest.raises(
-        MissingFileError, match=r"^tiny_cra: no checkpoint: expected a folder .*, or one of small_car, tiny_car$"
+        MissingFileError, match=r"^tiny_cra: not a checkpoint: expected a folder .*, or one of small_car, tiny_car$"
     ):
         avod.Detector.load("tiny_cra")
 

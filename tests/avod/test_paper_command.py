@@ -118,7 +118,7 @@ def test_what_cannot_be_run_is_one_clear_line(folder: Path, tmp_path: Path) -> N
 
 def test_a_stop_says_how_to_go_on(folder: Path, tmp_path: Path) -> None:
     result = call(*arguments(folder, tmp_path / "out"), "--max-minutes", "1e-9", code=75)
-    assert result.stderr.splitlines()[-1] == "the time is up; the same command goes on"
+    assert result.stderr.splitlines()[-1] == "the time is up; the same command continues"
 
 
 @pytest.mark.timeout(240)  # starts PyTorch twice

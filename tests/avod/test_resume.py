@@ -305,7 +305,7 @@ def test_a_folder_from_before_records_goes_on(config: Config, data: Path, unbrok
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"format": "other"}, r"run\.json: no record of an avod training"),
+        ({"format": "other"}, r"run\.json: not a record of an avod training"),
         ({"version": 7}, r"run\.json: version 7, expected 1"),
         ({"seed": "one"}, r"run\.json: seed: expected int, got 'one'"),
         ({"skipped_steps": [1.5]}, r"run\.json: skipped_steps: expected tuple"),

@@ -290,7 +290,7 @@ def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:
         run(dataset, tmp_path, 1, resume_from=last)
     with pytest.raises(CadetError, match="not both"):
         run(dataset, tmp_path, 2, resume_from=last, init=last)
-    with pytest.raises(MissingFileError, match="no checkpoint"):
+    with pytest.raises(MissingFileError, match="not a checkpoint"):
         run(dataset, tmp_path, 2, init=tmp_path / "nothing")
     wider = dataclasses.replace(CONFIG, rpn=dataclasses.replace(CONFIG.rpn, hidden=65))
     with pytest.raises(CadetError, match=r"anchor_classifier\.layers\.0\.weight is \(64, 36\), expected \(65, 36\)"):
@@ -309,8 +309,8 @@ def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "content", "message"),
     [
-        ("checkpoint.json", b"{", "no JSON"),
-        ("checkpoint.json", b"[]", "no avod checkpoint"),
+        ("checkpoint.json", b"{", "invalid JSON"),
+        ("checkpoint.json", b"[]", "not an avod checkpoint"),
         ("checkpoint.json", b'{"format": "avod-checkpoint", "version": 9}', "version 9, expected 1"),
         ("model.safetensors", b"1234", "damaged"),
         ("model.safetensors", b"\xff" * 64, "damaged"),

@@ -55,7 +55,7 @@ def test_letter_case_and_limits_are_asked_for_by_name(folders: tuple[Path, Path]
         cadet.evaluate(*folders, classes=["Cone"], min_overlap={"Cone": 0.5})
     with pytest.raises(CadetError, match=r"^min_overlap\['Cone'\]: no limit for 2d, and KITTI sets none; give one"):
         cadet.evaluate(*folders, classes=["Cone"])
-    with pytest.raises(CadetError, match=r"^min_overlap: 'Cone' is none of the classes Car"):
+    with pytest.raises(CadetError, match=r"^min_overlap: 'Cone' is not one of the classes Car"):
         cadet.evaluate(*folders, classes=["Car"], min_overlap={"Cone": 0.5})
 
 

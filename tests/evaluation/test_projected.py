@@ -108,7 +108,7 @@ def test_small_detections_are_told_where_they_are_most(tmp_path: Path) -> None:
 
 def test_without_calibrations_there_is_nothing_to_project_with(tmp_path: Path) -> None:
     gt, det = make_set(tmp_path, list(CARS), without_boxes(NONE))
-    with pytest.raises(CadetError, match=r"^boxes_2d: the ground truth is no KITTI folder"):
+    with pytest.raises(CadetError, match=r"^boxes_2d: the ground truth is not a KITTI folder"):
         cadet.evaluate([list(CARS)], [[detected(car) for car in CARS]], boxes_2d="project")
     (gt / "training" / "calib" / "000007.txt").unlink()
     with pytest.raises(MissingFileError, match=r"calib/000007\.txt: no such file"):

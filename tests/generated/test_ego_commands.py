@@ -82,7 +82,7 @@ def test_a_moved_ego_waits_and_numbers_are_checked(tmp_path: Path) -> None:
     ):
         with pytest.raises(cadet.CadetError, match=message):
             scene.command_ego(**arguments)
-    with pytest.raises(cadet.CadetError, match=r"^scene: the ego stands on no lane to drive along$"):
+    with pytest.raises(cadet.CadetError, match=r"^scene: the ego is on no lane to drive along$"):
         cadet.Scene.empty(rig=SMALL).command_ego(speed_mps=5.0)
 
 

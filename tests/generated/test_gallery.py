@@ -73,7 +73,7 @@ def test_wrong_parts_and_files_in_the_way_are_refused(tmp_path: Path) -> None:
     with pytest.raises(CadetError, match="unknown part of the gallery 'cars'; known: vehicles, people"):
         list(write_gallery(tmp_path, ("cars",)))
     (tmp_path / "file").write_text("")
-    with pytest.raises(CadetError, match="is no folder"):
+    with pytest.raises(CadetError, match="is not a folder"):
         list(write_gallery(tmp_path / "file"))
     with pytest.raises(CadetError, match="nothing"):
         list(write_gallery(tmp_path / "out", ("people",), real=tmp_path / "nothing"))

@@ -148,7 +148,7 @@ def test_what_cannot_be_read_is_named_with_file_line_and_reason(text: str, messa
 
 @pytest.mark.parametrize("text", [b"P2: 1", None, 5, ["P2: 1"]])
 def test_only_text_is_parsed(text: Any) -> None:
-    with pytest.raises(CadetError, match=r"^text: expected a text, got "):
+    with pytest.raises(CadetError, match=r"^text: expected a string, got "):
         Calibration.from_text(text)
 
 

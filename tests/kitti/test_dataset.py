@@ -118,7 +118,7 @@ def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Monke
         patched.setattr(images, "encode_png", fail_at_the_second)
         with pytest.raises(CadetError, match="no room"):
             write_frame(tmp_path, 0, make_frame(has_maps=True))
-    with pytest.raises(CadetError, match=r"^meta: no JSON: "):
+    with pytest.raises(CadetError, match=r"^meta: invalid JSON: "):
         write_frame(tmp_path, 0, make_frame(meta={"speed": float("nan")}))
     assert all_files(tmp_path) == {}
 
@@ -189,9 +189,9 @@ def test_what_is_no_id_is_refused(tmp_path: Path, frame_id: Any) -> None:
         ("label_2/000000.txt", b"Car 0\xff\n", "label_2/000000.txt:1: byte 0xff is not ASCII"),
         ("calib/000000.txt", b"", "calib/000000.txt: missing key 'P2'"),
         ("planes/000000.txt", b"", "planes/000000.txt: expected 4 lines, the last a b c d"),
-        ("meta/000000.json", b"{\n,", "meta/000000.json:2: no JSON: Expecting property name enclosed in double quotes"),
-        ("meta/000000.json", b'{"a": NaN}', "meta/000000.json: no JSON: NaN is no number"),
-        ("meta/000000.json", b"[" * 100_000, "meta/000000.json: no JSON: "),
+        ("meta/000000.json", b"{\n,", "meta/000000.json:2: invalid JSON: Expecting property name enclosed in"),
+        ("meta/000000.json", b'{"a": NaN}', "meta/000000.json: invalid JSON: NaN is not a number"),
+        ("meta/000000.json", b"[" * 100_000, "meta/000000.json: invalid JSON: "),
         ("meta/000000.json", b"[]", "meta/000000.json:1: expected a JSON object, got list"),
         (
             "depth/000000.png",

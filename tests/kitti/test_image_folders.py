@@ -117,11 +117,11 @@ def test_what_lies_in_an_images_place_is_named(tmp_path: Path) -> None:
     kitti.write_frame(tmp_path, 0, make_frame())
     path = tmp_path / "training" / "image_2" / "000000.png"
     path.rename(path.with_suffix(".bmp"))
-    said = r"000000\.png: no such file; 000000\.bmp lies there: save it as 000000\.png$"
+    said = r"000000\.png: no such file; 000000\.bmp is there: save it as 000000\.png$"
     with pytest.raises(MissingFileError, match=said):
         kitti.read_frame(tmp_path, 0)
     os.mkfifo(path.with_suffix(".jpg"))
-    with pytest.raises(CadetError, match=r"^image_2/000000\.jpg: no regular file$"):
+    with pytest.raises(CadetError, match=r"^image_2/000000\.jpg: not a regular file$"):
         kitti.read_frame(tmp_path, 0)
 
 

@@ -113,13 +113,13 @@ def test_what_is_no_name_is_no_type(name: str) -> None:
         (CAR.replace("Car", "car"), CAR, ["type car is read as Car"]),
         (CAR.replace("Car", "PERSON_SITTING"), CAR.replace("Car", "Person_sitting"), ["type PERSON"]),
         *(
-            (CAR.replace("Car", name), CAR.replace("Car", name), [f"type {name} is none of KITTI's"])
+            (CAR.replace("Car", name), CAR.replace("Car", name), [f"type {name} is not one of KITTI's"])
             for name in ("Trafficcone", "motorcycle", "vehicle.car", "Car/Van", "2wheeler", "traffic-light", "Man(x)")
         ),
         (CAR.replace("0.00 0 ", "0.00 0.0 "), CAR, ["occluded 0.0 is read as 0"]),
-        (f"{CAR} 436 2018_03_07 0002", CAR, ["fields past the 15th are passed over"]),
-        (f"{CAR} a1-b2", CAR, ["fields past the 15th are passed over"]),
-        (f"{CAR} 7 3", CAR, ["fields past the 15th are passed over"]),
+        (f"{CAR} 436 2018_03_07 0002", CAR, ["fields past the 15th are ignored"]),
+        (f"{CAR} a1-b2", CAR, ["fields past the 15th are ignored"]),
+        (f"{CAR} 7 3", CAR, ["fields past the 15th are ignored"]),
         (f"{CAR} 0.00", f"{CAR} 0.00", []),
         (f"\t{CAR}  ".replace(" ", "\t "), CAR, []),
     ],
@@ -153,7 +153,7 @@ def test_blank_lines_and_ends_of_any_kind_are_passed_over() -> None:
 @pytest.mark.parametrize("given", [None, b"Car", 5, [CAR]])
 def test_only_text_is_parsed_and_only_labels_are_written(given: Any) -> None:
     for parse in (labels_from_text, Label.from_line):
-        with pytest.raises(CadetError, match=r"^(text|line): expected a text, got "):
+        with pytest.raises(CadetError, match=r"^(text|line): expected a string, got "):
             parse(given)
     with pytest.raises(CadetError, match=r"^labels: expected a Label, got "):
         text_from_labels([given])

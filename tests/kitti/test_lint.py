@@ -173,7 +173,7 @@ def test_planes_are_checked(tmp_path: Path, plane: list[float], message: str) ->
 def test_calibrations_are_checked(root: Path) -> None:
     replace(root, "calib/000000.txt", "R0_rect: 9.9", "R0_rect: 1.9")
     assert any(
-        finding.file == "calib/000000.txt" and finding.message.startswith("R0_rect: no rotation")
+        finding.file == "calib/000000.txt" and finding.message.startswith("R0_rect: not a rotation")
         for finding in lint(root)
     )
 

@@ -137,7 +137,7 @@ def test_a_folder_in_a_files_place_is_a_finding(root: Path, kind: str) -> None:
     path = root / "training" / kind / f"000001{KINDS[kind]}"
     path.unlink()
     path.mkdir()
-    assert found(root) == [f"{kind}/000001{KINDS[kind]}: error: no regular file"]
+    assert found(root) == [f"{kind}/000001{KINDS[kind]}: error: not a regular file"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -145,7 +145,7 @@ def test_a_pipe_in_a_files_place_is_a_finding(root: Path, kind: str) -> None:
     path = root / "training" / kind / f"000001{KINDS[kind]}"
     path.unlink()
     os.mkfifo(path)
-    assert found(root) == [f"{kind}/000001{KINDS[kind]}: error: no regular file"]
+    assert found(root) == [f"{kind}/000001{KINDS[kind]}: error: not a regular file"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -18,7 +18,7 @@ def findings(root: Path, *, strict: bool = True) -> list[str]:
 def test_a_dont_care_before_an_object_is_found(tmp_path: Path) -> None:
     car, other, pedestrian, region = make_frame().labels
     write_frame(tmp_path, 0, make_frame(labels=(car, region, other, DONT_CARE, pedestrian)), split=None)
-    message = "after the DontCare of line 2: objects must stand first, as in KITTI; OpenPCDet and MMDetection3D take"
+    message = "after the DontCare of line 2: objects must come first, as in KITTI; OpenPCDet and MMDetection3D take"
     for strict, severity in ((True, "error"), (False, "warning")):
         assert findings(tmp_path, strict=strict) == [
             f"label_2/000000.txt:3: {severity}: Car {message} the DontCare for an object",
@@ -60,7 +60,7 @@ def test_line_ends_of_another_system_pass(tmp_path: Path) -> None:
     [
         ("label_2", "Car 0", "car 0", ["1: warning: type car is read as Car"]),
         ("label_2", "Car 0.00 0 ", "Car 0.00 0.0 ", ["1: warning: occluded 0.0 is read as 0: MMDetection3D expects"]),
-        ("label_2", "Car 0", "Cone 0", ["1: warning: type Cone is none of KITTI's"]),
+        ("label_2", "Car 0", "Cone 0", ["1: warning: type Cone is not one of KITTI's"]),
         ("label_2", "Pedestrian", "\nPedestrian", ["3: warning: a blank line: OpenPCDet and MMDetection3D stop at it"]),
         ("label_2", "", "\ufeff", ["1: warning: the byte order mark before the text is passed over"]),
         ("calib", "Tr_imu", "TR_imu", ["7: warning: TR_imu_to_velo is read as Tr_imu_to_velo"]),

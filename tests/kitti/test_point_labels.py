@@ -43,5 +43,5 @@ def test_files_come_back_and_damaged_ones_are_refused() -> None:
     data = bytes_from_point_labels(labels)
     assert data == b"\x28\x00\x00\x00\x0a\x00\x03\x00"
     np.testing.assert_array_equal(point_labels_from_bytes(data), labels)
-    with pytest.raises(KittiFormatError, match="7 bytes are no whole number of labels"):
+    with pytest.raises(KittiFormatError, match="7 bytes are not a whole number of labels"):
         point_labels_from_bytes(data[:-1])

@@ -160,10 +160,10 @@ def test_a_bank_gives_back_what_was_put_in(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"format": "x"}, "no list of an object bank of version 1"),
+        ({"format": "x"}, "not the list of an object bank of version 1"),
         ({"objects": []}, "objects: expected a list of at least one"),
         ({"objects": [3]}, r"objects\[0\]: expected a table"),
-        ({"type": 3}, r"objects\[0\]: type: expected a text"),
+        ({"type": 3}, r"objects\[0\]: type: expected a string"),
         ({"box_scan": [1, 2]}, r"objects\[0\]: expected box_scan of 7 numbers"),
         ({"corners_scan": [[1, 2, 3]]}, r"objects\[0\]: expected box_scan of 7 numbers and corners_scan of 4 rows"),
         ({"num_points": None}, r"objects\[0\]: num_points: expected a whole number"),

@@ -64,9 +64,9 @@ def test_an_archive_without_members_is_one() -> None:
         (info("/etc/passwd"), "'/etc/passwd' has an absolute name"),
         (info("C:/b"), "'C:/b' has an absolute name"),
         (info("\\\\server\\b"), "has an absolute name"),
-        (info("a\\..\\b"), "has a name that is no plain path"),
-        (info("a\nb"), "'a\\nb' has a name that is no plain path"),
-        (info("é"), "has a name that is no plain path"),
+        (info("a\\..\\b"), "has a name that is not a plain path"),
+        (info("a\nb"), "'a\\nb' has a name that is not a plain path"),
+        (info("é"), "has a name that is not a plain path"),
         (info("a", tarfile.SYMTYPE, linkname="/etc/passwd"), "'a' is a symbolic link, expected a file"),
         (info("a", tarfile.LNKTYPE, linkname=GOOD), "'a' is a hard link, expected a file"),
         (info("a", tarfile.CHRTYPE), "'a' is a device, expected a file"),
@@ -75,8 +75,8 @@ def test_an_archive_without_members_is_one() -> None:
         (info("a", b"Z"), "'a' is of the unknown type b'Z', expected a file"),
         (info("a", tarfile.CONTTYPE), "'a' is of the unknown type b'7', expected a file"),
         (info("a", tarfile.GNUTYPE_SPARSE), "'a' is a sparse file, expected a file"),
-        (info(GOOD), f"'{GOOD}' stands there twice"),
-        (info("./" + GOOD), f"'{GOOD}' stands there twice"),
+        (info(GOOD), f"'{GOOD}' appears twice"),
+        (info("./" + GOOD), f"'{GOOD}' appears twice"),
         (info("a", size=1 << 32), f"'a' declares {1 << 32} bytes, expected at most {1 << 28}"),
     ],
 )
@@ -137,7 +137,7 @@ def test_a_compressed_archive_is_refused(compression: str) -> None:
     file = io.BytesIO()
     with tarfile.open(fileobj=file, mode=f"w:{compression}") as tar:  # type: ignore[call-overload]
         tar.addfile(info("a"))
-    with pytest.raises(ArchiveError, match="the first member: no tar header"):
+    with pytest.raises(ArchiveError, match="the first member: invalid tar header"):
         read(file.getvalue())
 
 
@@ -185,7 +185,7 @@ def test_an_index_is_written_and_read_as_it_was() -> None:
         (INDEX.replace(" 700 ", " "), ":2: expected four fields for each file, got 7 in all"),
         (INDEX.replace(" 700 ", " -7 "), ":2: the member '000001.calib.txt': expected an offset and at most"),
         (INDEX.replace(" 700 ", f" {1 << 40} "), ":2: the member '000001.calib.txt': expected an offset and at most"),
-        (INDEX.replace("000002.calib", "000001.calib"), ":3: the member '000001.calib.txt' stands there twice"),
+        (INDEX.replace("000002.calib", "000001.calib"), ":3: the member '000001.calib.txt' appears twice"),
         (INDEX.replace("000002.calib", "../02.calib"), ": the member '../02.calib.txt' leads out of its folder"),
     ],
 )
@@ -230,7 +230,7 @@ def test_a_shard_that_is_cut_after_it_was_opened_is_refused(tmp_path: Path) -> N
 def test_a_member_that_is_no_frames_file_is_refused(tmp_path: Path) -> None:
     for name in ("000002.caption.txt", ".calib.txt", "train/000002.calib.txt"):
         (tmp_path / "a.tar").write_bytes(archive(info(name)))
-        with pytest.raises(ArchiveError, match=f"{tmp_path}/a.tar: the member '{name}' is no frame's file"):
+        with pytest.raises(ArchiveError, match=f"{tmp_path}/a.tar: the member '{name}' is not a frame's file"):
             ShardDataset([tmp_path / "a.tar"])
 
 

@@ -130,7 +130,7 @@ fn trucks_have_windows_at_the_cab_alone_and_walls_none() {
     let wall = VehicleAsset { class: ObjectClass::Truck, source: mesh_of(wall, &[]), ..shell() };
     let (model, assumed) = VehicleModel::with_assumptions(&wall).unwrap();
     assert_eq!(faces_of(&model, Material::is_transparent).0.len(), 0);
-    assert!(assumed.concat().contains("; no glass is assumed, since nothing stands where windows usually are"));
+    assert!(assumed.concat().contains("; no glass is assumed, since nothing is where windows usually are"));
 }
 
 #[test]

@@ -24,7 +24,7 @@ _MOST = 64
     multiple=True,
     default=("Car=2", "Pedestrian=1", "Cyclist=1"),
     show_default=True,
-    help="A class and how many sizes its anchors get; several times for several classes.",
+    help="A class and the number of its anchor sizes; may be repeated.",
 )
 def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) -> None:
     """Fit anchor sizes to the labels of a KITTI folder, and print them as a configuration holds them.

@@ -61,7 +61,9 @@ avod.add_command(paper_command)
 @data_option
 @split_option("all")
 @frames_option
-@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A file for each frame.")
+@click.option(
+    "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Folder for the result files."
+)
 @detection_options
 @device_options
 def predict_command(
@@ -77,7 +79,7 @@ def predict_command(
     amp: str | None,
     workers: int | None,
 ) -> None:
-    """Write KITTI's result files; a frame where nothing is found has an empty one, and one that cannot be read none."""
+    """Write KITTI's result files: an empty one for a frame without detections, none for a frame that cannot be read."""
     detector = _detector(checkpoint, device, amp)
     detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
     samples, ids = frames_of(data, split, frames)
@@ -101,14 +103,14 @@ def predict_command(
 @split_option("val")
 @frames_option
 @click.option(
-    "--last", type=click.IntRange(1), help="Evaluate this many last checkpoints of a training; keep the best in best/."
+    "--last", type=click.IntRange(1), help="Evaluate the last N checkpoints of a run; keep the best in best/."
 )
 @click.option("--levels", type=click.Choice(["kitti", "large_small"]), default="kitti", show_default=True)
 @click.option("--min-overlap", type=click.Choice(list(MIN_OVERLAP)), default="strict", show_default=True)
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
-@click.option("--details", is_flag=True, help="Show all that cadet eval --details does.")
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves to a .png or .jpg.")
+@click.option("--details", is_flag=True, help="Show what cadet eval --details shows.")
 @click.option("--ablate", is_flag=True, help="Evaluate again without the image and without the LIDAR.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves and details too, as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything, with curves and details, as JSON.")
 @detection_options
 @device_options
 def evaluate_command(
@@ -192,7 +194,9 @@ def _show(analysis: Analysis, ablated: dict[str, Analysis], names: tuple[str, ..
 @checkpoint_option
 @data_option
 @split_option("all")
-@click.option("--frames", type=click.IntRange(1), default=2000, show_default=True, help="The first so many.")
+@click.option(
+    "--frames", type=click.IntRange(1), default=2000, show_default=True, help="Number of frames, from the first."
+)
 @device_options
 def bench_command(
     checkpoint: Path, data: Path, split: str | None, frames: int, device: str, amp: str | None, workers: int | None
@@ -216,11 +220,11 @@ def bench_command(
 
 
 @avod.command(name="view")
-@click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw its detections ...")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="... in a frame of this folder.")
+@click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw this checkpoint's detections.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="The folder of the frame.")
 @click.option("--frame", "frame_id", metavar="ID", help="The frame.")
-@click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this training instead.")
-@click.option("-o", "--output", metavar="FILE", required=True, help="A .png or .jpg.")
+@click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this run instead.")
+@click.option("-o", "--output", metavar="FILE", required=True, help="The picture, a .png or .jpg.")
 @device_options
 def view_command(
     checkpoint: Path | None,

@@ -35,16 +35,16 @@ _USUAL = ("train", "val", "trainval")
 _PRECISIONS = {"bf16": torch.bfloat16}
 
 data_option = click.option(
-    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or ours."
+    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or generated."
 )
 checkpoint_option = click.option(
     "--checkpoint",
     metavar="DIR|NAME",
     required=True,
     type=click.Path(path_type=Path),
-    help="A checkpoint, a training's folder, whose last is meant, or the package's own tiny_car.",
+    help="A checkpoint, a run's directory (its last checkpoint), or a packaged one such as small_car.",
 )
-frames_option = click.option("--frames", type=click.IntRange(1), help="No more than this many, the first.")
+frames_option = click.option("--frames", type=click.IntRange(1), help="At most this many frames, from the first.")
 
 
 def split_option(default: str | None) -> Callable[[F], F]:
@@ -58,7 +58,9 @@ def device_options(command: F) -> F:
     """Add the options that say where and how the network runs."""
     options = (
         click.option("--device", metavar="NAME", default="cpu", show_default=True, help="cpu, cuda, cuda:1, ..."),
-        click.option("--amp", type=click.Choice(list(_PRECISIONS)), help="Arithmetic of layers.  [default: float32]"),
+        click.option(
+            "--amp", type=click.Choice(list(_PRECISIONS)), help="Precision of the layers.  [default: float32]"
+        ),
         click.option(
             "--workers",
             type=click.IntRange(0, 256),
@@ -69,7 +71,7 @@ def device_options(command: F) -> F:
             type=click.IntRange(1, 1024),
             expose_value=False,
             callback=_set_threads,
-            help=f"Of the arithmetic on the CPU.  [default: all, at most {DEFAULT_THREADS}]",
+            help=f"Threads on the CPU.  [default: all, at most {DEFAULT_THREADS}]",
         ),
     )
     for option in options:
@@ -80,13 +82,9 @@ def device_options(command: F) -> F:
 def detection_options(command: F) -> F:
     """Add the options that change settings of detection for one run."""
     options = (
-        click.option("--proposals", type=click.IntRange(1, 65536), help="That the second stage looks at."),
-        click.option(
-            "--score-threshold", "min_score", type=click.FloatRange(0, 1), help="The least score that is written."
-        ),
-        click.option(
-            "--nms-iou", type=click.FloatRange(0, 1), help="Boxes that overlap a better one by more are dropped."
-        ),
+        click.option("--proposals", type=click.IntRange(1, 65536), help="Proposals kept for the second stage."),
+        click.option("--score-threshold", "min_score", type=click.FloatRange(0, 1), help="Lowest score to write."),
+        click.option("--nms-iou", type=click.FloatRange(0, 1), help="Drop boxes that overlap a better one by more."),
     )
     for option in options:
         command = option(command)

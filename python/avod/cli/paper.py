@@ -39,21 +39,23 @@ _DEVICES = (1, 2, 4, 8)
 
 
 @click.command(name="paper")
-@click.option("--scale", type=click.Choice(list(SCALES)), default="tiny", show_default=True, help="Size of it all.")
 @click.option(
-    "--data-real", metavar="DIR", required=True, type=click.Path(path_type=Path), help="KITTI, or what is to be."
+    "--scale", type=click.Choice(list(SCALES)), default="tiny", show_default=True, help="Size of the experiments."
+)
+@click.option(
+    "--data-real", metavar="DIR", required=True, type=click.Path(path_type=Path), help="KITTI, or a set in its place."
 )
 @click.option("--data-sim", metavar="DIR", type=click.Path(path_type=Path), help="A generated KITTI folder.")
-@click.option("-o", "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="All that is made.")
+@click.option("-o", "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Output directory.")
 @click.option(
-    "--seeds", type=click.IntRange(1, MAX_SEEDS), default=1, show_default=True, help="Trainings of each kind."
+    "--seeds", type=click.IntRange(1, MAX_SEEDS), default=1, show_default=True, help="Trainings of each cell."
 )
 @click.option("--classes", metavar="NAMES", default=",".join(CLASSES), show_default=True)
 @click.option("--maps", metavar="NAMES", help=f"Some of {','.join(MAPS)}.  [default: all; with --frames, default]")
 @click.option(
     "--frames",
     metavar="COUNTS",
-    help="Instead of the matrix: from scratch and pre-trained, on so many real frames: 10,40,160,640.",
+    help="Instead of the matrix: train from scratch and pre-trained on these numbers of real frames, as 10,40,160.",
 )
 @click.option(
     "--init",
@@ -61,21 +63,21 @@ _DEVICES = (1, 2, 4, 8)
     metavar="DIR|NAME",
     multiple=True,
     type=click.Path(path_type=Path),
-    help="With --frames: the pre-trained checkpoint, one, or several times for one a seed.",
+    help="With --frames: the pre-trained checkpoint; repeat it for one per seed.",
 )
-@click.option("--cells", metavar="PATTERN", multiple=True, help="Run these alone, as in 'car-*'; several times.")
+@click.option("--cells", metavar="PATTERN", multiple=True, help="Run only these cells, as in 'car-*'; may be repeated.")
 @click.option(
-    "--steps", type=click.IntRange(1), help="Of a training from scratch; all else is shortened in proportion."
+    "--steps", type=click.IntRange(1), help="Steps of a training from scratch; the others are shortened in proportion."
 )
 @click.option("--dry-run", is_flag=True, help="List the cells, time a few steps, and estimate the hours.")
-@click.option("--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after so long.")
+@click.option("--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after this many minutes.")
 @click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids in training.")
 @device_options
 def paper_command(**options: Any) -> int:
     """Run the paper's experiments: trained on simulated frames, on real ones, and on both.
 
-    Cells run one after another. What ends the command, Ctrl-C, SIGTERM or a crash, loses no finished cell: the same
-    command goes on. Exit codes are those of avod train.
+    Cells run one after another. After Ctrl-C, SIGTERM, or a crash, the same command continues with the unfinished
+    cells. Exit codes are those of avod train.
 
     \b
     avod paper --scale tiny --data-real kitti --data-sim set -o paper --dry-run
@@ -106,12 +108,12 @@ def paper_command(**options: Any) -> int:
                 return 0
             if not run_cells(cells, plan.out, plan.sets, machine, lambda name: click.echo(f"{name}: done", err=True)):
                 if processes.is_first:
-                    click.echo(f"{stopping.reason}; the same command goes on", err=True)
+                    click.echo(f"{stopping.reason}; the same command continues", err=True)
                 return stopping.exit_code
             if processes.is_first:
                 click.echo(write_results(plan.out), nl=False)
     except KeyboardInterrupt as error:
-        click.echo(f"{how_ended(error)}; the same command goes on", err=True)
+        click.echo(f"{how_ended(error)}; the same command continues", err=True)
         return exit_code(error)
     return 0
 

@@ -57,10 +57,12 @@ _AMP: Final = {"bfloat16": "bf16"}
     "with their shares of the frames.",
 )
 @split_option("train")
-@click.option("--frames", type=click.IntRange(1), help="Learn from so many frames alone, drawn by the seed.")
-@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
-@click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Of all that is drawn.  [default: 0]")
+@click.option("--frames", type=click.IntRange(1), help="Learn from only this many frames, drawn by the seed.")
+@click.option(
+    "--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Output directory, one per run."
+)
+@click.option("--steps", type=click.IntRange(1), help="Step at which training ends.  [default: the configuration's]")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Random seed.  [default: 0]")
 @click.option(
     "--sizes-from",
     metavar="DIR",
@@ -73,13 +75,13 @@ _AMP: Final = {"bfloat16": "bf16"}
     type=click.Path(path_type=Path),
     help="Paste objects of this bank (cadet bank), as many as the configuration says.",
 )
-@click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Begin at step 0 with these weights.")
-@click.option("--resume", is_flag=True, help="Go on with the training of --out where it stopped, as it was begun.")
+@click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Start at step 0 from these weights.")
+@click.option("--resume", is_flag=True, help="Resume the run in --out with the settings it was started with.")
 @click.option(
     "--resume-from",
     metavar="DIR",
     type=click.Path(path_type=Path),
-    help="Go on with another training's optimizer, step and schedule.",
+    help="Continue another run's optimizer, step, and schedule.",
 )
 @click.option(
     "--skip-step",
@@ -87,11 +89,13 @@ _AMP: Final = {"bfloat16": "bf16"}
     metavar="STEP",
     type=click.IntRange(0),
     multiple=True,
-    help="Leave out a step whose loss is no number; several times for several.",
+    help="Leave out a step whose loss is not finite; may be repeated.",
 )
-@click.option("--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after so long; --resume goes on.")
-@click.option("--keep", type=click.IntRange(1), help="Checkpoints that stay, the newest.  [default: all]")
-@click.option("--val-every", metavar="STEPS", type=click.IntRange(1), help="Compute loss and AP on --val-split.")
+@click.option(
+    "--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after this many minutes; --resume continues."
+)
+@click.option("--keep", type=click.IntRange(1), help="Newest checkpoints to keep.  [default: all]")
+@click.option("--val-every", metavar="STEPS", type=click.IntRange(1), help="Steps between validations on --val-split.")
 @click.option("--val-split", metavar="NAME", default="val", show_default=True, help="A list of ImageSets, or 'all'.")
 @click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids.")
 @click.option("--tensorboard", is_flag=True, help="Write TensorBoard's files too.")

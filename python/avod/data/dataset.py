@@ -80,7 +80,7 @@ def sample_from_frame(
 
 
 class TrainingData(Dataset[Any]):
-    """The frames of folders that hold enough objects of the classes, shuffled and changed, without end.
+    """The frames of folders that hold enough objects of the classes, shuffled and changed, endlessly.
 
     A frame that cannot be read is left out with a warning, and frames that its index draws take its turn, so that
     training stays a function of seed and data. An item is a sample, or the error that reading the last of them raised,
@@ -94,7 +94,7 @@ class TrainingData(Dataset[Any]):
         seed: of the order and the augmentations.
         bank: of the objects that are pasted; needed where the configuration asks for some, and refused where it does
             not.
-        frames: learn from so many of them alone, which `seed` draws; None for all.
+        frames: learn from only this many of them, drawn by `seed`; None for all.
 
     Raises:
         MissingFileError: no folder, split or label file.

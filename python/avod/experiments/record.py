@@ -91,7 +91,7 @@ def read_note(path: Path) -> dict[str, Any]:
     """
     table = json_from_text(path.read_bytes(), str(path))
     if not isinstance(table, dict) or table.pop("format", None) != _FORMAT:
-        raise CadetError(f"{path}: no file of avod paper")
+        raise CadetError(f"{path}: not a file of avod paper")
     version = table.pop("version", None)
     if version != _VERSION:
         raise CadetError(f"{path}: version {version!r}, expected {_VERSION}")

@@ -1,4 +1,4 @@
-"""The training of a cell, by `avod.train`: begun, gone on with, and kept where another one goes on from it."""
+"""The training of a cell, by `avod.train`: begun, gone on with, and kept where another one continues from it."""
 
 from __future__ import annotations
 

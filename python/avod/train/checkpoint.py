@@ -155,7 +155,7 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
     path = _resolve(Path(path))
     settings = json_from_text((path / _SETTINGS).read_bytes(), str(path / _SETTINGS))
     if not isinstance(settings, dict) or settings.get("format") != _FORMAT:
-        raise CadetError(f"{path / _SETTINGS}: no avod checkpoint")
+        raise CadetError(f"{path / _SETTINGS}: not an avod checkpoint")
     if settings.get("version") != _FORMAT_VERSION:
         raise CadetError(f"{path / _SETTINGS}: version {settings.get('version')!r}, expected {_FORMAT_VERSION}")
     step, seed = (_count(settings, key, path) for key in ("step", "seed"))
@@ -316,7 +316,7 @@ def _resolve(path: Path) -> Path:
     if str(path) in packaged_checkpoints():
         return _PACKAGED / path
     raise MissingFileError(
-        f"{path}: no checkpoint: expected a folder with {_SETTINGS}, or one of {', '.join(packaged_checkpoints())}"
+        f"{path}: not a checkpoint: expected a folder with {_SETTINGS}, or one of {', '.join(packaged_checkpoints())}"
     )
 
 

@@ -109,7 +109,7 @@ def read_record(out: Path) -> Record:
         raise MissingFileError(f"{path}: no such file: {out} holds no training that --resume could go on with")
     table = json_from_text(path.read_bytes(), str(path))
     if not isinstance(table, dict) or table.get("format") != _FORMAT:
-        raise CadetError(f"{path}: no record of an avod training")
+        raise CadetError(f"{path}: not a record of an avod training")
     if table.get("version") != _VERSION:
         raise CadetError(f"{path}: version {table.get('version')!r}, expected {_VERSION}")
     config = config_from_table(table.get("config"), f"{path}: config")

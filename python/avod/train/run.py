@@ -56,12 +56,12 @@ def train(
     Args:
         config: the detector and its training.
         run: data, folders, device.
-        on_step: hears of each step that is done, and its losses; none for one that was skipped.
+        on_step: called after each step with its number and losses; no losses for one that was skipped.
         validate: judges the network every `run.val_every` steps and after the last; `avod.validate.Validator` does.
-        should_stop: is asked after each step; training then writes a checkpoint and ends.
+        should_stop: called after each step; on True training writes a checkpoint and ends.
 
     Raises:
-        CadetError: bad data or checkpoints, a device that cannot be used, or a loss that is no number.
+        CadetError: bad data or checkpoints, a device that cannot be used, or a loss that is not a number.
     """
     named = name_of_process(run.device) if isinstance(run.device, str) else run.device
     with Processes.joined(resolve_device(named)) as processes:

@@ -39,7 +39,7 @@ class Run:
         is_compiled: compile the pyramids.
         has_tensorboard: write TensorBoard's files too.
         bank: of objects that are pasted into frames, as many as the configuration says.
-        frames: learn from so many of the folder's frames alone, which the seed draws, the fewer among the more; None
+        frames: learn from only this many of the folder's frames, drawn by the seed; fewer are among more; None
             for all that hold enough objects.
 
     Raises:

@@ -21,7 +21,7 @@ MAX_WEIGHTS: Final = 10**9
 
 
 class NonFiniteLossError(CadetError, FloatingPointError):
-    """A loss or gradient that is no number: training cannot go on."""
+    """A loss or gradient that is not a number: training cannot go on."""
 
 
 def learning_rate(step: int, config: TrainingConfig) -> float:

@@ -88,6 +88,6 @@ def as_array(
         except OverflowError:
             raise NonFiniteError(f"{name}: a number is too large for float64") from None
         except (TypeError, ValueError):
-            raise ShapeError(f"{name}: expected numbers in rows of one length, got a list that is none") from None
+            raise ShapeError(f"{name}: expected numbers in rows of one length, got another kind of list") from None
         return check_array(array, name, shape, finite=finite)
     return check_array(values, name, shape, dtype, finite=finite)

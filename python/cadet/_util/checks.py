@@ -133,13 +133,13 @@ def check_text(owner: str, name: str, value: object) -> None:
         CadetError: naming the field and the value.
     """
     if not isinstance(value, str):
-        raise CadetError(f"{_place(owner, name)}: expected a text, got {shown(value)}")
+        raise CadetError(f"{_place(owner, name)}: expected a string, got {shown(value)}")
     try:
         value.encode("utf-8")
     except UnicodeEncodeError as error:
         half = shown(value[error.start : error.end])
         raise CadetError(
-            f"{_place(owner, name)}: expected a text, got half of a surrogate pair in it: {half}"
+            f"{_place(owner, name)}: expected a string, got half of a surrogate pair in it: {half}"
         ) from None
 
 

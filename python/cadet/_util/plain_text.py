@@ -40,13 +40,13 @@ def toml_from_text(text: str | bytes, file: str) -> dict[str, Any]:
         # tomllib takes CRLF for a newline, but no byte order mark.
         decoded = (text if isinstance(text, str) else text.decode("utf-8")).removeprefix("\ufeff")
     except UnicodeDecodeError as error:
-        raise FileFormatError(f"no TOML: {error}", file) from None
+        raise FileFormatError(f"invalid TOML: {error}", file) from None
     if _DOTTED_KEYS.search(decoded):
         raise FileFormatError(f"nested deeper than {MAX_DEPTH}", file)
     try:
         values = tomllib.loads(decoded)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"no TOML: {_reason(error)}", file) from None
+        raise FileFormatError(f"invalid TOML: {_reason(error)}", file) from None
     # TOML has infinity, which its readers refuse by the line.
     _check_values(values, file, is_infinity_refused=False)
     return values
@@ -65,13 +65,13 @@ def json_from_text(text: str | bytes, file: str) -> Any:
     try:
         values = json.loads(text.removeprefix("\ufeff") if isinstance(text, str) else text, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"no JSON: {_reason(error)}", file, getattr(error, "lineno", None)) from None
+        raise FileFormatError(f"invalid JSON: {_reason(error)}", file, getattr(error, "lineno", None)) from None
     _check_values(values, file, is_infinity_refused=True)
     return values
 
 
 def _refuse(constant: str) -> object:
-    raise ValueError(f"{constant} is no number")
+    raise ValueError(f"{constant} is not a number")
 
 
 def _reason(error: Exception) -> str:
@@ -117,7 +117,7 @@ def _check_leaf(value: object, place: str, file: str) -> None:
                 value.encode("utf-8")
             except UnicodeEncodeError:
                 raise FileFormatError(
-                    f"{shown_key(place)}: {value!r} is no text: half of a surrogate pair", file
+                    f"{shown_key(place)}: {value!r} is not valid text: half of a surrogate pair", file
                 ) from None
     elif isinstance(value, int) and not -MAX_WHOLE < value < MAX_WHOLE:
         digits = int(abs(value).bit_length() * math.log10(2.0)) + 1

@@ -29,7 +29,7 @@ def process_map(function: Callable[[_Item], _Result], items: Sequence[_Item], *,
         workers: processes; with 1, or for a few items, the caller's own.
 
     Raises:
-        CadetError: `workers` is no whole number from 1 to 1024, or a process died.
+        CadetError: `workers` is not a whole number from 1 to 1024, or a process died.
     """
     check_number("", "workers", workers, 1, 1024, whole=True)
     if workers == 1 or len(items) < _FEWEST_ITEMS:

@@ -29,7 +29,9 @@ def _types(context: click.Context, option: click.Parameter, names: tuple[str, ..
 
 @click.command(name="bank")
 @click.argument("data", metavar="DATA", type=click.Path(path_type=Path))
-@click.option("-o", "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="A new folder.")
+@click.option(
+    "-o", "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Output: a new folder."
+)
 @click.option("--split", metavar="NAME", help="A list of ImageSets.  [default: every frame]")
 @click.option(
     "--class",
@@ -39,13 +41,17 @@ def _types(context: click.Context, option: click.Parameter, names: tuple[str, ..
     callback=_types,
     default=("Car", "Pedestrian", "Cyclist"),
     show_default=True,
-    help="Several times for several classes.",
+    help="May be repeated.",
 )
 @click.option(
-    "--min-points", type=click.IntRange(1), default=MIN_POINTS, show_default=True, help="Leave out objects with fewer."
+    "--min-points",
+    type=click.IntRange(1),
+    default=MIN_POINTS,
+    show_default=True,
+    help="Leave out objects with fewer points.",
 )
 def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...], min_points: int) -> None:
-    """Cut the objects that are seen whole out of a labeled KITTI folder, real or ours, with their points and pixels.
+    """Cut the fully visible objects out of a labeled KITTI folder, real or generated, with points and pixels.
 
     `avod train --bank` pastes them into other frames. Sets written with `--write instance` give exact silhouettes; of
     others they are hulls of the objects' points, refined by colors.

@@ -25,11 +25,11 @@ _VALUE: Final = re.compile(r"[-+]?\d[-+.\de]*|\binf\b|\bnan\b")
 @click.command(name="check")
 @click.argument("root", type=click.Path(path_type=Path))
 @click.option("--strict/--loose", default=None, help="Tolerances.  [default: strict for what cadet-gen wrote]")
-@click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
-@click.option("--all", "is_all", is_flag=True, help="Print every finding, not kinds of them.")
+@click.option("--workers", type=click.IntRange(1, 1024), help="Worker processes.  [default: one per processor]")
+@click.option("--all", "is_all", is_flag=True, help="Print every finding, not one line per kind.")
 @click.option("--json", "is_json", is_flag=True, help="Print all findings and counts as a JSON object.")
 def check_command(root: Path, strict: bool | None, workers: int | None, is_all: bool, is_json: bool) -> int:
-    """Check that a dataset is whole, keeps to KITTI's definitions, and holds together; exit 1 on any error.
+    """Check that a dataset is complete, follows KITTI's definitions, and is consistent; exit 1 on any error.
 
     \b
     cadet check out

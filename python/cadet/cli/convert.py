@@ -19,10 +19,10 @@ _SHOWN = 3
 @click.argument("out", metavar="DST", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--to", type=click.Choice(FORMATS), required=True, help="The format of DST.")
 @click.option(
-    "--shard-size", type=click.IntRange(1, 10_000), default=SHARD_SIZE, show_default=True, help="Frames of a shard."
+    "--shard-size", type=click.IntRange(1, 10_000), default=SHARD_SIZE, show_default=True, help="Frames per shard."
 )
 @click.option(
-    "--images", metavar="DIR", type=click.Path(path_type=Path, file_okay=False), help="The images of BDD100K's labels."
+    "--images", metavar="DIR", type=click.Path(path_type=Path, file_okay=False), help="The folder of BDD100K's images."
 )
 def convert_command(source: str, out: Path, to: str, shard_size: int, images: Path | None) -> None:
     """Write the dataset SRC in another format to the folder DST, byte for byte.

@@ -44,7 +44,7 @@ from cadet.formats.kitti.label import is_object_type
     show_default=True,
     help=f"Difficulties: {' or '.join(LEVELS)}, or a .toml with own levels and classes.",
 )
-@click.option("--split", metavar="NAME|FILE", help="Evaluate the frames of a list of ImageSets, or of a file alone.")
+@click.option("--split", metavar="NAME|FILE", help="Evaluate only the frames of a list of ImageSets, or of a file.")
 @click.option("--all-frames", is_flag=True, help="Count a missing result file as no detections.")
 @click.option(
     "--boxes-2d",
@@ -61,7 +61,7 @@ from cadet.formats.kitti.label import is_object_type
     "--by",
     metavar="WHAT[=EDGES]",
     multiple=True,
-    help=f"Show AP by {', '.join(EDGES)}, as in --by distance=0,20,40; may come again.",
+    help=f"Show AP by {', '.join(EDGES)}, as in --by distance=0,20,40; may be repeated.",
 )
 @click.option("--details", is_flag=True, help="All of these, by distance and occlusion.")
 @click.option(
@@ -71,13 +71,13 @@ from cadet.formats.kitti.label import is_object_type
     default=0,
     help=f"Show 95 % intervals of N draws of frames.  [default for DET_B: {DRAWS}]",
 )
+@click.option("--groups", metavar="frames|episodes|FILE", help="Unit of the draws.  [default: episodes if known]")
 @click.option(
-    "--groups", metavar="frames|episodes|FILE", help="What is drawn as a whole.  [default: episodes if known]"
+    "--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="Random seed of the draws."
 )
-@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="Of the draws.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves too, as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything, with curves, as JSON.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves to a .png or .jpg.")
 def evaluate_command(
     gt: Path,
     det: Path,

@@ -37,9 +37,15 @@ _LEAST_FRACTION = 1e-6
 @click.version_option(_cadet.__version__, prog_name="cadet-gen")
 @click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
-@click.option("--policy", type=click.Choice(POLICIES), default="kitti", show_default=True, help="How worlds are drawn.")
 @click.option(
-    "--district", "districts", type=click.Choice(DISTRICTS), multiple=True, help="A kind of street; may be repeated."
+    "--policy",
+    type=click.Choice(POLICIES),
+    default="kitti",
+    show_default=True,
+    help="The policy that draws the worlds.",
+)
+@click.option(
+    "--district", "districts", type=click.Choice(DISTRICTS), multiple=True, help="A district; may be repeated."
 )
 @click.option("--rig", type=click.Choice(RIG_PRESETS), help="The sensors.  [default: the policy's, drawn by episode]")
 @click.option("--lidar", metavar="NAME|FILE", help=f"{', '.join(LIDAR_PRESETS)}, or a TOML file (docs/lidars.md).")
@@ -59,22 +65,26 @@ _LEAST_FRACTION = 1e-6
 )
 @click.option("--skip-bad-assets", is_flag=True, help="Leave out vehicles whose meshes are missing or broken.")
 @click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
-@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples of a shard of webdataset.  [default: 1000]")
+@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples per shard of webdataset.  [default: 1000]")
 @click.option(
     "--sequence",
     is_flag=True,
-    help="Episodes of some seconds, a sample each time step, not each 10 m; implied by formats of sequences.",
+    help="Take samples by time, not every 10 m; implied by sequence formats.",
 )
 @click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
 @click.option("--length", metavar="SECONDS", help="Length of a sequence, such as 20s.  [default: 20s]")
 @click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes, or tasks at a time.  [default: one for each processor]"
+    "--workers",
+    type=click.IntRange(1, 1024),
+    help="Worker processes, or concurrent tasks.  [default: one per processor]",
 )
-@click.option("--engine", type=click.Choice(ENGINES), default="local", show_default=True, help="Who makes episodes.")
-@click.option("--address", help="Of the Ray cluster.  [default: RAY_ADDRESS, or a Ray of this machine alone]")
+@click.option(
+    "--engine", type=click.Choice(ENGINES), default="local", show_default=True, help="Where episodes are made."
+)
+@click.option("--address", help="Address of the Ray cluster.  [default: RAY_ADDRESS, or a local Ray]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
-@click.option("--resume", is_flag=True, help="Go on in a folder that the same command has left.")
+@click.option("--resume", is_flag=True, help="Continue a run that the same command started.")
 @click.option(
     "--val-fraction",
     type=click.FloatRange(0.0, 0.5),

@@ -16,7 +16,7 @@ from cadet.datasets.report import write_report
     "-o", "--out", type=click.Path(path_type=Path), default=Path("report.html"), show_default=True, help="The page."
 )
 @click.option("--frames", type=click.IntRange(0, 100), default=10, show_default=True, help="Frames in the gallery.")
-@click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
+@click.option("--workers", type=click.IntRange(1, 1024), help="Worker processes.  [default: one per processor]")
 def report_command(root: Path, out: Path, frames: int, workers: int | None) -> None:
     """Write one HTML page: counts, mix, distributions beside KITTI's, frames with boxes, scans to turn.
 

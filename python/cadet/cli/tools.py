@@ -85,7 +85,7 @@ def _named(what: Path) -> tuple[Path, str | None]:
     if what.is_dir():
         return what, None
     if what.exists():
-        raise MissingFileError(f"{what}: is no folder: expected a dataset's, or ROOT/ID")
+        raise MissingFileError(f"{what}: is not a folder: expected a dataset's, or ROOT/ID")
     root, name = what.parent, what.name
     try:
         ids = open_dataset(root).ids

@@ -27,7 +27,7 @@ class Level:
         max_truncation: the largest truncation, None likewise.
 
     Raises:
-        CadetError: an empty name, a negative or infinite height, NaN, or what is no number.
+        CadetError: an empty name, a negative or infinite height, NaN, or what is not a number.
     """
 
     name: str

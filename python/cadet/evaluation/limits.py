@@ -60,7 +60,7 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
         given = {kitti_spelling(name) if isinstance(name, str) else name: limit for name, limit in min_overlap.items()}
         for name in given:
             if name not in TYPES and name not in classes:
-                raise CadetError(f"min_overlap: {shown(name)} is none of the classes {', '.join(classes)}")
+                raise CadetError(f"min_overlap: {shown(name)} is not one of the classes {', '.join(classes)}")
     strict = MIN_OVERLAP["strict"]
     return {name: class_limits(f"min_overlap[{name!r}]", given.get(name, {}), strict.get(name)) for name in classes}
 
@@ -89,7 +89,7 @@ def class_limits(
     for value in values:
         is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
         if not is_number or not 0.0 <= value < 1.0:
-            raise CadetError(f"{owner}: {shown(value)} is no limit, expected 0 <= limit < 1")
+            raise CadetError(f"{owner}: {shown(value)} is not a limit, expected 0 <= limit < 1")
     return float(values[0]), float(values[1]), float(values[2])
 
 

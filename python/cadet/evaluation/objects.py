@@ -79,7 +79,7 @@ class Detections:
         boxes_img: (n, 4) [left, top, right, bottom] in pixels. They decide about height in all metrics.
         boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame.
         alphas: (n,) observation angles in radians; a single -10 switches AOS off.
-        scores: (n,) any numbers above -1e7, higher is surer.
+        scores: (n,) any numbers above -1e7, higher is better.
         optional: (n,) whether a detection that finds no object is still no false positive. None, for no detection,
             becomes an array of False.
 

@@ -39,7 +39,7 @@ class Rules:
             file: its name for messages.
 
         Raises:
-            FileFormatError: no TOML, an unknown or missing key, or a value that its class refuses.
+            FileFormatError: invalid TOML, an unknown or missing key, or a value that its class refuses.
         """
         table = toml_from_text(text, file)
         for name in table:

@@ -112,7 +112,7 @@ def choose(
 
 def _projected(chosen: Chosen) -> Chosen:
     if chosen.labels is None:
-        raise CadetError("boxes_2d: the ground truth is no KITTI folder, so there are no calibrations to project with")
+        raise CadetError("boxes_2d: the ground truth is not a KITTI folder, so there is no calib to project with")
     truths, detections = project_sides(*chosen.loaded(), chosen.ids, chosen.labels.parent)
     return replace(chosen, truths=truths, detections=detections)
 

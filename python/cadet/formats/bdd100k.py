@@ -70,13 +70,13 @@ def labels_from_text(text: str | bytes, file: str) -> tuple[BddImage, ...]:
         file: its name, for messages.
 
     Raises:
-        FileFormatError: no JSON, no such list, an unknown category, or a box that is none; frame and label are named.
+        FileFormatError: invalid JSON, no such list, an unknown category, or an invalid box; frame and label are named.
     """
     frames = json_from_text(text, file)
     if isinstance(frames, dict):
         frames = frames.get("frames")
     if not isinstance(frames, list) or not all(isinstance(frame, dict) for frame in frames):
-        raise FileFormatError("no labels of BDD100K: expected a list of frames", file)
+        raise FileFormatError("not labels of BDD100K: expected a list of frames", file)
     images = tuple(_image(frame, number, file) for number, frame in enumerate(frames))
     names: set[str] = set()
     for image in images:

@@ -141,7 +141,7 @@ class LocalEngine:
         task.num_deaths += 1
         if task.num_deaths >= _MOST_DEATHS:
             raise WorkerError(f"a worker died {how} in episode {task.episode}, as the one before it did")
-        self._on_warning(f"a worker died {how} in episode {task.episode}: another one goes on")
+        self._on_warning(f"a worker died {how} in episode {task.episode}: another one continues")
         del self._processes[conn], self._last_heard_s[conn]
         conn.close()
         self._give(self._start(), task)

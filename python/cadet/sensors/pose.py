@@ -61,7 +61,7 @@ class Pose:
             yaw_deg: then about z, to the left.
 
         Raises:
-            CadetError: an angle that is no number from -180 to 180, or a bad place.
+            CadetError: an angle that is not a number from -180 to 180, or a bad place.
         """
         check_three("Pose", "roll_deg, pitch_deg, yaw_deg", (roll_deg, pitch_deg, yaw_deg), 180)
         return cls.from_matrix(_matrix(position_m, rotation_of_angles(roll_deg, pitch_deg, yaw_deg)))

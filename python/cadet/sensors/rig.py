@@ -209,7 +209,7 @@ class Rig:
         """Return the rig on a car that stands `angle_deg` deeper in front than behind.
 
         Raises:
-            CadetError: an angle that is no number from -90 to 90.
+            CadetError: an angle that is not a number from -90 to 90.
         """
         check_number("", "angle_deg", angle_deg, -90, 90)
         roll, pitch, yaw = self.velo_roll_pitch_yaw_deg

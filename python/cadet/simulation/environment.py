@@ -70,7 +70,7 @@ class Environment:
                 one of a seed that is kept.
 
         Raises:
-            CadetError: a seed that is none, or an episode that is no whole number from 0 to `MAX_EPISODE`.
+            CadetError: an invalid seed, or an episode that is not a whole number from 0 to `MAX_EPISODE`.
         """
         before = self._current
         if seed is None and before is not None:

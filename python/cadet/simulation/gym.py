@@ -133,7 +133,7 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         Args:
             seed: starts its episode 0: the first view is that of `cadet-gen --sequence --seed` with the same policy and
-                rig. None goes on to the next episode of the seed, which is drawn if none was given yet.
+                rig. None takes the seed's next episode; a seed is drawn if none was given yet.
             options: {"episode": N} names the episode; none else is known.
 
         Raises:

@@ -72,13 +72,13 @@ class Simulation:
         }
 
     def stream(self, *, workers: int | None = None, first: int = 0, shard: tuple[int, int] = (0, 1)) -> FrameStream:
-        """Yield its frames without end: see `cadet.stream`."""
+        """Yield an endless stream of its frames: see `cadet.stream`."""
         return stream(self.policy, seed=self.seed, workers=workers, first=first, shard=shard)
 
 
 def _texts(values: Any) -> list[str]:
     if not isinstance(values, list) or not values:
-        raise CadetError(f"expected a list of texts, got {shown(values)}")
+        raise CadetError(f"expected a list of strings, got {shown(values)}")
     for value in values:
         check_text("", "value", value)
     return values

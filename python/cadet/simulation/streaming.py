@@ -63,7 +63,7 @@ class FrameStream:
         self._samples = environment.policy.samples_per_episode
         number, skipped = divmod(first, self._samples)
         index, count = shard
-        # Each process takes every so-manieth episode of this shard; what is skipped lies in the first one's.
+        # Each process takes every n-th episode of this shard; what is skipped lies in the first one's.
         self._shares = [
             _Share(environment, seed, index + count * (number + k), count * max(workers, 1), skipped if k == 0 else 0)
             for k in range(max(workers, 1))
@@ -155,7 +155,7 @@ def stream(
     assets: Assets | str | Path | None = None,
     sensors: Iterable[str] | None = None,
 ) -> FrameStream:
-    """Yield frames without end and without a dataset on disk: the same ones in the same order for any `workers`.
+    """Yield an endless stream of frames, without a dataset on disk: the same ones in the same order for any `workers`.
 
     Args:
         policy: how worlds are drawn, or the name of a preset; `ResetPolicy.kitti()` if None.
@@ -173,7 +173,7 @@ def stream(
         sensors: names of sensors besides the first camera and LIDAR.
 
     Raises:
-        CadetError: as `Environment`; a number out of range, or a shard that is none. While it runs: no world of an
+        CadetError: as `Environment`; a number out of range, or an invalid shard. While it runs: no world of an
             episode showed a labeled object, or a worker died (`WorkerError`).
     """
     environment = Environment(

@@ -262,7 +262,7 @@ class PropConfig(_Overrides):
 
 @dataclass(frozen=True, kw_only=True)
 class SceneConfig(_Overrides):
-    """How full one scene is, what stands in it, where its sun is, and what gets a label.
+    """How full one scene is, what is placed in it, where its sun is, and what gets a label.
 
     Its fields are numbers, since a scene has one of each; the ranges that they are drawn from are a `District`'s. The
     core states the defaults and limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,

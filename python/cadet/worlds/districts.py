@@ -18,7 +18,7 @@ class District:
     `num_cars=(5, 5)` draws nothing: every scene has five. `SceneConfig` has one scene's own numbers, by the same names.
 
     Raises:
-        CadetError: a range that is none.
+        CadetError: an invalid range.
     """
 
     name: str

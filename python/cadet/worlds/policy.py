@@ -271,7 +271,7 @@ class ResetPolicy:
         """Draw the world of an episode: a pure function of the policy and the three numbers.
 
         Raises:
-            CadetError: a seed that is none, or an episode or attempt that is no whole number from 0 to `MAX_EPISODE`.
+            CadetError: an invalid seed, or an episode or attempt that is not a whole number from 0 to `MAX_EPISODE`.
         """
         seed = as_seed(seed)
         # Larger ones would share streams with other seeds: `Draws` puts all numbers into one row of 32-bit words.

@@ -36,10 +36,10 @@ class Props:
 
     def __post_init__(self) -> None:
         make_plain(self)
-        object.__setattr__(self, "files", as_tuple("props", "files", self.files, "a name and a text"))
+        object.__setattr__(self, "files", as_tuple("props", "files", self.files, "a name and a string"))
         for file in self.files:
             if not isinstance(file, tuple) or len(file) != 2 or not all(isinstance(part, str) for part in file):
-                raise CadetError(f"props.files: expected pairs of a name and a text, got {shown(file)}")
+                raise CadetError(f"props.files: expected pairs of a name and a string, got {shown(file)}")
         # Bad files are refused here rather than in the middle of a run.
         _cadet.check_props(self.files)
 

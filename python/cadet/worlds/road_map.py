@@ -108,7 +108,7 @@ def _text(data: bytes, name: str) -> str:
     except LookupError:
         is_text = False
     if not is_text:
-        raise CadetError(f"{name}: declared to be {encoding!r}, which is no encoding that is known: {remedy}")
+        raise CadetError(f"{name}: declared to be {encoding!r}, which is not a known encoding: {remedy}")
     try:
         return data.decode(encoding).removeprefix("\ufeff")
     except UnicodeDecodeError as error:

@@ -13,7 +13,7 @@ use cadet_core::scene::{Scene, SceneConfig, TownSource};
 use cadet_core::sense::PosedScene;
 use cadet_core::weather::Weather;
 
-/// Suburbs and weathers whose images docs/performance.md compares.
+/// Suburbs and weathers whose images docs/measurements/performance.md compares.
 pub const VIEWS: [(u64, &str); 6] = [
     (0, "clear_noon"),
     (1, "clear_noon"),

@@ -1,7 +1,7 @@
 //! Procedural textures: the few patterns of a street, faded where a pixel can't hold them.
 //!
 //! Contrasts are shares of the albedo, lengths meters, frequencies cells of noise per meter. They were fitted by eye and to the
-//! local contrast of KITTI's frames (docs/fidelity.md).
+//! local contrast of KITTI's frames (docs/measurements/fidelity.md).
 
 use super::value_noise::{centered, grain, hash2, split, unit, value_noise};
 use crate::material::Pattern;

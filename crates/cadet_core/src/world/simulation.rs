@@ -217,7 +217,7 @@ impl World {
     /// [`Error::Scene`] for a command where the ego stands on no lane.
     pub fn command_ego(&mut self, command: Option<EgoCommand>) -> Result<()> {
         if command.is_some() && self.arena.ego_car().route.is_none() {
-            return Err(Error::Scene { reason: "the ego stands on no lane to drive along".to_owned() });
+            return Err(Error::Scene { reason: "the ego is on no lane to drive along".to_owned() });
         }
         self.arena.ego_car_mut().0.obey(command);
         Ok(())

@@ -109,7 +109,7 @@ class LidarFit:
         elif isinstance(firing, UniformFiring):
             lines.append(f"Azimuths show no grid; {firing.columns} columns are counted where no return is missing.")
         if self.num_left_out:
-            lines.append(f"{self.num_left_out} more rows stand for no return (not finite, or at the origin).")
+            lines.append(f"{self.num_left_out} more rows mean no return (not finite, or at the origin).")
         if self.moved_m > 0.0:
             lines.append(f"Points were moved by up to {self.moved_m:.2f} m for the vehicle's motion, which is undone.")
         if self.unassigned_points:
@@ -194,7 +194,7 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
             range_noise_m=_range_noise_m(scans, rings),
         )
     except CadetError as error:
-        raise CadetError(f"{files[0].name}: the fitted table makes no sensor: {error}") from None
+        raise CadetError(f"{files[0].name}: the fitted table is not a valid sensor: {error}") from None
     return LidarFit(
         table=table,
         rings=tuple(fitted),

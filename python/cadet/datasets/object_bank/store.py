@@ -99,7 +99,7 @@ class ObjectBank:
         data = path.read_bytes()
         table = json_from_text(data, str(path))
         if not isinstance(table, dict) or table.get("format") != _FORMAT or table.get("version") != _VERSION:
-            raise CadetError(f"{path}: no list of an object bank of version {_VERSION}")
+            raise CadetError(f"{path}: not the list of an object bank of version {_VERSION}")
         entries = table.get("objects")
         if not isinstance(entries, list) or not entries:
             raise CadetError(f"{path}: objects: expected a list of at least one")
@@ -167,7 +167,7 @@ def _checked(entry: Any, where: str) -> dict[str, Any]:
         raise CadetError(f"{where}: expected a table")
     for name in ("type", "source"):
         if not isinstance(entry.get(name), str):
-            raise CadetError(f"{where}: {name}: expected a text")
+            raise CadetError(f"{where}: {name}: expected a string")
     corners, count = entry.get("corners_scan"), entry.get("num_points")
     rows = [entry.get("box_scan"), *(corners if isinstance(corners, list) and len(corners) == 4 else [None])]
     for row, length in zip(rows, (7, 3, 3, 3, 3), strict=False):

@@ -107,7 +107,7 @@ class Statistics:
             counters = Counter(content["labels"]), Counter(content["num_frames_with"])
             return cls(int(content["num_frames"]), counters[0], histograms, counters[1])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise FileFormatError(f"no statistics: {error}", file) from None
+            raise FileFormatError(f"invalid statistics: {error}", file) from None
 
     def _count(self, quantity: str, name: str, values: list[int] | NDArray[np.float64]) -> None:
         self._add(quantity, name, QUANTITIES[quantity].count(np.asarray(values, np.float64)))

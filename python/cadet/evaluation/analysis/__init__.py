@@ -1,4 +1,4 @@
-"""What stands behind AP: errors, conditions, confusion, thresholds, intervals, comparisons (`docs/evaluation.md`)."""
+"""Diagnosing AP: errors, conditions, confusion, thresholds, intervals, comparisons (`docs/evaluation.md`)."""
 
 from cadet.evaluation.analysis.comparison import Comparison, Difference
 from cadet.evaluation.analysis.result import Analysis

@@ -121,7 +121,7 @@ def _values(chosen: Chosen, by: str, scans: Path | None) -> tuple[NDArray[np.flo
         near, found = (np.hypot(boxes[:, X], boxes[:, Z]) for boxes in sides)
         return near, found
     if scans is None:
-        raise CadetError("by points: the ground truth is no KITTI folder, so there are no scans to count points in")
+        raise CadetError("by points: the ground truth is not a KITTI folder, so there are no scans to count points in")
     if not (scans / "velodyne").is_dir() or not (scans / "calib").is_dir():
         raise MissingFileError(f"{scans}: no velodyne and calib beside the labels, so no points can be counted")
     counts = count_points(scans, chosen.ids, (truths, detections))
@@ -140,7 +140,7 @@ def parse_by(texts: Sequence[str]) -> dict[str, tuple[float, ...] | None]:
     """Read what a command was given: names, each with edges or without, such as `distance=0,20,40`.
 
     Raises:
-        CadetError: an unknown name, or what is no number.
+        CadetError: an unknown name, or what is not a number.
     """
     parsed: dict[str, tuple[float, ...] | None] = {}
     for text in texts:

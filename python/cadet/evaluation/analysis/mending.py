@@ -39,7 +39,7 @@ MendedAp: TypeAlias = Mapping[str, Mapping[str, Mapping[str, float]]]
 
 AS_IT_IS: Final = "as it is"
 MENDED: Final[Mapping[str, str]] = {
-    AS_IT_IS: "nothing is mended",
+    AS_IT_IS: "nothing is corrected",
     "size": "length and width are the object's; the corner nearest to the camera stays",
     "vertical": "height and bottom are the object's",
     "heading": "rotation_y is the object's",
@@ -48,7 +48,7 @@ MENDED: Final[Mapping[str, str]] = {
     "all but place": "size, vertical and heading",
     "whole box": "place and all of these, the observation angle, and the box in the image",
     "class": "the type is that of the object, of whatever class, that lies there",
-    "no duplicates": "without detections of an object that a surer one has found",
+    "no duplicates": "without detections of an object that a better-scored one has found",
     "no false alarms": "without detections that no object lies near",
     "no misses": "without objects that no detection lies near",
 }

@@ -19,7 +19,7 @@ class OperatingPoint:
     """The threshold with the best F1, the harmonic mean of precision and recall.
 
     Attributes:
-        score: detections as sure as this or surer are kept.
+        score: detections with this score or a higher one are kept.
         precision: the share of them that is right.
         recall: the share of objects that are found.
         f1: 2 precision recall / (precision + recall).

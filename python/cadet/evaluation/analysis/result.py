@@ -35,7 +35,7 @@ PARTS: Final = ("operating", "errors", "confusion", "centers")
 
 @dataclass(frozen=True)
 class Analysis:
-    """AP, and what stands behind it. What was not asked for is None.
+    """AP, and its diagnosis. What was not asked for is None.
 
     Attributes:
         report: AP by KITTI's rules.

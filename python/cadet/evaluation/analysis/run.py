@@ -126,7 +126,7 @@ def _other(other: Chosen, chosen: Chosen) -> Chosen:
     if other.ids != chosen.ids:
         alone = sorted(set(chosen.ids) ^ set(other.ids))
         raise CadetError(
-            f"detections of A and B are for different frames: {len(alone)} have results of one alone, such as "
+            f"detections of A and B are for different frames: {len(alone)} have results of only one, such as "
             f'{alone[0]}; count missing files as no detections (frames="all", --all-frames), or choose frames (split)'
         )
     return _in_memory(other)
@@ -186,7 +186,7 @@ def _drawn(
     count = num_draws or (0 if other is None else DRAWS)
     if count == 0:
         if source is not None:
-            raise CadetError("groups are drawn by a bootstrap or a comparison alone; neither was asked for")
+            raise CadetError("groups are drawn only by a bootstrap or a comparison; neither was asked for")
         return None, None
     groups = find_groups(source, chosen.ids, labels)
     draws = draw_frames(groups, count, seed)

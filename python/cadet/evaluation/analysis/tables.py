@@ -90,7 +90,7 @@ def mended_table(name: str, errors: ClassErrors, report: Report, level: str) -> 
             f"Within 2 m: best at scores of {p.score:.3f}: precision {100.0 * p.precision:.1f}, recall "
             f"{100.0 * p.recall:.1f}, {errors.false_alarms_a_frame:.2f} false alarms a frame."
         )
-    return Section(f"{name}: AP if one kind of error were mended, {level}, overlap > {overlaps}", tuple(rows), note)
+    return Section(f"{name}: AP if one kind of error were corrected, {level}, overlap > {overlaps}", tuple(rows), note)
 
 
 def boxes_table(name: str, errors: ClassErrors) -> Section:

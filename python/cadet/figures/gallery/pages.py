@@ -140,7 +140,7 @@ def write_gallery(out: Path, parts: tuple[str, ...] = (), real: Path | None = No
         if part not in PAGES:
             raise CadetError(f"unknown part of the gallery {part!r}; known: {', '.join(PAGES)}")
     if out.exists() and not out.is_dir():
-        raise MissingFileError(f"{out}: is no folder")
+        raise MissingFileError(f"{out}: is not a folder")
     if real is not None:
         _dataset(real)
     out.mkdir(parents=True, exist_ok=True)

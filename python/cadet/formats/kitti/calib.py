@@ -170,7 +170,7 @@ class Calibration:
         try:
             eye = -np.linalg.solve(self.P2[:, :3], self.P2[:, 3]).astype(np.float64)
         except np.linalg.LinAlgError:
-            raise CadetError("calib: the first three columns of P2 are singular: it is no camera's") from None
+            raise CadetError("calib: the first three columns of P2 are singular: it is not a camera's") from None
         eye.setflags(write=False)
         return eye
 

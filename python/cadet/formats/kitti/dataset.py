@@ -106,7 +106,7 @@ def read_meta(root: str | Path, frame_id: str | int) -> dict[str, Any] | None:
     """Read only what else the generator knew of a frame; None where nothing was written, as of KITTI's own.
 
     Raises:
-        KittiFormatError: no JSON object.
+        KittiFormatError: not a JSON object.
     """
     files, frame_id = FolderFiles(sample_folder(root)), check_id(frame_id)
     return meta_from_files(files, frame_id) if files.has("meta", frame_id) else None
@@ -152,7 +152,7 @@ def encode_frame(frame: Frame) -> dict[str, bytes]:
         frame: the frame.
 
     Raises:
-        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is not JSON.
     """
     check_kind("", "frame", frame, Frame)
     contents = {"image_2": images.encode_png(frame.image)}
@@ -206,7 +206,7 @@ def encode_meta(meta: dict[str, Any]) -> bytes:
     try:
         return (json.dumps(meta, indent=1, allow_nan=False) + "\n").encode("ascii")
     except (TypeError, ValueError) as error:
-        raise CadetError(f"meta: no JSON: {error}") from None
+        raise CadetError(f"meta: invalid JSON: {error}") from None
 
 
 def write_frame(
@@ -232,8 +232,8 @@ def write_frame(
 
     Raises:
         FrameExistsError: the frame is there and `overwrite` is not set.
-        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON; an unknown split,
-            or a frame that the other split lists.
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is not JSON; an unknown
+            split, or a frame that the other split lists.
     """
     folder = as_path("root", root) / "training"
     frame_id = check_id(frame_id)

@@ -69,11 +69,11 @@ class FolderFiles:
         try:
             # Opening a pipe would wait for its writer.
             if not stat.S_ISREG(path.stat().st_mode):
-                raise KittiFormatError("no regular file", display_name(path))
+                raise KittiFormatError("not a regular file", display_name(path))
             return path.read_bytes(), display_name(path)
         except FileNotFoundError:
             others = sorted(other.name for other in path.parent.glob(f"{glob.escape(frame_id)}.*"))
-            beside = f"; {others[0]} lies there: save it as {path.name}" if others else ""
+            beside = f"; {others[0]} is there: save it as {path.name}" if others else ""
             raise MissingFileError(f"{path}: no such file{beside}") from None
 
 
@@ -174,7 +174,7 @@ def meta_from_files(files: FrameFiles, frame_id: str) -> dict[str, Any]:
     """Read what else the generator knew.
 
     Raises:
-        KittiFormatError: no JSON object.
+        KittiFormatError: not a JSON object.
     """
     data, name = files.read("meta", frame_id)
     try:

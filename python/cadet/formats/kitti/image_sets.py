@@ -72,9 +72,7 @@ class ImageSet:
                 ids.append(frame_id)
                 places.append(number)
             if frame_id != line or not line:
-                odd.setdefault(
-                    "a file's name is read as its frame's id" if line else "a blank line is passed over", number
-                )
+                odd.setdefault("a file's name is read as its frame's id" if line else "a blank line is ignored", number)
         for message, number in odd.items():
             accept("list-line", f"{message}: other programs expect an id on every line", file, number)
         _check_ids(ids, file, places)
@@ -131,7 +129,7 @@ def list_bytes(path: Path) -> bytes:
     """Return the bytes of a list.
 
     Raises:
-        KittiFormatError: no regular file.
+        KittiFormatError: not a regular file.
     """
     try:
         return read_file(path, name=list_name(path))

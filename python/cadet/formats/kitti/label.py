@@ -53,7 +53,7 @@ class Label:
         score: a detection's confidence; None for a label.
 
     Raises:
-        KittiFormatError: a type that is no name, `occluded` no whole number or outside -1..3, or what is no number.
+        KittiFormatError: a type that is no name, `occluded` no whole number or outside -1..3, or what is not a number.
         ShapeError: a tuple has the wrong length.
         NonFiniteError: a number is NaN or infinite.
     """
@@ -140,7 +140,7 @@ class Label:
         if len(more) == 1 and is_number(more[0]):
             score = _parse_number(more[0], _FIELDS[-1], where)
         elif more:
-            accept("label-more-fields", f"fields past the {_NUM_FIELDS}th are passed over", *where)
+            accept("label-more-fields", f"fields past the {_NUM_FIELDS}th are ignored", *where)
         occluded = numbers[1]
         if occluded != int(occluded):
             raise KittiFormatError(f"occluded: expected a whole number, got {fields[2]!r}", *where)
@@ -151,7 +151,7 @@ class Label:
         if name != fields[0]:
             accept("label-letter-case", f"type {fields[0]} is read as {name}", *where)
         elif is_type(name) and name not in TYPES:
-            accept("label-other-type", f"type {name} is none of KITTI's: its labels are kept, as {name}", *where)
+            accept("label-other-type", f"type {name} is not one of KITTI's: its labels are kept as {name}", *where)
         try:
             return cls(
                 type=name,

@@ -30,7 +30,7 @@ def estimate_plane(points_velo: NDArray[Any], calib: Calibration, seed: int = 0)
     Raises:
         ShapeError: `points_velo` has fewer than three columns.
         NonFiniteError: NaN or infinity in the points.
-        CadetError: no calibration, a seed that is none, too few points ahead, or none of them in a plane that a car
+        CadetError: no calibration, an invalid seed, too few points ahead, or none of them in a plane that a car
             could stand on.
 
     Reference: Fischler and Bolles, "Random Sample Consensus" (1981); cells, weights and prior are ours.

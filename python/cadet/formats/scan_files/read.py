@@ -95,7 +95,7 @@ def _array(data: bytes, file: str) -> NDArray[Any]:
             warnings.simplefilter("ignore", UserWarning)
             array: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
     except _NO_ARRAY as error:
-        raise FileFormatError(f"no array that can be read: {' '.join(str(error).split())[:200]}", file) from None
+        raise FileFormatError(f"cannot be read as an array: {' '.join(str(error).split())[:200]}", file) from None
     return array
 
 

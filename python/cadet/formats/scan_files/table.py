@@ -77,7 +77,7 @@ def columns_of_text(
             # Old C libraries on Windows write 1.#QNAN and 1.#INF.
             rows[found] = [np.nan if b"#" in text else float(text) for text in texts]
         except ValueError:
-            raise FileFormatError("expected numbers alone", file, number) from None
+            raise FileFormatError("expected numbers only", file, number) from None
         found += 1
     if found < num_points:
         raise FileFormatError(f"truncated: {found} points, the header says {num_points}: copy the file again", file)

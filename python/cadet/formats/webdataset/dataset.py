@@ -30,8 +30,8 @@ class ShardDataset:
 
     Raises:
         MissingFileError: no such archive, or no frame in any.
-        ArchiveError: an archive or index that is damaged or hostile, a member that is no frame's file, or a frame that
-            two shards hold.
+        ArchiveError: an archive or index that is damaged or hostile, a member that is not a frame's file, or a frame
+            that two shards hold.
     """
 
     def __init__(self, paths: Sequence[str | Path]) -> None:
@@ -49,7 +49,7 @@ class ShardDataset:
             parsed = parse_member_name(name)
             if parsed is None:
                 raise ArchiveError(
-                    f"the member {shown(name)} is no frame's file, such as 000012.image_2.png", str(shard.path)
+                    f"the member {shown(name)} is not a frame's file, such as 000012.image_2.png", str(shard.path)
                 )
             frame_id, kind = parsed
             first = self._shards.setdefault(frame_id, shard)

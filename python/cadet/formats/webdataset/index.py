@@ -61,7 +61,7 @@ def index_from_text(text: str, name: str) -> dict[str, Member]:
         for at in range(0, len(fields), _FIELDS):
             file_name, member = _parsed(fields[at : at + _FIELDS], name, number)
             if file_name in members:
-                raise ArchiveError(f"the member {shown(file_name)} stands there twice", name, number)
+                raise ArchiveError(f"the member {shown(file_name)} appears twice", name, number)
             members[file_name] = member
         if len(members) > MAX_MEMBERS:
             raise ArchiveError(f"more than {MAX_MEMBERS} members", name, number)

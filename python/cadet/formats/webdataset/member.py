@@ -33,5 +33,5 @@ def check_member_name(name: str, archive: str) -> str:
     if ".." in parts:
         raise ArchiveError(f"the member {shown(name)} leads out of its folder", archive)
     if not name.isascii() or not name.isprintable() or "\\" in name or len(name) > MAX_PATH_BYTES:
-        raise ArchiveError(f"the member {shown(name)} has a name that is no plain path", archive)
+        raise ArchiveError(f"the member {shown(name)} has a name that is not a plain path", archive)
     return "/".join(parts)

@@ -43,7 +43,7 @@ def read_members(archive: Path | BinaryIO, name: str) -> dict[str, Member]:
         Where each file's data lies, by its name. Folders are left out.
 
     Raises:
-        ArchiveError: a name that leads out of a folder or stands there twice; a link, device, pipe or sparse file; a
+        ArchiveError: a name that leads out of a folder or appears twice; a link, device, pipe or sparse file; a
             file of more than `MAX_MEMBER_BYTES`, or more than `MAX_MEMBERS`; a damaged, compressed or cut archive.
         OSError: it can't be read.
     """
@@ -57,7 +57,7 @@ def read_members(archive: Path | BinaryIO, name: str) -> dict[str, Member]:
         file_name = check_member_name(info.name, name)
         if info.type in _FILES and not info.issparse():
             if file_name in members:
-                raise ArchiveError(f"the member {shown(file_name)} stands there twice", name)
+                raise ArchiveError(f"the member {shown(file_name)} appears twice", name)
             if not 0 <= info.size <= MAX_MEMBER_BYTES:
                 raise ArchiveError(
                     f"the member {shown(file_name)} declares {info.size} bytes, expected at most {MAX_MEMBER_BYTES}",
@@ -92,7 +92,7 @@ def _headers(archive: BinaryIO, name: str) -> Iterator[tarfile.TarInfo]:
     except FileFormatError:
         raise
     except (tarfile.TarError, ValueError, OverflowError, RecursionError, EOFError) as error:
-        raise ArchiveError(f"{last}: no tar header: {' '.join(str(error).split()) or 'damaged'}", name) from None
+        raise ArchiveError(f"{last}: invalid tar header: {' '.join(str(error).split()) or 'damaged'}", name) from None
 
 
 class _HeaderReader(io.RawIOBase):

@@ -45,7 +45,7 @@ class Container:
         version = self.root.table("asset").text("version", "none")
         if not version.startswith("2."):
             remedy = "convert it to glTF 2.0, for instance in Blender"
-            raise FileFormatError(f"no glTF 2.0 file: its asset.version is {shown(version)}; {remedy}", file)
+            raise FileFormatError(f"not a glTF 2.0 file: its asset.version is {shown(version)}; {remedy}", file)
         self._lists: dict[str, list[Table]] = {}
 
     def items(self, key: str) -> list[Table]:
@@ -121,18 +121,18 @@ def _chunks(document: bytes, file: str) -> tuple[bytes, bytes]:
     if not document.startswith(_MAGIC):
         return document.removeprefix(b"\xef\xbb\xbf"), b""
     if len(document) < 12:
-        raise FileFormatError("no glTF: the container ends in its header", file)
+        raise FileFormatError("invalid glTF: the container ends in its header", file)
     version, length = struct.unpack_from("<II", document, 4)
     if version != 2 or length > len(document):
-        raise FileFormatError(f"no glTF: container of version {version} with {len(document)} of {length} bytes", file)
+        raise FileFormatError(f"invalid glTF: version {version}, {len(document)} of {length} bytes", file)
     found: dict[int, bytes] = {}
     at = 12
     while at + 8 <= length:
         size, kind = struct.unpack_from("<II", document, at)
         if at + 8 + size > length:
-            raise FileFormatError("no glTF: a chunk reaches beyond the container's end", file)
+            raise FileFormatError("invalid glTF: a chunk reaches beyond the container's end", file)
         found.setdefault(kind, document[at + 8 : at + 8 + size])
         at += 8 + size
     if _JSON_CHUNK not in found:
-        raise FileFormatError("no glTF: a container without a JSON chunk", file)
+        raise FileFormatError("invalid glTF: a container without a JSON chunk", file)
     return found[_JSON_CHUNK], found.get(_BINARY_CHUNK, b"")

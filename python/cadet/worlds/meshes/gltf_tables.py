@@ -23,7 +23,7 @@ class Table:
 
     def __init__(self, values: object, where: str, file: str) -> None:
         if not isinstance(values, Mapping):
-            raise FileFormatError(f"{where or 'no glTF'}: expected an object, got {shown(values)}", file)
+            raise FileFormatError(f"{where or 'invalid glTF'}: expected an object, got {shown(values)}", file)
         self._values: Mapping[str, Any] = values
         self.where = where
         self.file = file
@@ -71,14 +71,14 @@ class Table:
         """Return a text; what no encoding has is replaced in it."""
         value = self._values.get(key, default)
         if not isinstance(value, str):
-            raise self.bad(key, "a text")
+            raise self.bad(key, "a string")
         return value.encode("utf-8", "replace").decode()
 
     def texts(self, key: str) -> list[str]:
-        """Return a list of texts."""
+        """Return a list of strings."""
         values = self._values.get(key, [])
         if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
-            raise self.bad(key, "a list of texts")
+            raise self.bad(key, "a list of strings")
         return values
 
     def indices(self, key: str, below: int) -> list[int]:

@@ -210,7 +210,7 @@ impl<'a> Drawing<'a> {
         // Only the power of rings may be infinite, which no size of theirs can be.
         let is_usable = |number: &f64| number.is_finite() || solid.kind == Kind::Rings && !number.is_nan();
         if let Some(number) = n.iter().find(|number| !is_usable(number)) {
-            return Err(format!("a value is {number}, which is no finite number"));
+            return Err(format!("a value is {number}, which is not finite"));
         }
         match solid.kind {
             Kind::Group => {}

@@ -64,7 +64,7 @@ impl OwnProps {
             }
             let prop = Prop::parse(name, file, text, &LIBRARY)?;
             if prop.places().is_empty() {
-                return Err(refused("it stands nowhere: add a [[place]]"));
+                return Err(refused("it is placed nowhere: add a [[place]]"));
             }
             prop.check()?;
             props.push(Arc::new(prop));

@@ -135,7 +135,7 @@ impl Expression {
     /// An unknown name, or a value that is no finite number.
     pub(super) fn value(&self, scope: &mut Scope) -> Result<f64, String> {
         let value = self.raw(scope)?;
-        if value.is_finite() { Ok(value) } else { Err(format!("its value is {value}, which is no finite number")) }
+        if value.is_finite() { Ok(value) } else { Err(format!("its value is {value}, which is not finite")) }
     }
 
     /// As [`value`](Self::value), where infinity has a meaning.
@@ -223,7 +223,7 @@ pub(super) fn index(value: f64, count: usize) -> Result<usize, String> {
     if value.fract() == 0.0 && value >= 0.0 && value < count as f64 {
         Ok(value as usize)
     } else {
-        Err(format!("{value} is no whole number from 0 to {}", count - 1))
+        Err(format!("{value} is not a whole number from 0 to {}", count - 1))
     }
 }
 
@@ -307,8 +307,8 @@ mod tests {
             ("hight", "unknown name \"hight\""),
             ("sine(3)", "unknown function \"sine\"; known: sin, cos"),
             ("pow(2)", "pow() takes 2 arguments, got 1"),
-            ("1 / 0", "no finite number"),
-            ("choose(2, 1, 1)", "2 is no whole number from 0 to 1"),
+            ("1 / 0", "which is not finite"),
+            ("choose(2, 1, 1)", "2 is not a whole number from 0 to 1"),
             ("(1", "')'"),
             ("1 2", "'2'"),
             ("1 ? 2", "'?'"),

@@ -69,7 +69,7 @@ impl Parser {
         while let Some(first) = rest.chars().next() {
             let length = if first.is_ascii_digit() || is_decimal_point(rest) {
                 let length = number_length(rest);
-                let number = rest[..length].parse().map_err(|_| format!("{:?} is no number", &rest[..length]))?;
+                let number = rest[..length].parse().map_err(|_| format!("{:?} is not a number", &rest[..length]))?;
                 tokens.push(Token::Number(number));
                 length
             } else if first.is_ascii_alphabetic() || first == '_' {

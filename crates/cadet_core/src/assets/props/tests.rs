@@ -209,7 +209,7 @@ fn bad_files_name_line_reason_and_remedy() {
         ("of = \"steel\", ", "", 5, "missing key \"of\""),
         ("0.3, w, h", "0.3, w", 5, "block: expected 3 expressions with commas between, got 2"),
         ("0.3, w, h", "0.3, w, h - 1.05", 5, "a size is -0.05"),
-        ("0.3, w, h", "0.3, w, h / variant", 5, "no finite number"),
+        ("0.3, w, h", "0.3, w, h / variant", 5, "which is not finite"),
         ("h / 2\"", "99\"", 5, "99 m is farther than 60 m"),
         ("block =", "blck =", 5, "expected one of the solids: parts, block"),
         ("!far\"", "!farr\"", 6, "unknown name \"farr\""),

@@ -190,7 +190,7 @@ fn assumption(asset: &VehicleAsset, faces: &[Face], is_glazed: bool) -> String {
     let windows = if is_glazed {
         "glass is assumed where windows usually are, with seats behind it"
     } else {
-        "no glass is assumed, since nothing stands where windows usually are"
+        "no glass is assumed, since nothing is where windows usually are"
     };
     format!(
         "{}: {lacks}; {windows} (materials.glass in assets.toml names windows, [] says that there are none)",

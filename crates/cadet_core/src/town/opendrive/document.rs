@@ -12,7 +12,7 @@ pub(in crate::town) fn parse(text: &str) -> Result<Document<'_>, (Option<usize>,
     if root == "OpenDRIVE" {
         Ok(map)
     } else {
-        Err((None, format!("no OpenDRIVE: expected the element <OpenDRIVE> first, got {root}")))
+        Err((None, format!("not OpenDRIVE: expected the element <OpenDRIVE> first, got {root}")))
     }
 }
 

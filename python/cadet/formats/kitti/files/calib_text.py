@@ -90,14 +90,14 @@ def matrices_from_text(text: str, file: str) -> dict[str, NDArray[np.float64]]:
         if key in matrices:
             accept("calib-repeated-key", f"{key} comes again with the numbers of line {first_lines[key]}", *where)
         elif key not in _USED and not matrix.any():
-            accept("calib-zeros", f"{key} is all zero, which stands for unknown: nothing here uses it", *where)
+            accept("calib-zeros", f"{key} is all zero, which means unknown: nothing here uses it", *where)
         matrices.setdefault(key, matrix)
         first_lines.setdefault(key, number)
         if _plain(spelled) == _ODOMETRY:
             _accept_odometry(text, matrices, where)
     _check_used(matrices, tuple(unknown), file)
     for spelled, number in unknown.items():
-        accept("calib-other-key", f"{spelled} is none of KITTI's keys and is passed over", file, number)
+        accept("calib-other-key", f"{spelled} is not one of KITTI's keys and is ignored", file, number)
     missing = [key for key in SHAPES if key not in matrices]
     if missing:
         accept("calib-missing-keys", f"no {', '.join(missing)}: read as zeros, for unknown; nothing here uses it", file)

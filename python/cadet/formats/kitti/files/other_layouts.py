@@ -60,7 +60,7 @@ _OTHER_NAMES: Final = {
 
 
 def no_kitti_folder(root: Path) -> str:
-    """Say that a folder is no KITTI folder: what it is instead and what to do, or what lies there."""
+    """Say that a folder is not a KITTI folder: what it is instead and what to do, or what lies there."""
     if not root.is_dir():
         return f"{root}: {'no folder' if root.exists() else 'no such folder'}"
     name = format_of(root)

@@ -86,5 +86,5 @@ def point_labels_from_bytes(data: bytes, file: str = "point_labels") -> NDArray[
         KittiFormatError: not a whole number of labels.
     """
     if len(data) % _BYTES:
-        raise KittiFormatError(f"{len(data)} bytes are no whole number of labels of {_BYTES} bytes", file)
+        raise KittiFormatError(f"{len(data)} bytes are not a whole number of labels of {_BYTES} bytes", file)
     return np.frombuffer(data, "<u4").astype(np.uint32)

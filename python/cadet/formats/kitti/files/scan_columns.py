@@ -119,12 +119,12 @@ def _objection(layout: Layout, rows: NDArray[Any]) -> str | None:
     if len(rows) == 0:
         return None
     if float(_is_sensible(rows[:, :3]).mean()) < _SENSIBLE:
-        return "its numbers are no meters from the sensor: expected x y z intensity in float32"
+        return "its numbers are not meters from the sensor: expected x y z intensity in float32"
     if layout.count == 3:
         return f"{layout}? expected x y z intensity: add an intensity of 0"
     intensity = np.abs(rows[:, 3])
     if 0.0 < float(intensity[np.isfinite(intensity)].max(initial=0.0)) < _LEAST:
-        return "its intensities are no float32: expected x y z intensity in float32"
+        return "its intensities are not float32: expected x y z intensity in float32"
     if layout.count > _MOST_KNOWN or (layout.count > 4 and not _is_known(rows)):
         first = f'np.fromfile(file, "{layout.dtype}").reshape(-1, {layout.count})[:, :4]'
         return f"{layout}? expected x y z intensity in float32: keep these four, as in {first}"

@@ -11,32 +11,32 @@ from cadet.formats.kitti.files.folder import SUFFIXES
 Severity = Literal["error", "warning"]
 
 RULES: Final[dict[str, str]] = {
-    "missing-file": "a file that its frame, another frame's example, or the manifest calls for is not there",
+    "missing-file": "a file that its frame, the other frames, or the manifest call for is missing",
     "unreadable-file": "a file or folder that the system does not let read",
-    "damaged-file": "a file that cannot be decoded or parsed, or whose size is not its frame's",
-    "dialect": "what KITTI writes otherwise and is read all the same, such as scans of five columns",
+    "damaged-file": "a file that cannot be decoded or parsed, or whose size does not fit its frame",
+    "dialect": "a deviation from KITTI's format that is read anyway, such as scans of five columns",
     "stray-file": "a file that belongs to no frame",
-    "wrong-hash": "a file that is not the one that was written, by the hashes of manifest and `meta`",
-    "manifest": "a manifest that is malformed, or that counts other frames and labels than are there",
-    "image-set": "a list of `ImageSets` that is missing or malformed, or names frames that are not there",
+    "wrong-hash": "a file that differs from the one that was written, by the hashes of manifest and `meta`",
+    "manifest": "a manifest that is malformed, or counts other frames and labels than there are",
+    "image-set": "a list of `ImageSets` that is missing, malformed, or names missing frames",
     "split-overlap": "a frame in two splits",
     "episode-overlap": "an episode with frames in two splits",
-    "duplicate-frame": "an image or a scan that another frame has, or almost has, too",
-    "calibration": "a matrix that is no rotation, or a camera without a focal length",
+    "duplicate-frame": "an image or scan that another frame has too, or almost",
+    "calibration": "a matrix that is not a rotation, or a camera without a focal length",
     "ground-plane": "a plane that is not normalized, not upright, or not under the car",
     "scan": "points without a plausible range or intensity, or no points",
-    "scan-off-image": "a scan of which nothing falls into the image",
-    "scan-off-labels": "a scan with no return in any of its frame's near, unhidden boxes",
-    "depth-off-scan": "a depth map that does not lie where the scan does",
+    "scan-off-image": "a scan with no point in the image",
+    "scan-off-labels": "a scan without a return in any of its frame's near, unhidden boxes",
+    "depth-off-scan": "a depth map that disagrees with the scan",
     "label-field": "a field outside its range",
     "label-bbox": "a 2D box that is empty or leaves the image",
-    "label-projection": "a 2D box that is not the projected 3D box's",
-    "label-truncation": "a truncation that is not the projected box's",
-    "label-alpha": "an observation angle that is not the box's",
+    "label-projection": "a 2D box that does not match the projected 3D box",
+    "label-truncation": "a truncation that does not match the projected box",
+    "label-alpha": "an observation angle that does not match the box",
     "label-evidence": "an object that neither scan nor image shows",
-    "dont-care": "a DontCare line with fields that it does not have",
-    "other-readers": "what OpenPCDet and MMDetection3D stop at or misread",
-    "meta": "a `meta` that is malformed, or another frame's",
+    "dont-care": "a DontCare line with fields that it should not have",
+    "other-readers": "what OpenPCDet and MMDetection3D fail on or misread",
+    "meta": "a `meta` that is malformed, or belongs to another frame",
 }
 """Each kind of finding, and what it means."""
 
@@ -64,7 +64,7 @@ class Finding:
 
     @property
     def frame_id(self) -> str | None:
-        """The frame's id; None for what is no frame's file."""
+        """The frame's id; None for what is not a frame's file."""
         path = PurePosixPath(self.file)
         return path.stem if path.parent.name in SUFFIXES else None
 

@@ -56,8 +56,8 @@ def lint(root: str | Path, *, strict: bool | None = None, workers: int = 1) -> l
         What is wrong, in the order of manifest, lists, and frames, then what is there twice; empty if nothing is.
 
     Raises:
-        MissingFileError: there is no KITTI folder, or no frame in it.
-        CadetError: `workers` is no number of processes, or one of them died.
+        MissingFileError: there is not a KITTI folder, or no frame in it.
+        CadetError: `workers` is not a number of processes, or one of them died.
     """
     folder, testing, root = sample_folder(root), testing_folder(root), set_root(root)
     parts = [_Part("training", folder, frame_ids(folder))]

@@ -250,7 +250,7 @@ class _FrameLint:
                 continue
             deviation = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
             if not (deviation <= _UNIT_TOLERANCE and np.linalg.det(rotation) > 0.0):
-                self._add("calib", Problem(None, "calibration", f"{name}: no rotation (off by {deviation:.2g})"))
+                self._add("calib", Problem(None, "calibration", f"{name}: not a rotation (off by {deviation:.2g})"))
         if min(calib.P2[0, 0], calib.P2[1, 1]) <= 0.0:
             self._add(
                 "calib",

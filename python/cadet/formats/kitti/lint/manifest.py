@@ -141,7 +141,7 @@ def _read_hashes(
         elif part == "ImageSets" and rest and "/" not in rest and rest not in (".", ".."):
             others[name] = digest
         else:
-            findings.append(_finding(f"sha256: {printable(name)} is no file of a KITTI folder"))
+            findings.append(_finding(f"sha256: {printable(name)} is not a file of a KITTI folder"))
     return frames, others
 
 

@@ -35,7 +35,7 @@ def lint_label_lines(text: str, labels: tuple[Label, ...], soft: Severity) -> It
         if len(content.split(" ")) != len(content.split()):
             yield Problem(line, _RULE, "expected one blank between fields, as MMDetection3D does", soft)
         if line > first and not label.is_dont_care:
-            message = f"{label.type} after the DontCare of line {first}: objects must stand first, as in KITTI"
+            message = f"{label.type} after the DontCare of line {first}: objects must come first, as in KITTI"
             yield Problem(line, _RULE, f"{message}; OpenPCDet and MMDetection3D take the DontCare for an object", soft)
 
 
