@@ -1,5 +1,7 @@
 //! One KITTI-sized image of a made-up street, one thread.
 
+use strum::VariantArray;
+
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -41,7 +43,9 @@ fn street() -> PosedScene {
         let (x, side) = (k as f64 * 6.0 + 6.0, if k % 2 == 0 { 1.0 } else { -1.0 });
         let yaw = -side * PI / 2.0;
         instances.push(
-            house(HouseKind::ALL[k % HouseKind::ALL.len()], 0).model.at(upright(DVec3::new(x, side * 16.0, 0.0), yaw)),
+            house(HouseKind::VARIANTS[k % HouseKind::VARIANTS.len()], 0)
+                .model
+                .at(upright(DVec3::new(x, side * 16.0, 0.0), yaw)),
         );
         instances.push(tree(TreeKind::Street, k % 2).at(upright(DVec3::new(x + 3.0, side * 5.5, 0.0), k as f64)));
         let car = VehicleModel::generate(ObjectClass::Car, k as u64).expect("a car has a shape");

@@ -1,10 +1,12 @@
 //! Objects that are labeled: KITTI's classes and the state of an actor.
 
-use crate::error::{Error, Result};
+use strum::{AsRefStr, IntoStaticStr, VariantArray};
+
+use crate::error::{Result, variant};
 use crate::math::{DPose3, DVec3};
 
 /// KITTI's object types, in the order of its development kit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, IntoStaticStr, VariantArray)]
 pub enum ObjectClass {
     /// Passenger car.
     Car,
@@ -15,6 +17,7 @@ pub enum ObjectClass {
     /// A person on foot.
     Pedestrian,
     /// A sitting person.
+    #[strum(serialize = "Person_sitting")]
     PersonSitting,
     /// A person on a bicycle.
     Cyclist,
@@ -25,43 +28,18 @@ pub enum ObjectClass {
 }
 
 impl ObjectClass {
-    /// Every class.
-    pub const ALL: [Self; 8] = [
-        Self::Car,
-        Self::Van,
-        Self::Truck,
-        Self::Pedestrian,
-        Self::PersonSitting,
-        Self::Cyclist,
-        Self::Tram,
-        Self::Misc,
-    ];
-
     /// The name in KITTI's label files.
     #[must_use]
     pub fn kitti_name(self) -> &'static str {
-        match self {
-            Self::Car => "Car",
-            Self::Van => "Van",
-            Self::Truck => "Truck",
-            Self::Pedestrian => "Pedestrian",
-            Self::PersonSitting => "Person_sitting",
-            Self::Cyclist => "Cyclist",
-            Self::Tram => "Tram",
-            Self::Misc => "Misc",
-        }
+        self.into()
     }
 
     /// The class of that name, in any letter case.
     ///
     /// # Errors
-    /// [`Error::Unknown`], listing the names that exist.
+    /// [`crate::Error::Unknown`], listing the names that exist.
     pub fn from_name(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|c| c.kitti_name().eq_ignore_ascii_case(name)).ok_or_else(|| Error::Unknown {
-            what: "class",
-            name: name.to_owned(),
-            known: Self::ALL.map(Self::kitti_name).join(", "),
-        })
+        variant("class", name, |known| known.eq_ignore_ascii_case(name))
     }
 }
 

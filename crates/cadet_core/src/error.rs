@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use strum::VariantArray;
+
 /// The core's result.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -145,4 +147,17 @@ pub fn within(what: &'static str, value: f64, range: RangeInclusive<f64>) -> Res
 /// [`Error::NotFinite`], naming `what`.
 pub fn finite(what: &'static str, value: f64) -> Result<f64> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value }) }
+}
+
+/// Finds the variant of an enum whose name is the one that is given.
+///
+/// # Errors
+/// [`Error::Unknown`], listing the names that exist.
+pub(crate) fn variant<T>(what: &'static str, name: &str, is_named: impl Fn(&str) -> bool) -> Result<T>
+where
+    T: VariantArray + Copy + AsRef<str>,
+{
+    let known = T::VARIANTS.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ");
+    let found = T::VARIANTS.iter().copied().find(|v| is_named(v.as_ref()));
+    found.ok_or_else(|| Error::Unknown { what, name: name.to_owned(), known })
 }

@@ -1,5 +1,7 @@
 //! What surfaces are made of, for the eye and for a 905 nm laser.
 
+use strum::VariantArray;
+
 use std::sync::Arc;
 
 use crate::lamp::Lamp;
@@ -90,7 +92,7 @@ impl LidarMaterial {
 }
 
 /// A procedural texture, evaluated at the hit in local coordinates (or in world coordinates for the ground).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
 pub enum Pattern {
     /// One color.
     Plain,
@@ -123,27 +125,6 @@ pub enum Pattern {
     Window,
     /// A dark lens at night that throws light back to where it comes from.
     Reflector,
-}
-
-impl Pattern {
-    /// All of them, in their order.
-    pub const ALL: [Self; 15] = [
-        Self::Plain,
-        Self::Asphalt,
-        Self::Slabs,
-        Self::Blocks,
-        Self::Bricks,
-        Self::Render,
-        Self::Tiles,
-        Self::Grass,
-        Self::Leaves,
-        Self::Wood,
-        Self::Cloth,
-        Self::Paint,
-        Self::Lamp,
-        Self::Window,
-        Self::Reflector,
-    ];
 }
 
 /// Radiance of lit lenses at night per unit of their color: a white surface under 100 lx, 31.8 cd/m², has 1.

@@ -206,8 +206,8 @@ impl Capture {
     }
 
     #[getter]
-    fn boxes(&self) -> &'static str {
-        self.frame.boxes.name()
+    fn boxes(&self) -> &str {
+        self.frame.boxes.as_ref()
     }
 
     #[getter]

@@ -1,5 +1,7 @@
 //! What all fragments of a face share.
 
+use strum::VariantArray;
+
 use super::value_noise::{hash2, value_noise};
 use super::visibility_pass::ImageRays;
 use super::windows::window;
@@ -22,7 +24,7 @@ pub struct ShaderVariant {
 
 impl ShaderVariant {
     /// Number of variants.
-    pub const COUNT: usize = Pattern::ALL.len() * PER_PATTERN;
+    pub const COUNT: usize = Pattern::VARIANTS.len() * PER_PATTERN;
 
     /// A number below `COUNT`.
     pub fn index(self) -> usize {
@@ -41,7 +43,7 @@ impl ShaderVariant {
     /// The variant of a number.
     pub fn of(index: usize) -> Self {
         Self {
-            pattern: Pattern::ALL[index / PER_PATTERN],
+            pattern: Pattern::VARIANTS[index / PER_PATTERN],
             is_smooth: index & SMOOTH_BIT > 0,
             is_glossy: index & GLOSSY_BIT > 0,
             is_transparent: index & TRANSPARENT_BIT > 0,

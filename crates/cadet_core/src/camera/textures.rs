@@ -357,6 +357,8 @@ fn cloth(base: Vec3, at: &PatternPoint) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use strum::VariantArray;
+
     use super::*;
 
     fn statistics(pattern: Pattern, footprint_m: f32) -> (f32, f32) {
@@ -377,7 +379,7 @@ mod tests {
 
     #[test]
     fn patterns_keep_their_mean_albedo_near_and_far() {
-        for pattern in Pattern::ALL {
+        for &pattern in Pattern::VARIANTS {
             for footprint in [0.004, 0.03, 0.3] {
                 let (mean, spread) = statistics(pattern, footprint);
                 assert!((0.78..1.22).contains(&mean), "{pattern:?} at {footprint}: mean {mean}");

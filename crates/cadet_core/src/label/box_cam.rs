@@ -1,8 +1,10 @@
 //! An actor's box in the camera frame, and its projection.
 
+use strum::{AsRefStr, VariantArray};
+
 use crate::actor::{ActorState, AnnotatedBox};
 use crate::camera::CameraModel;
-use crate::error::{Error, Result};
+use crate::error::{Result, variant};
 use crate::math::{self, DPose3, DVec3};
 
 /// Boxes are clipped at this depth before they are projected.
@@ -43,7 +45,8 @@ impl Rect {
 }
 
 /// Which boxes labels hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum Boxes {
     /// What KITTI's annotators would have drawn: a little shorter than the vehicle, its bottom over the ground.
     Kitti,
@@ -52,15 +55,6 @@ pub enum Boxes {
 }
 
 impl Boxes {
-    /// The name in settings and metadata.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Kitti => "kitti",
-            Self::Exact => "exact",
-        }
-    }
-
     /// The box of an actor.
     #[must_use]
     pub fn of(self, actor: &ActorState) -> AnnotatedBox {
@@ -73,13 +67,9 @@ impl Boxes {
     /// The boxes of that name.
     ///
     /// # Errors
-    /// [`Error::Unknown`], listing the names that exist.
+    /// [`crate::Error::Unknown`], listing the names that exist.
     pub fn from_name(name: &str) -> Result<Self> {
-        [Self::Kitti, Self::Exact].into_iter().find(|b| b.name() == name).ok_or_else(|| Error::Unknown {
-            what: "boxes",
-            name: name.to_owned(),
-            known: "kitti, exact".to_owned(),
-        })
+        variant("boxes", name, |known| known == name)
     }
 }
 
@@ -231,7 +221,7 @@ mod tests {
     #[test]
     fn boxes_go_by_their_names() {
         for boxes in [Boxes::Kitti, Boxes::Exact] {
-            assert_eq!(Boxes::from_name(boxes.name()).unwrap(), boxes);
+            assert_eq!(Boxes::from_name(boxes.as_ref()).unwrap(), boxes);
         }
         assert!(Boxes::from_name("Kitti").unwrap_err().to_string().contains("kitti, exact"));
     }

@@ -1,9 +1,12 @@
 //! Which echoes are reported.
 
-use crate::error::{Error, Result};
+use strum::{AsRefStr, VariantArray};
+
+use crate::error::{Result, variant};
 
 /// Which of several echoes of one pulse a sensor reports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum ReturnMode {
     /// The one with the most power: how KITTI's sensor was set.
     #[default]
@@ -16,14 +19,8 @@ impl ReturnMode {
     /// The mode of that name: `strongest` or `last`.
     ///
     /// # Errors
-    /// [`Error::Unknown`], listing the names.
+    /// [`crate::Error::Unknown`], listing the names.
     pub fn from_name(name: &str) -> Result<Self> {
-        match name {
-            "strongest" => Ok(Self::Strongest),
-            "last" => Ok(Self::Last),
-            _ => {
-                Err(Error::Unknown { what: "return mode", name: name.to_owned(), known: "strongest, last".to_owned() })
-            }
-        }
+        variant("return mode", name, |known| known == name)
     }
 }

@@ -1,6 +1,6 @@
 //! Rectangles in the plane: what agents cover, and what others have to keep off.
 
-use super::params::{GRADE, LEVEL_M, SAME_WAY};
+use super::params::{COS_SAME_WAY, LEVEL_M, STEEP_SLOPE};
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::plane::OrientedRect;
 
@@ -44,7 +44,7 @@ impl Footprint {
 
     /// Whether somebody at a place could meet it on one road, and is not on a bridge over it or below.
     pub fn is_level_with(&self, at: DVec2, z_m: f64) -> bool {
-        (self.z_m - z_m).abs() < LEVEL_M + GRADE * (self.center - at).length()
+        (self.z_m - z_m).abs() < LEVEL_M + STEEP_SLOPE * (self.center - at).length()
     }
 
     /// The point of the rectangle nearest to `p`.
@@ -65,7 +65,7 @@ impl Footprint {
     /// Whether it goes the same way as another and its front is farther on: of two side by side it goes first.
     pub fn leads(&self, other: &Self) -> bool {
         let front_m = |o: &Self| o.center.dot(self.heading) + o.half_length_m;
-        self.heading.dot(other.heading) > SAME_WAY && front_m(self) > front_m(other)
+        self.heading.dot(other.heading) > COS_SAME_WAY && front_m(self) > front_m(other)
     }
 
     /// What it covers until so much time is over, if it goes straight on.

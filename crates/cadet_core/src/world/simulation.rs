@@ -26,7 +26,7 @@ use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
 use crate::world::agents::Agent;
 use crate::world::look::Look;
-use crate::world::streets::{EGO_STRAIGHT, Route};
+use crate::world::streets::{EGO_STRAIGHT_WEIGHT, LanePosition, Route};
 
 /// An ego whose front is nearer to the end of its road can't go on.
 const END_ROOM_M: f64 = 4.0;
@@ -203,7 +203,8 @@ impl World {
         let choices = self.key.indexed("ego route", self.steps);
         let graph = &self.arena.streets.graph;
         let nearest = graph.nearest(settled.world_from_box.translation, Some(yaw_rad), 3.0);
-        let route = nearest.map(|at| Route::new(at.lane, at.s_m, 0.0, EGO_STRAIGHT, choices, graph));
+        let route =
+            nearest.map(|at| Route::new(LanePosition { left_m: 0.0, ..at }, EGO_STRAIGHT_WEIGHT, choices, graph));
         self.arena.around.junctions.forget(EGO);
         let (ego, physics) = self.arena.ego_car_mut();
         ego.own.body.place(physics, &settled.world_from_box);

@@ -22,32 +22,32 @@ pub(super) struct Dog {
     /// On the ground below its middle.
     at: Vec3,
     /// Height of the withers.
-    height: f32,
-    length: f32,
+    height_m: f32,
+    length_m: f32,
     /// Thickness of trunk and legs against a lean dog's.
-    girth: f32,
+    girth_factor: f32,
     pricked: bool,
-    tail_up: f32,
+    tail_up_share: f32,
     /// Strides to a cycle of the owner's gait, and the way of one; 0 if the owner stands.
     strides: u32,
     stride_m: f32,
 }
 
 impl Dog {
-    pub fn draw(stature: f32, side: f32, owner_cycle_m: f32, s: &mut Stream) -> Self {
-        let k = stature / 1.75;
-        let height = s.range(0.30, 0.60) as f32;
-        let length = height * s.range(0.95, 1.2) as f32;
+    pub fn draw(stature_m: f32, side: f32, owner_cycle_m: f32, s: &mut Stream) -> Self {
+        let k = stature_m / 1.75;
+        let height_m = s.range(0.30, 0.60) as f32;
+        let length_m = height_m * s.range(0.95, 1.2) as f32;
         let strides =
-            if owner_cycle_m > 0.0 { (owner_cycle_m / (STRIDE_OF_HEIGHT * height)).round().max(1.0) } else { 0.0 };
+            if owner_cycle_m > 0.0 { (owner_cycle_m / (STRIDE_OF_HEIGHT * height_m)).round().max(1.0) } else { 0.0 };
         Self {
             hand: Vec3::new(0.14, side * 0.27, 0.80) * k,
             at: Vec3::new(s.range(0.45, 0.85) as f32, side * s.range(0.30, 0.44) as f32, 0.0),
-            height,
-            length,
-            girth: s.range(0.9, 1.2) as f32,
+            height_m,
+            length_m,
+            girth_factor: s.range(0.9, 1.2) as f32,
             pricked: s.chance(0.45),
-            tail_up: s.range(-0.3, 1.0) as f32,
+            tail_up_share: s.range(-0.3, 1.0) as f32,
             strides: strides as u32,
             stride_m: if strides > 0.0 { owner_cycle_m / strides } else { 0.0 },
         }
@@ -59,7 +59,7 @@ impl Dog {
 
     /// Adds the dog at a phase of its owner's gait.
     pub fn add(&self, tubes: &mut Tubes, owner_phase: f32, level: usize) {
-        let (h, l, g) = (self.height, self.length, self.girth);
+        let (h, l, g) = (self.height_m, self.length_m, self.girth_factor);
         let phase = owner_phase * self.strides as f32;
         let bob = if self.strides > 0 { 0.012 * h * sinf(2.0 * TAU * phase) } else { 0.0 };
         let at = |x: f32, y: f32, z: f32| self.at + Vec3::new(x, y, z + bob);
@@ -99,7 +99,7 @@ impl Dog {
         }
         // The tail wags once a stride.
         let wag = if self.strides > 0 { 0.10 * sinf(TAU * phase) } else { 0.0 };
-        let up = self.tail_up;
+        let up = self.tail_up_share;
         let tail = [
             at(-0.50 * l, 0.0, 0.88 * h),
             at(-0.50 * l - 0.20 * h, 0.5 * wag * h, (0.88 + 0.12 * up) * h),
@@ -126,7 +126,7 @@ impl Dog {
     }
 
     fn add_leg(&self, tubes: &mut Tubes, is_front: bool, side: f32, phase: f32, bob: f32, level: usize) {
-        let (h, l, g) = (self.height, self.length, self.girth);
+        let (h, l, g) = (self.height_m, self.length_m, self.girth_factor);
         let phase = phase - phase.floor();
         let reach = 0.5 * STANCE * self.stride_m;
         let (swing, lift) = if phase < STANCE {

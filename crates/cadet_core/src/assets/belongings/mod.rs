@@ -67,7 +67,7 @@ impl Belonging {
             if side > 0.0 { [hold, None] } else { [None, hold] }
         };
         let both = |hands: [Vec3; 2]| hands.map(|hand| Some(Hold::Still(hand)));
-        let (stature, cycle_m) = (p.stature, if p.speed > 0.0 { p.cycle_length } else { 0.0 });
+        let (stature, cycle_m) = (p.stature_m, if p.speed_mps > 0.0 { p.cycle_length_m } else { 0.0 });
         let (design, hands) = match thing {
             Thing::Umbrella => {
                 let umbrella = Umbrella::draw(stature, side, &mut s);

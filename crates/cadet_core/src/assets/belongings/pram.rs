@@ -16,26 +16,26 @@ const HOOD_M: f32 = 0.21;
 pub(super) struct Pram {
     /// The middle of the bar.
     bar: Vec3,
-    half_width: f32,
+    half_width_m: f32,
     is_carrycot: bool,
     /// Radii of the rear and the front wheels.
     wheels: [f32; 2],
     has_basket: bool,
     /// The hood's reach over the child, 0 to 1.
-    hood: f32,
+    hood_share: f32,
 }
 
 impl Pram {
-    pub fn draw(stature: f32, s: &mut Stream) -> Self {
+    pub fn draw(stature_m: f32, s: &mut Stream) -> Self {
         let is_carrycot = s.chance(0.4);
         let rear = s.range(0.12, 0.16) as f32;
         Self {
-            bar: Vec3::new(0.25 * stature, 0.0, (0.585 * stature).clamp(0.92, 1.10)),
-            half_width: s.range(0.25, 0.29) as f32,
+            bar: Vec3::new(0.25 * stature_m, 0.0, (0.585 * stature_m).clamp(0.92, 1.10)),
+            half_width_m: s.range(0.25, 0.29) as f32,
             is_carrycot,
             wheels: [rear, if s.chance(0.5) { rear } else { 0.75 * rear }],
             has_basket: s.chance(0.8),
-            hood: s.range(0.2, 1.0) as f32,
+            hood_share: s.range(0.2, 1.0) as f32,
         }
     }
 
@@ -45,7 +45,7 @@ impl Pram {
 
     pub fn add(&self, tubes: &mut Tubes, level: usize) {
         let at = |x: f32, y: f32, z: f32| Vec3::new(self.bar.x + x, y, z);
-        let (w, [rear, front]) = (self.half_width, self.wheels);
+        let (w, [rear, front]) = (self.half_width_m, self.wheels);
         let (rear_hub, front_hub) = (at(0.20, 0.0, rear), at(0.80, 0.0, front));
         for side in [1.0, -1.0] {
             let aside = |p: Vec3, y: f32| p + Vec3::Y * (side * y);
@@ -75,7 +75,7 @@ impl Pram {
     fn add_carrycot(&self, tubes: &mut Tubes, level: usize) {
         let z = 0.68 * self.bar.z;
         let at = |x: f32, z: f32| Vec3::new(self.bar.x + x, 0.0, z);
-        let w = 0.78 * self.half_width;
+        let w = 0.78 * self.half_width_m;
         let cot = [
             (0.12, 0.06, 0.7, 2),
             (0.15, 0.10, 0.92, 1),
@@ -95,7 +95,7 @@ impl Pram {
     /// A reclined seat with a child who looks ahead.
     fn add_seat(&self, tubes: &mut Tubes, level: usize) {
         let at = |x: f32, y: f32, z: f32| Vec3::new(self.bar.x + x, y, z);
-        let w = 0.70 * self.half_width;
+        let w = 0.70 * self.half_width_m;
         let z = 0.46 * self.bar.z;
         let back = Vec3::new(-0.34, 0.0, 0.94);
         let seat = at(0.46, 0.0, z);
@@ -134,8 +134,8 @@ impl Pram {
 
     /// A folded or unfolded hood round the middle of a head: a band bent over it between two flanks; `toward` +1 opens forward.
     fn add_hood(&self, tubes: &mut Tubes, root: Vec3, toward: f32, level: usize) {
-        let w = 0.74 * self.half_width;
-        let last = 1.0 + 0.9 * self.hood;
+        let w = 0.74 * self.half_width_m;
+        let last = 1.0 + 0.9 * self.hood_share;
         let steps = [7, 4, 2][level];
         let out = |k: usize| {
             let turn = -0.45 + (last + 0.45) * k as f32 / steps as f32;

@@ -13,20 +13,20 @@ pub(super) struct Case {
     /// Up the back of the case, from the wheels.
     axis: Vec3,
     /// From the wheels to the handle.
-    length: f32,
+    length_m: f32,
     /// Half the case's width and depth, and its height.
     half: [f32; 2],
-    height: f32,
+    height_m: f32,
 }
 
 impl Case {
-    pub fn draw(stature: f32, side: f32, s: &mut Stream) -> Self {
-        let hand = Vec3::new(-0.17, side * 0.27, 0.755) * (stature / 1.75);
+    pub fn draw(stature_m: f32, side: f32, s: &mut Stream) -> Self {
+        let hand = Vec3::new(-0.17, side * 0.27, 0.755) * (stature_m / 1.75);
         let tilt = s.range(0.50, 0.80) as f32;
         let axis = Vec3::new(sinf(tilt), 0.0, cosf(tilt));
-        let height = s.range(0.45, 0.62) as f32;
+        let height_m = s.range(0.45, 0.62) as f32;
         let half = [s.range(0.16, 0.22) as f32, s.range(0.10, 0.14) as f32];
-        Self { hand, axis, length: (hand.z - 0.05) / axis.z, half, height }
+        Self { hand, axis, length_m: (hand.z - 0.05) / axis.z, half, height_m }
     }
 
     pub fn hand(&self) -> Vec3 {
@@ -34,22 +34,27 @@ impl Case {
     }
 
     pub fn add(&self, tubes: &mut Tubes, level: usize) {
-        let foot = self.hand - self.axis * self.length;
+        let foot = self.hand - self.axis * self.length_m;
         // Away from the handle's bars: below and behind them.
         let out = Vec3::new(-self.axis.z, 0.0, self.axis.x);
         let [w, d] = self.half;
         let on = |along: f32, aside: f32| foot + self.axis * along + Vec3::Y * aside + out * 0.02;
-        let body =
-            [(0.02, 0.85, 2), (0.05, 1.0, 1), (0.10, 1.06, 2), (self.height - 0.06, 1.06, 2), (self.height, 0.85, 2)];
+        let body = [
+            (0.02, 0.85, 2),
+            (0.05, 1.0, 1),
+            (0.10, 1.06, 2),
+            (self.height_m - 0.06, 1.06, 2),
+            (self.height_m, 0.85, 2),
+        ];
         let middle = |t: f32| on(t, 0.0) + out * d;
         pod(tubes, self.axis, &body.map(|(t, k, keeps)| (middle(t), [d * k, w * k], keeps)), slot::CLOTH, level);
         for side in [1.0, -1.0] {
             let y = 0.6 * w * side;
-            pipe(tubes, &[on(self.height - 0.05, y), on(self.length, y)], 0.007, slot::METAL, level);
+            pipe(tubes, &[on(self.height_m - 0.05, y), on(self.length_m, y)], 0.007, slot::METAL, level);
             let hub = Vec3::new(foot.x, foot.y + 0.85 * w * side, 0.05);
             wheel(tubes, hub, 0.05, 0.03, [slot::TIRE, slot::PLASTIC], level);
         }
-        pipe(tubes, &[on(self.length, 0.62 * w), on(self.length, -0.62 * w)], 0.013, slot::PLASTIC, level);
+        pipe(tubes, &[on(self.length_m, 0.62 * w), on(self.length_m, -0.62 * w)], 0.013, slot::PLASTIC, level);
     }
 }
 
@@ -61,8 +66,8 @@ pub(super) struct Rollator {
 }
 
 impl Rollator {
-    pub fn draw(stature: f32, s: &mut Stream) -> Self {
-        Self { grip: Vec3::new(0.17 * stature, 0.26, 0.52 * stature), has_basket: s.chance(0.8) }
+    pub fn draw(stature_m: f32, s: &mut Stream) -> Self {
+        Self { grip: Vec3::new(0.17 * stature_m, 0.26, 0.52 * stature_m), has_basket: s.chance(0.8) }
     }
 
     pub fn hands(&self) -> [Vec3; 2] {

@@ -12,13 +12,13 @@ fn square_to(along: Vec3) -> Vec3 {
 }
 
 /// A thin tube through points.
-pub(super) fn pipe(tubes: &mut Tubes, points: &[Vec3], radius: f32, slot: u8, level: usize) {
+pub(super) fn pipe(tubes: &mut Tubes, points: &[Vec3], radius_m: f32, slot: u8, level: usize) {
     let last = points.len() - 1;
     let whole = (points[last] - points[0]).normalize_or(Vec3::X);
     let rings: Vec<Ring> = (0..=last)
         .map(|i| {
             let along = (points[(i + 1).min(last)] - points[i.max(1) - 1]).normalize_or(whole);
-            Ring { center: points[i], along, forward: square_to(whole), half: [radius; 2], slot, level: 2 }
+            Ring { center: points[i], along, forward: square_to(whole), half: [radius_m; 2], slot, level: 2 }
         })
         .collect();
     tubes.tube(&rings, SIDES[level][1], level, -1.0);
@@ -49,7 +49,7 @@ pub(super) fn ball(tubes: &mut Tubes, center: Vec3, half: Vec3, slot: u8, level:
 }
 
 /// A wheel whose axle lies along y.
-pub(super) fn wheel(tubes: &mut Tubes, hub: Vec3, radius: f32, width: f32, [tire, rim]: [u8; 2], level: usize) {
+pub(super) fn wheel(tubes: &mut Tubes, hub: Vec3, radius_m: f32, width_m: f32, [tire, rim]: [u8; 2], level: usize) {
     let ring = |y: f32, r: f32, slot: u8, keeps: usize| Ring {
         center: hub + Vec3::Y * y,
         along: Vec3::Y,
@@ -58,16 +58,16 @@ pub(super) fn wheel(tubes: &mut Tubes, hub: Vec3, radius: f32, width: f32, [tire
         slot,
         level: keeps,
     };
-    let half = width / 2.0;
+    let half = width_m / 2.0;
     let rings = [
-        ring(-0.7 * half, 0.70 * radius, rim, 0),
-        ring(-0.95 * half, 0.74 * radius, tire, 1),
-        ring(-half, 0.95 * radius, tire, 2),
-        ring(-0.6 * half, radius, tire, 0),
-        ring(0.6 * half, radius, tire, 0),
-        ring(half, 0.95 * radius, tire, 2),
-        ring(0.95 * half, 0.74 * radius, rim, 1),
-        ring(0.7 * half, 0.70 * radius, rim, 0),
+        ring(-0.7 * half, 0.70 * radius_m, rim, 0),
+        ring(-0.95 * half, 0.74 * radius_m, tire, 1),
+        ring(-half, 0.95 * radius_m, tire, 2),
+        ring(-0.6 * half, radius_m, tire, 0),
+        ring(0.6 * half, radius_m, tire, 0),
+        ring(half, 0.95 * radius_m, tire, 2),
+        ring(0.95 * half, 0.74 * radius_m, rim, 1),
+        ring(0.7 * half, 0.70 * radius_m, rim, 0),
     ];
     // Even numbers, so that a corner is on the ground.
     tubes.tube(&rings, [16, 8, 6][level], level, -1.0);

@@ -31,21 +31,21 @@ pub(super) struct Sticks {
 impl Sticks {
     /// Sticks or crutches for the hands of these sides: +1 is the left.
     pub fn draw(p: &Proportions, sides: &[f32], has_cuff: bool, s: &mut Stream) -> Self {
-        let k = p.stature / 1.75;
-        let length = p.stature * s.range(0.450, 0.470) as f32;
+        let k = p.stature_m / 1.75;
+        let length_m = p.stature_m * s.range(0.450, 0.470) as f32;
         let has_knob = !has_cuff && s.chance(0.25);
         let pole = |side: f32| Pole {
-            length,
+            length_m,
             grip_xy: [0.09 * k, side * 0.27 * k],
             tip_xy: [0.12 * k, side * 0.33 * k],
             // With the foot of the other side: the left heel strikes at 0.
-            strikes_at: if side > 0.0 { 0.5 } else { 0.0 },
-            cycle_m: if p.speed > 0.0 { p.cycle_length } else { 0.0 },
+            strikes_at_phase: if side > 0.0 { 0.5 } else { 0.0 },
+            cycle_m: if p.speed_mps > 0.0 { p.cycle_length_m } else { 0.0 },
         };
         let of = |side: f32| sides.contains(&side).then(|| pole(side));
-        let (leg, trunk) = (p.thigh + p.shank + p.ankle_height, 0.94 * p.trunk);
-        let shoulder = Vec3::new(sinf(p.lean) * trunk, p.shoulder_half, leg + cosf(p.lean) * trunk);
-        let arm = [p.upper_arm, p.forearm + 0.5 * p.hand];
+        let (leg, trunk) = (p.thigh_m + p.shank_m + p.ankle_height_m, 0.94 * p.trunk_m);
+        let shoulder = Vec3::new(sinf(p.lean_rad) * trunk, p.shoulder_half_m, leg + cosf(p.lean_rad) * trunk);
+        let arm = [p.upper_arm_m, p.forearm_m + 0.5 * p.hand_m];
         Self { poles: [of(1.0), of(-1.0)], has_cuff, has_knob, shoulder, arm }
     }
 

@@ -1,20 +1,12 @@
 use std::collections::BTreeMap;
 
+use strum::VariantArray;
+
 use super::*;
 use crate::assets::person::PersonModel;
 use crate::geometry::Mesh;
 
 const STICKS: [Thing; 3] = [Thing::Stick, Thing::Crutch, Thing::Crutches];
-const THINGS: [Thing; 8] = [
-    Thing::Umbrella,
-    Thing::Pram,
-    Thing::Dog,
-    Thing::Case,
-    Thing::Rollator,
-    Thing::Stick,
-    Thing::Crutch,
-    Thing::Crutches,
-];
 
 /// Adults with a thing, half of them walking and more.
 fn owners(thing: Thing, n: u64) -> impl Iterator<Item = PersonModel> {
@@ -32,7 +24,7 @@ fn corners(mesh: &Mesh) -> impl Iterator<Item = [Vec3; 3]> {
 
 #[test]
 fn meshes_are_closed_outward_and_of_few_faces() {
-    for thing in THINGS {
+    for &thing in Thing::VARIANTS {
         for person in owners(thing, 40) {
             for phase in [0.0, 0.4] {
                 let shape = of(&person).pose(phase);
@@ -61,12 +53,12 @@ fn meshes_are_closed_outward_and_of_few_faces() {
 
 #[test]
 fn sizes_boxes_and_places_stay_those_of_the_person() {
-    for thing in THINGS {
+    for &thing in Thing::VARIANTS {
         for person in owners(thing, 20) {
             let alone = PersonModel::generate(person.seed());
             assert_eq!((alone.size_lwh, alone.annotated), (person.size_lwh, person.annotated));
             assert_eq!(alone.walking_speed_mps, person.walking_speed_mps);
-            let named = format!(" with {}/{}", thing.name(), person.seed());
+            let named = format!(" with {}/{}", thing.as_ref(), person.seed());
             assert!(person.name.ends_with(&named), "{}", person.name);
             let (a, b) = (alone.pose(0.3), person.pose(0.3));
             let soles = |shape: &LodSet| shape.levels[0].1.bounds.min.z;
@@ -77,7 +69,7 @@ fn sizes_boxes_and_places_stay_those_of_the_person() {
 
 #[test]
 fn hands_are_where_they_hold_at_every_phase() {
-    for thing in THINGS {
+    for &thing in Thing::VARIANTS {
         for person in owners(thing, 30) {
             for phase in [0.0, 0.2, 0.45, 0.7, 0.9] {
                 let (body, held) = (person.pose(phase), of(&person).pose(phase));
@@ -105,7 +97,7 @@ fn hands_are_where_they_hold_at_every_phase() {
 
 #[test]
 fn what_stands_on_the_ground_does_and_umbrellas_are_over_their_heads() {
-    for thing in THINGS {
+    for &thing in Thing::VARIANTS {
         for person in owners(thing, 40) {
             for (level, (_, mesh)) in of(&person).pose(0.3).levels.iter().enumerate() {
                 let (low, high) = (mesh.bounds.min.z, mesh.bounds.max.z);

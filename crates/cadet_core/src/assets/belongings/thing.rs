@@ -1,7 +1,10 @@
 //! The kinds of belongings.
 
+use strum::{AsRefStr, VariantArray};
+
 /// A kind of thing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub(crate) enum Thing {
     /// Open, over the head.
     Umbrella,
@@ -24,19 +27,5 @@ impl Thing {
     /// Whether it is carried; what is not stands or runs on the ground by itself.
     pub(super) fn is_carried(self) -> bool {
         matches!(self, Self::Umbrella | Self::Stick | Self::Crutch | Self::Crutches)
-    }
-
-    /// As in the names of models.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Umbrella => "umbrella",
-            Self::Pram => "pram",
-            Self::Dog => "dog",
-            Self::Case => "case",
-            Self::Rollator => "rollator",
-            Self::Stick => "stick",
-            Self::Crutch => "crutch",
-            Self::Crutches => "crutches",
-        }
     }
 }

@@ -18,23 +18,23 @@ pub(super) struct Umbrella {
     /// Up the shaft.
     axis: Vec3,
     /// From the hand to the tip.
-    length: f32,
-    radius: f32,
+    length_m: f32,
+    radius_m: f32,
     /// Height of the dome over its rim.
-    dome: f32,
+    dome_m: f32,
 }
 
 impl Umbrella {
     /// In the hand of a side, over a person of a height.
-    pub fn draw(stature: f32, side: f32, s: &mut Stream) -> Self {
-        let k = stature / 1.75;
+    pub fn draw(stature_m: f32, side: f32, s: &mut Stream) -> Self {
+        let k = stature_m / 1.75;
         let hand = Vec3::new(0.24, side * 0.19, 1.16) * k;
-        let (radius, dome) = (s.range(0.46, 0.56) as f32, s.range(0.20, 0.26) as f32);
+        let (radius_m, dome_m) = (s.range(0.46, 0.56) as f32, s.range(0.20, 0.26) as f32);
         // Over the head, or a little forward against the rain.
         let over =
-            Vec3::new(s.range(0.0, 0.16) as f32, side * s.range(0.02, 0.10) as f32, stature + OVER_HEAD_M + dome);
+            Vec3::new(s.range(0.0, 0.16) as f32, side * s.range(0.02, 0.10) as f32, stature_m + OVER_HEAD_M + dome_m);
         let shaft = over - hand;
-        Self { hand, axis: shaft.normalize(), length: shaft.length(), radius, dome }
+        Self { hand, axis: shaft.normalize(), length_m: shaft.length(), radius_m, dome_m }
     }
 
     pub fn hand(&self) -> Vec3 {
@@ -46,10 +46,10 @@ impl Umbrella {
         let forward = Vec3::X - self.axis * self.axis.x;
         // The dome bends more toward the rim; from below up to the tip inside, out round the rim, and up again outside.
         let places = [(0.03, 1.0), (0.35, 0.94), (0.70, 0.72), (0.92, 0.34), (0.985, 0.10), (1.0, 0.0)];
-        let radius = |share: f32| (self.radius * share, self.dome * places_height(&places, share));
+        let radius = |share: f32| (self.radius_m * share, self.dome_m * places_height(&places, share));
         let shares: &[f32] =
             [&[0.03, 0.30, 0.55, 0.78, 0.94, 0.995][..], &[0.03, 0.4, 0.78, 0.99], &[0.03, 0.6, 0.99]][level];
-        let rim = self.length - self.dome;
+        let rim = self.length_m - self.dome_m;
         let ring = |share: f32, thick: f32, slot: u8| {
             let (r, z) = radius(share);
             Ring { center: at(rim + z + thick), along: self.axis, forward, half: [r; 2], slot, level: 2 }
@@ -60,7 +60,7 @@ impl Umbrella {
         let rings: Vec<Ring> = inside.chain(edge).chain(outside).collect();
         tubes.tube(&rings, RIBS, level, -1.0);
         let thin = [0.006, 0.007, 0.010][level];
-        pipe(tubes, &[at(-0.02), at(self.length + 0.05)], thin, slot::METAL, level);
+        pipe(tubes, &[at(-0.02), at(self.length_m + 0.05)], thin, slot::METAL, level);
         if level < 2 {
             pipe(tubes, &[at(-0.11), at(0.07)], 0.014, slot::PLASTIC, level);
         }
@@ -75,7 +75,7 @@ impl Umbrella {
                     at(rim + z - 0.006) + out * r
                 };
                 pipe(tubes, &[on(0.05), on(0.4), on(0.75), on(0.99)], 0.003, slot::METAL, level);
-                pipe(tubes, &[at(rim + 0.35 * self.dome), on(0.5)], 0.003, slot::METAL, level);
+                pipe(tubes, &[at(rim + 0.35 * self.dome_m), on(0.5)], 0.003, slot::METAL, level);
             }
         }
     }

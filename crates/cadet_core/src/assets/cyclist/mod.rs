@@ -78,12 +78,12 @@ impl CyclistModel {
         let true_lwh = annotation::cyclist_size(&annotated, &mut s);
         let design = Arc::new(Design::draw(true_lwh, &mut s));
         let palette = paint::palette(&design.rider, &mut s);
-        let name = format!("{} on bicycle/{model_seed}", design.rider.kind.name());
+        let name = format!("{} on bicycle/{model_seed}", design.rider.kind.as_ref());
         let riding = design.body(false, 0);
         let bounds = (0..NUM_PHASES)
             .map(|k| Bounds::of(design.legs(phase_legs(k), 0).vertices))
             .fold(Bounds::of(riding.vertices), |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
-        let wheels_half = design.bicycle.wheelbase / 2.0 + design.bicycle.wheel_radius;
+        let wheels_half = design.bicycle.wheelbase_m / 2.0 + design.bicycle.wheel_radius_m;
         let size_lwh = DVec3::new(
             f64::from(2.0 * wheels_half.max(bounds.max.x).max(-bounds.min.x)),
             f64::from(2.0 * bounds.max.y.max(-bounds.min.y)),
@@ -98,9 +98,9 @@ impl CyclistModel {
         Self {
             size_lwh,
             annotated,
-            wheel_radius_m: f64::from(design.bicycle.wheel_radius),
-            wheelbase_m: f64::from(design.bicycle.wheelbase),
-            development_m: design.bicycle.development,
+            wheel_radius_m: f64::from(design.bicycle.wheel_radius_m),
+            wheelbase_m: f64::from(design.bicycle.wheelbase_m),
+            development_m: design.bicycle.development_m,
             palette: Arc::new(palette),
             wheel,
             design,
@@ -119,12 +119,12 @@ impl CyclistModel {
 
     /// The riding body with an arm stretched out: wholly the left one at 1 and the right one at -1, none at 0.
     #[must_use]
-    pub fn pointing(&self, arm: f64) -> Arc<LodSet> {
-        let step = (arm.abs() * ARM_STEPS as f64).round() as usize;
+    pub fn pointing(&self, arm_share: f64) -> Arc<LodSet> {
+        let step = (arm_share.abs() * ARM_STEPS as f64).round() as usize;
         let Some(index) = step.min(ARM_STEPS).checked_sub(1) else { return self.body(false) };
-        let shape = self.pointing[usize::from(arm < 0.0)][index].get_or_init(|| {
+        let shape = self.pointing[usize::from(arm_share < 0.0)][index].get_or_init(|| {
             let (design, share) = (Arc::clone(&self.design), step as f32 / ARM_STEPS as f32);
-            let side = if arm < 0.0 { -1.0 } else { 1.0 };
+            let side = if arm_share < 0.0 { -1.0 } else { 1.0 };
             Arc::new(levels(&self.name, move |level| design.body_with(false, Some((side, share)), level)))
         });
         Arc::clone(shape)
@@ -188,9 +188,9 @@ impl Design {
         design
     }
 
-    fn of_stature(stature: f64, wanted: Vec3, rider_seed: u64, bicycle_seed: u64) -> Self {
+    fn of_stature(stature_m: f64, wanted: Vec3, rider_seed: u64, bicycle_seed: u64) -> Self {
         let mut s = Stream::from_seed("rider", rider_seed);
-        let mut rider = Proportions::draw(false, stature, &mut s);
+        let mut rider = Proportions::draw(false, stature_m, &mut s);
         rider.top = if rider.top == Top::Coat { Top::Jacket } else { rider.top };
         rider.legwear = if rider.legwear == Legwear::Skirt { Legwear::Shorts } else { rider.legwear };
         rider.load = match rider.load {
@@ -203,7 +203,7 @@ impl Design {
         }
         let foot = if s.chance(0.6) { 1.0 } else { -1.0 };
         let mut s = Stream::from_seed("bicycle", bicycle_seed);
-        let bicycle = Bicycle::draw(wanted.x, wanted.y, rider.stature, rider.kind == PersonKind::Woman, &mut s);
+        let bicycle = Bicycle::draw(wanted.x, wanted.y, rider.stature_m, rider.kind == PersonKind::Woman, &mut s);
         let riding = Seat::riding(&rider, &bicycle);
         let standing = riding.standing(&rider, &bicycle);
         Self { bicycle, rider, riding, standing, foot }

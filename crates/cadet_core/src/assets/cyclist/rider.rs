@@ -36,7 +36,7 @@ const POINTING: Vec3 = Vec3::new(0.10, 0.97, -0.06);
 pub(super) struct Seat {
     pub hip: Vec3,
     /// Forward lean of the trunk, radians.
-    pub lean: f32,
+    pub lean_rad: f32,
 }
 
 /// What the legs do.
@@ -52,17 +52,17 @@ impl Seat {
     /// On the saddle, at the height at which the leg is nearly straight on the lowest pedal.
     pub fn riding(p: &Proportions, bicycle: &Bicycle) -> Self {
         let ankle = ankle_on(p, bicycle.pedal(1.0, 0.47), 1.0, sole_pitch(0.47));
-        let reach = LEG_EXTENSION * (p.thigh + p.shank);
+        let reach = LEG_EXTENSION * (p.thigh_m + p.shank_m);
         let hip_at = |z: f32| bicycle.seat_tube(z) + Vec3::Z * SADDLE_BELOW_HIP_M;
-        let z = bisect(0.3, 1.3, |z| (hip_at(z) + Vec3::Y * p.hip_half - ankle).length() < reach);
+        let z = bisect(0.3, 1.3, |z| (hip_at(z) + Vec3::Y * p.hip_half_m - ankle).length() < reach);
         Self::leaning(p, bicycle, hip_at(z))
     }
 
     /// Before the saddle, with a leg straight down to the ground.
     pub fn standing(&self, p: &Proportions, bicycle: &Bicycle) -> Self {
-        let reach = 0.985 * (p.thigh + p.shank);
-        let aside = FOOT_Y_M - p.hip_half;
-        let z = (reach * reach - aside * aside).sqrt() + p.ankle_height;
+        let reach = 0.985 * (p.thigh_m + p.shank_m);
+        let aside = FOOT_Y_M - p.hip_half_m;
+        let z = (reach * reach - aside * aside).sqrt() + p.ankle_height_m;
         Self::leaning(p, bicycle, Vec3::new(self.hip.x + SLIDE_M, 0.0, z.min(self.hip.z)))
     }
 
@@ -73,13 +73,13 @@ impl Seat {
             let posture = posture(lean);
             (hip + shoulder(p, &Frame::new(p, &posture), 1.0) - bicycle.grip).length() > arm
         };
-        Self { hip, lean: bisect(LEAN_RAD[0], LEAN_RAD[1], is_too_far) }
+        Self { hip, lean_rad: bisect(LEAN_RAD[0], LEAN_RAD[1], is_too_far) }
     }
 
     /// Trunk, head, arms, and what is on the back. `pointing` stretches the arm of a side out by a share of the way.
     pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
         let mut tubes = Tubes::default();
-        let posture = posture(self.lean);
+        let posture = posture(self.lean_rad);
         let frame = Frame::new(p, &posture);
         add_trunk(&mut tubes, p, &frame, level);
         let mut hands = [Vec3::ZERO; 2];
@@ -101,21 +101,21 @@ impl Seat {
     pub fn legs(&self, p: &Proportions, bicycle: &Bicycle, legs: Legs, level: usize) -> Tubes {
         let mut tubes = Tubes::default();
         for side in [1.0, -1.0] {
-            let (ankle, sole) = match legs {
-                Legs::Stand(down) if down == side => (Vec3::new(self.hip.x, side * FOOT_Y_M, p.ankle_height), 0.0),
+            let (ankle, sole_rad) = match legs {
+                Legs::Stand(down) if down == side => (Vec3::new(self.hip.x, side * FOOT_Y_M, p.ankle_height_m), 0.0),
                 _ => {
                     let phase = legs.crank_phase();
                     let own = if side > 0.0 { phase } else { phase + 0.5 };
-                    let sole = sole_pitch(own);
-                    (ankle_on(p, bicycle.pedal(side, phase), side, sole), sole)
+                    let sole_rad = sole_pitch(own);
+                    (ankle_on(p, bicycle.pedal(side, phase), side, sole_rad), sole_rad)
                 }
             };
-            let hip = Vec3::Y * (side * p.hip_half);
+            let hip = Vec3::Y * (side * p.hip_half_m);
             let knee_to = Vec3::new(1.0, 0.10 * side, 0.3);
-            let (thigh, shank) = two_links(hip, ankle - self.hip, p.thigh, p.shank, knee_to);
+            let (thigh, shank) = two_links(hip, ankle - self.hip, p.thigh_m, p.shank_m, knee_to);
             let leg = (thigh + shank).normalize_or(Vec3::NEG_Z);
             let forward = (knee_to - leg * knee_to.dot(leg)).normalize();
-            add_leg(&mut tubes, p, &LegLine { hip, thigh, shank, forward, sole, side }, level);
+            add_leg(&mut tubes, p, &LegLine { hip, thigh, shank, forward, sole_rad, side }, level);
         }
         self.place(tubes)
     }
@@ -139,7 +139,7 @@ impl Legs {
 }
 
 fn arm_length(p: &Proportions) -> f32 {
-    p.upper_arm + p.forearm + 0.5 * p.hand
+    p.upper_arm_m + p.forearm_m + 0.5 * p.hand_m
 }
 
 /// Toes down at the bottom and behind, level at the top; `phase` is the foot's own, 0 on top.
@@ -150,13 +150,21 @@ fn sole_pitch(phase: f32) -> f32 {
 /// The ankle of a foot whose ball is on a pedal.
 fn ankle_on(p: &Proportions, pedal: Vec3, side: f32, sole: f32) -> Vec3 {
     let (along, up) = foot_axes(sole, side);
-    pedal + Vec3::Z * PEDAL_HALF_M - along * p.ball_before_ankle + up * p.ankle_height
+    pedal + Vec3::Z * PEDAL_HALF_M - along * p.ball_before_ankle_m + up * p.ankle_height_m
 }
 
-fn posture(lean: f32) -> Posture {
-    let leg = Leg { thigh: 0.0, shank: 0.0, sole: 0.0 };
-    let arm = Arm { swing: 0.0, lift: 0.0, elbow: 0.0, inward: 0.0 };
-    Posture { legs: [leg; 2], arms: [arm; 2], phase: 0.0, pelvis_yaw: 0.0, shoulder_yaw: 0.0, sway: 0.0, lean }
+fn posture(lean_rad: f32) -> Posture {
+    let leg = Leg { thigh_rad: 0.0, shank_rad: 0.0, sole_rad: 0.0 };
+    let arm = Arm { swing_rad: 0.0, lift_rad: 0.0, elbow_rad: 0.0, inward_rad: 0.0 };
+    Posture {
+        legs: [leg; 2],
+        arms: [arm; 2],
+        phase: 0.0,
+        pelvis_yaw_rad: 0.0,
+        shoulder_yaw_rad: 0.0,
+        sway_m: 0.0,
+        lean_rad,
+    }
 }
 
 /// The greatest value for which `holds` is true, if it is for all smaller ones.

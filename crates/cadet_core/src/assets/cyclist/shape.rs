@@ -49,7 +49,7 @@ fn arc(tubes: &mut Tubes, center: Vec3, radius: f32, turn: [f32; 2], half: [f32;
 /// A wheel about its own axle, which lies along y.
 pub(super) fn wheel(bicycle: &Bicycle, level: usize) -> Tubes {
     let mut tubes = Tubes::default();
-    let (r, tire) = (bicycle.wheel_radius, bicycle.tire);
+    let (r, tire) = (bicycle.wheel_radius_m, bicycle.tire_half_m);
     let whole = [0.0, TAU];
     // The corners of a coarse ring lie on the tire's circle, its edges inside.
     let out = [1.001, 1.004, 1.01][level];
@@ -83,7 +83,7 @@ pub(super) fn add_bicycle(tubes: &mut Tubes, b: &Bicycle, seat: &Seat, level: us
     let [rear, front] = b.axles();
     let crank = b.crank_axle();
     let saddle_z = seat.hip.z - SADDLE_BELOW_HIP_M;
-    let (head_top, head_low) = (b.steerer((b.grip.z - 0.10).max(0.72)), b.steerer(2.0 * b.wheel_radius + 0.07));
+    let (head_top, head_low) = (b.steerer((b.grip.z - 0.10).max(0.72)), b.steerer(2.0 * b.wheel_radius_m + 0.07));
     let cluster = b.seat_tube((saddle_z - 0.14).min(head_top.z));
     let mut tube = |from: Vec3, to: Vec3, radius: f32, slot: u8| bar(tubes, from, to, radius, slot, level);
     tube(crank, cluster, 0.016, slot::FRAME);
@@ -117,7 +117,7 @@ pub(super) fn add_bicycle(tubes: &mut Tubes, b: &Bicycle, seat: &Seat, level: us
         arc(tubes, crank - Vec3::Y * 0.05, 0.065, [0.0, TAU], [0.022, 0.003], slot::METAL, level);
     }
     let tail = if b.fittings.rack {
-        Vec3::new(rear.x - 0.20, 0.0, 2.0 * b.wheel_radius + 0.04)
+        Vec3::new(rear.x - 0.20, 0.0, 2.0 * b.wheel_radius_m + 0.04)
     } else {
         b.seat_tube(saddle_z - 0.09) - Vec3::X * 0.02
     };
@@ -130,7 +130,7 @@ fn add_handlebar(tubes: &mut Tubes, b: &Bicycle, head_top: Vec3, level: usize) {
     let stem = b.steerer(b.grip.z - 0.02) + Vec3::X * 0.05;
     bar(tubes, head_top, stem, 0.014, slot::METAL, level);
     let end = |side: f32, y: f32, x: f32| Vec3::new(b.grip.x + x, side * y, b.grip.z);
-    let half = b.bar_half;
+    let half = b.bar_half_m;
     // Bars of upright bicycles sweep back to the grips.
     let bend = stem.lerp(b.grip, 0.35);
     let points = [
@@ -170,14 +170,14 @@ fn add_saddle(tubes: &mut Tubes, top: Vec3, level: usize) {
 
 fn add_fittings(tubes: &mut Tubes, b: &Bicycle, level: usize) {
     let [rear, front] = b.axles();
-    let over = b.wheel_radius + 0.022;
+    let over = b.wheel_radius_m + 0.022;
     if b.fittings.mudguards {
         let half = [0.005, 0.027];
         arc(tubes, rear, over, [-0.62 * PI, 0.30 * PI], half, slot::MUDGUARD, level);
         arc(tubes, front, over, [-0.62 * PI, 0.17 * PI], half, slot::MUDGUARD, level);
     }
     if b.fittings.rack {
-        let z = rear.z + b.wheel_radius + 0.06;
+        let z = rear.z + b.wheel_radius_m + 0.06;
         let ends = [Vec3::new(rear.x - 0.20, 0.0, z), Vec3::new(rear.x + 0.17, 0.0, z)];
         pipe(tubes, &ends, [0.006, 0.065], slot::PLASTIC, level);
         for side in [1.0, -1.0] {

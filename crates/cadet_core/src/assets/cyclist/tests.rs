@@ -46,7 +46,7 @@ fn feet_stay_on_the_pedals_through_a_turn_of_the_crank_at_every_level() {
             for (level, (_, mesh)) in legs.levels.iter().enumerate() {
                 let shoes = corners(mesh, SHOES);
                 for side in [1.0, -1.0] {
-                    let pedal = Vec3::new(x + side * b.crank * sin, side * b.pedal_y, z + side * b.crank * cos);
+                    let pedal = Vec3::new(x + side * b.crank_m * sin, side * b.pedal_y, z + side * b.crank_m * cos);
                     // The sole lies on the pedal's upper side, 1.2 cm over its middle.
                     let gap = distance(&shoes, pedal + Vec3::Z * 0.012);
                     assert!(gap < 0.01, "{}: level {level}, {phase}, side {side}: {gap} m", cyclist.name);
@@ -70,7 +70,7 @@ fn hands_are_on_the_grips_riding_and_standing() {
                 }
             }
         }
-        let lean_deg = cyclist.design.riding.lean.to_degrees();
+        let lean_deg = cyclist.design.riding.lean_rad.to_degrees();
         assert!((2.0..52.0).contains(&lean_deg), "{}: trunk at {lean_deg} degrees", cyclist.name);
     }
 }
@@ -116,7 +116,7 @@ fn cyclists_are_about_as_large_as_the_boxes_drawn_round_them() {
                     - if k == 2 { annotated.bottom_center_in_box.z } else { 0.0 },
             );
         }
-        lean.push(cyclist.design.riding.lean);
+        lean.push(cyclist.design.riding.lean_rad);
         children += usize::from(cyclist.name.starts_with("child"));
     }
     for (k, off) in off.iter_mut().enumerate() {

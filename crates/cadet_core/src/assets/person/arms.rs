@@ -20,40 +20,40 @@ pub(in crate::assets) struct ArmLine {
 
 /// The shoulder joint.
 pub(in crate::assets) fn shoulder(p: &Proportions, frame: &Frame, side: f32) -> Vec3 {
-    frame.spine(0.94 * p.trunk) + frame.left(p.trunk) * side * p.shoulder_half
+    frame.spine(0.94 * p.trunk_m) + frame.left(p.trunk_m) * side * p.shoulder_half_m
 }
 
 /// An arm held at angles.
 pub(in crate::assets) fn arm_line(p: &Proportions, frame: &Frame, side: f32, arm: Arm) -> ArmLine {
-    let (forward, left) = (frame.forward(p.trunk), frame.left(p.trunk) * side);
-    let out = sinf(arm.lift);
-    let upper = (forward * (sinf(arm.swing) * cosf(arm.lift)) + left * out
-        - Vec3::Z * (cosf(arm.swing) * cosf(arm.lift)))
+    let (forward, left) = (frame.forward(p.trunk_m), frame.left(p.trunk_m) * side);
+    let out = sinf(arm.lift_rad);
+    let upper = (forward * (sinf(arm.swing_rad) * cosf(arm.lift_rad)) + left * out
+        - Vec3::Z * (cosf(arm.swing_rad) * cosf(arm.lift_rad)))
     .normalize();
     // The forearm folds forward and inward, square to the upper arm.
-    let fold = forward * cosf(arm.inward) - left * sinf(arm.inward);
+    let fold = forward * cosf(arm.inward_rad) - left * sinf(arm.inward_rad);
     let fold = (fold - upper * fold.dot(upper)).normalize();
-    let fore = upper * cosf(arm.elbow) + fold * sinf(arm.elbow);
+    let fore = upper * cosf(arm.elbow_rad) + fold * sinf(arm.elbow_rad);
     ArmLine { shoulder: shoulder(p, frame, side), upper, fore, fold, side }
 }
 
 /// The directions of two links from a joint to an end: the joint between them is on the side of `pole`. Out of reach
 /// they are straight.
-pub(in crate::assets) fn two_links(from: Vec3, to: Vec3, a: f32, b: f32, pole: Vec3) -> (Vec3, Vec3) {
+pub(in crate::assets) fn two_links(from: Vec3, to: Vec3, a_m: f32, b_m: f32, pole: Vec3) -> (Vec3, Vec3) {
     let d = to - from;
-    let reach = d.length().clamp((a - b).abs() + 1e-3, 0.9995 * (a + b));
+    let reach = d.length().clamp((a_m - b_m).abs() + 1e-3, 0.9995 * (a_m + b_m));
     let along = d.normalize_or(Vec3::NEG_Z);
     let aside = (pole - along * pole.dot(along)).normalize();
-    let angle = acosf(((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0));
+    let angle = acosf(((a_m * a_m + reach * reach - b_m * b_m) / (2.0 * a_m * reach)).clamp(-1.0, 1.0));
     let first = along * cosf(angle) + aside * sinf(angle);
-    let second = (along * reach - first * a).normalize();
+    let second = (along * reach - first * a_m).normalize();
     (first, second)
 }
 
 /// The arm whose hand is at a place, and whose elbow points another way.
 pub(in crate::assets) fn arm_to(p: &Proportions, frame: &Frame, side: f32, hand: Vec3, elbow_to: Vec3) -> ArmLine {
     let from = shoulder(p, frame, side);
-    let (upper, fore) = two_links(from, hand, p.upper_arm, p.forearm + 0.5 * p.hand, elbow_to);
+    let (upper, fore) = two_links(from, hand, p.upper_arm_m, p.forearm_m + 0.5 * p.hand_m, elbow_to);
     let fold = (fore - upper * fore.dot(upper)).normalize_or(Vec3::X);
     ArmLine { shoulder: from, upper, fore, fold, side }
 }
@@ -67,10 +67,10 @@ pub(in crate::assets) fn add_arm(
     level: usize,
 ) -> Vec3 {
     let ArmLine { shoulder, upper, fore, fold, side } = *line;
-    let g = frame.g;
-    let (forward, left) = (frame.forward(p.trunk), frame.left(p.trunk) * side);
-    let elbow = shoulder + upper * p.upper_arm;
-    let wrist = elbow + fore * p.forearm;
+    let g = frame.girth_scale;
+    let (forward, left) = (frame.forward(p.trunk_m), frame.left(p.trunk_m) * side);
+    let elbow = shoulder + upper * p.upper_arm_m;
+    let wrist = elbow + fore * p.forearm_m;
     let loose = match p.top {
         Top::TShirt => 0.006,
         Top::Shirt => 0.009,
@@ -89,8 +89,8 @@ pub(in crate::assets) fn add_arm(
         slot,
         level,
     };
-    let on_upper = |t: f32| shoulder + upper * (p.upper_arm * t);
-    let on_fore = |t: f32| elbow + fore * (p.forearm * t);
+    let on_upper = |t: f32| shoulder + upper * (p.upper_arm_m * t);
+    let on_fore = |t: f32| elbow + fore * (p.forearm_m * t);
     // One reference direction along the whole arm, so that the tube does not twist.
     let reference = {
         let c = upper.cross(fore);
@@ -115,9 +115,9 @@ pub(in crate::assets) fn add_arm(
         }
     }
     tubes.tube(&rings, SIDES[level][2], level, -1.0);
-    let scale = p.hand / 0.19;
+    let scale = p.hand_m / 0.19;
     let flat = |t: f32, a: f32, b: f32, level: usize| Ring {
-        center: wrist + fore * (t * p.hand),
+        center: wrist + fore * (t * p.hand_m),
         along: fore,
         forward: if upper.cross(fore).length_squared() > 1e-4 { fold } else { forward },
         half: [a * scale, b * scale],
@@ -132,7 +132,7 @@ pub(in crate::assets) fn add_arm(
         flat(0.86, 0.020, 0.013, 0),
     ];
     tubes.tube(&hand, SIDES[level][2] / 2 + 2, level, -1.0);
-    wrist + fore * (0.5 * p.hand)
+    wrist + fore * (0.5 * p.hand_m)
 }
 
 /// An upright soft box.
@@ -152,23 +152,23 @@ fn sack(tubes: &mut Tubes, center: Vec3, forward: Vec3, half: Vec3, level: usize
 }
 
 pub(in crate::assets) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Frame, wrists: [Vec3; 2], level: usize) {
-    let k = p.stature / 1.75;
+    let k = p.stature_m / 1.75;
     match p.load {
         Load::None => {}
         Load::Backpack => {
-            let z = 0.60 * p.trunk;
+            let z = 0.60 * p.trunk_m;
             let (f, loose) = (frame.forward(z), if p.top == Top::Coat { 0.045 } else { 0.02 });
-            let center = frame.spine(z) - f * (0.105 * frame.g + loose + 0.08 * k);
+            let center = frame.spine(z) - f * (0.105 * frame.girth_scale + loose + 0.08 * k);
             sack(tubes, center, f, Vec3::new(0.09, 0.15, 0.22) * k, level);
         }
         Load::ShoulderBag => {
-            let z = 0.05 * p.trunk;
+            let z = 0.05 * p.trunk_m;
             let (f, left) = (frame.forward(z), frame.left(z));
-            let center = frame.spine(z) + left * (0.168 * frame.g + 0.065) - f * 0.08;
+            let center = frame.spine(z) + left * (0.168 * frame.girth_scale + 0.065) - f * 0.08;
             sack(tubes, center, f, Vec3::new(0.16, 0.055, 0.14), level);
             if level < 2 {
                 let strap: Vec<Ring> =
-                    [center + Vec3::Z * 0.12, frame.spine(1.08 * p.trunk) + left * (0.8 * p.shoulder_half)]
+                    [center + Vec3::Z * 0.12, frame.spine(1.08 * p.trunk_m) + left * (0.8 * p.shoulder_half_m)]
                         .iter()
                         .map(|c| Ring {
                             center: *c,
@@ -184,7 +184,7 @@ pub(in crate::assets) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Fr
         }
         Load::Shopping => {
             let hand = usize::from(p.arms[0] != ArmPose::Carry || p.held[0].is_some());
-            let room = (wrists[hand].z + p.thigh + p.shank + p.ankle_height - 0.10).clamp(0.15, 0.42);
+            let room = (wrists[hand].z + p.thigh_m + p.shank_m + p.ankle_height_m - 0.10).clamp(0.15, 0.42);
             let center = wrists[hand] - Vec3::Z * (0.5 * room + 0.06);
             sack(tubes, center, Vec3::X, Vec3::new(0.16, 0.075, 0.5 * room), level);
         }

@@ -43,28 +43,36 @@ pub(in crate::assets) struct LegLine {
     /// Toward the kneecap, about square to the leg.
     pub forward: Vec3,
     /// The sole's pitch, toes up positive.
-    pub sole: f32,
+    pub sole_rad: f32,
     /// +1 on the left, -1 on the right.
     pub side: f32,
 }
 
 fn leg_line(p: &Proportions, posture: &Posture, side: f32, leg: Leg) -> LegLine {
-    let yaw = posture.pelvis_yaw;
-    let hip = Vec3::new(-side * sinf(yaw) * p.hip_half, posture.sway + side * cosf(yaw) * p.hip_half, 0.0);
+    let yaw = posture.pelvis_yaw_rad;
+    let hip = Vec3::new(-side * sinf(yaw) * p.hip_half_m, posture.sway_m + side * cosf(yaw) * p.hip_half_m, 0.0);
     // The leg leans in its plane so that the foot lands on its line.
-    let foot_y = side * p.step_half_width.max(if p.speed == 0.0 { 0.10 } else { 0.0 });
-    let slope = (foot_y - hip.y) / (p.thigh + p.shank);
+    let foot_y = side * p.step_half_width_m.max(if p.speed_mps == 0.0 { 0.10 } else { 0.0 });
+    let slope = (foot_y - hip.y) / (p.thigh_m + p.shank_m);
     let slanted = |v: Vec3| Vec3::new(v.x, v.y - slope * v.z, v.z);
-    let forward = Vec3::new(cosf(0.5 * (leg.thigh + leg.shank)), 0.0, sinf(0.5 * (leg.thigh + leg.shank)));
-    LegLine { hip, thigh: slanted(down(leg.thigh)), shank: slanted(down(leg.shank)), forward, sole: leg.sole, side }
+    let forward =
+        Vec3::new(cosf(0.5 * (leg.thigh_rad + leg.shank_rad)), 0.0, sinf(0.5 * (leg.thigh_rad + leg.shank_rad)));
+    LegLine {
+        hip,
+        thigh: slanted(down(leg.thigh_rad)),
+        shank: slanted(down(leg.shank_rad)),
+        forward,
+        sole_rad: leg.sole_rad,
+        side,
+    }
 }
 
 /// Adds a leg and its foot; returns the knee.
 pub(in crate::assets) fn add_leg(tubes: &mut Tubes, p: &Proportions, line: &LegLine, level: usize) -> Vec3 {
-    let LegLine { hip, thigh, shank, forward, sole, side } = *line;
-    let g = p.girth * p.stature / 1.75;
-    let knee = hip + thigh * p.thigh;
-    let ankle = knee + shank * p.shank;
+    let LegLine { hip, thigh, shank, forward, sole_rad, side } = *line;
+    let g = p.girth_factor * p.stature_m / 1.75;
+    let knee = hip + thigh * p.thigh_m;
+    let ankle = knee + shank * p.shank_m;
     let bare = matches!(p.legwear, Legwear::Shorts | Legwear::Skirt);
     let wide = match p.legwear {
         Legwear::WideTrousers => 0.028,
@@ -84,9 +92,9 @@ pub(in crate::assets) fn add_leg(tubes: &mut Tubes, p: &Proportions, line: &LegL
         level,
     };
     let hem = if p.legwear == Legwear::Shorts { 0.030 } else { wide };
-    let on_thigh = |t: f32| hip + thigh * (p.thigh * t);
+    let on_thigh = |t: f32| hip + thigh * (p.thigh_m * t);
     let on_shank =
-        |t: f32| knee + shank * (p.shank * t) - forward * (0.010 * (1.0 - t) * if t > 0.1 { 1.0 } else { 0.0 });
+        |t: f32| knee + shank * (p.shank_m * t) - forward * (0.010 * (1.0 - t) * if t > 0.1 { 1.0 } else { 0.0 });
     let rings = [
         ring(on_thigh(-0.06), thigh, 0.080, wide, upper, 0),
         ring(on_thigh(0.08), thigh, 0.088, wide, upper, 2),
@@ -102,34 +110,34 @@ pub(in crate::assets) fn add_leg(tubes: &mut Tubes, p: &Proportions, line: &LegL
         ring(on_shank(1.0), shank, 0.036, 1.5 * loose, lower, 2),
     ];
     tubes.tube(&rings, SIDES[level][1], level, -1.0);
-    add_foot(tubes, p, ankle, sole, side, level);
+    add_foot(tubes, p, ankle, sole_rad, side, level);
     knee
 }
 
 /// Along a foot and up from its sole.
-pub(in crate::assets) fn foot_axes(pitch: f32, side: f32) -> (Vec3, Vec3) {
+pub(in crate::assets) fn foot_axes(pitch_rad: f32, side: f32) -> (Vec3, Vec3) {
     let out = 0.10 * side;
     (
-        Vec3::new(cosf(pitch) * cosf(out), cosf(pitch) * sinf(out), sinf(pitch)),
-        Vec3::new(-sinf(pitch), 0.0, cosf(pitch)),
+        Vec3::new(cosf(pitch_rad) * cosf(out), cosf(pitch_rad) * sinf(out), sinf(pitch_rad)),
+        Vec3::new(-sinf(pitch_rad), 0.0, cosf(pitch_rad)),
     )
 }
 
-fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole: f32, side: f32, level: usize) {
+fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole_rad: f32, side: f32, level: usize) {
     // Toes stay on the ground while the heel rises.
-    let toe_pitch = if sole < 0.0 { sole + (-sole).min(0.75) } else { sole };
-    let (along, up) = foot_axes(sole, side);
+    let toe_pitch = if sole_rad < 0.0 { sole_rad + (-sole_rad).min(0.75) } else { sole_rad };
+    let (along, up) = foot_axes(sole_rad, side);
     let (toe_along, toe_up) = foot_axes(toe_pitch, side);
-    let ball = ankle + along * p.ball_before_ankle - up * p.ankle_height;
+    let ball = ankle + along * p.ball_before_ankle_m - up * p.ankle_height_m;
     const CUT: f32 = -0.80;
-    let scale = p.foot / 0.29;
+    let scale = p.foot_m / 0.29;
     let ring = |x: f32, height: f32, half_width: f32, level: usize| {
         let half = height * scale / (1.0 - CUT);
-        let past = x * p.foot - p.ball_before_ankle;
+        let past = x * p.foot_m - p.ball_before_ankle_m;
         let (ground, direction, normal) = if past > 0.0 {
             (ball + toe_along * past, toe_along, toe_up)
         } else {
-            (ankle + along * (x * p.foot) - up * p.ankle_height, along, up)
+            (ankle + along * (x * p.foot_m) - up * p.ankle_height_m, along, up)
         };
         Ring {
             center: ground - normal * (CUT * half),
@@ -155,8 +163,8 @@ fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole: f32, side: f3
 }
 
 pub(in crate::assets) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
-    let g = frame.g;
-    let t = p.trunk;
+    let g = frame.girth_scale;
+    let t = p.trunk_m;
     let (hips, chest) = match p.kind {
         PersonKind::Woman => (1.04, 0.93),
         _ => (1.0, 1.0),
@@ -167,11 +175,11 @@ pub(in crate::assets) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &F
         Top::Coat => 0.045,
     };
     let bottom = slot::LEGS;
-    let sh = p.shoulder_half;
+    let sh = p.shoulder_half_m;
     let ring = |z: f32, dx: f32, x: f32, y: f32, slot: u8, level: usize| {
         frame.ring(z * t, dx, [x * g + loose, y * g + loose], slot, level)
     };
-    let belly = p.belly;
+    let belly = p.belly_m;
     let bust = if p.kind == PersonKind::Woman { 0.022 } else { 0.0 };
     let rings = [
         frame.ring(-0.14 * t, 0.0, [0.075 * g, 0.100 * g], bottom, 0),
@@ -190,7 +198,7 @@ pub(in crate::assets) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &F
     tubes.tube(&rings, SIDES[level][0], level, -1.0);
     let neck = [
         frame.ring(1.02 * t, -0.005, [0.056 * g, 0.058 * g], slot::SKIN, 2),
-        frame.ring(p.chin + 0.25 * p.head, 0.004, [0.053 * g, 0.053 * g], slot::SKIN, 2),
+        frame.ring(p.chin_m + 0.25 * p.head_m, 0.004, [0.053 * g, 0.053 * g], slot::SKIN, 2),
     ];
     tubes.tube(&neck, SIDES[level][2], level, -1.0);
 }
@@ -202,11 +210,11 @@ fn add_skirts(tubes: &mut Tubes, p: &Proportions, frame: &Frame, knees: [Vec3; 2
     if !coat && !skirt {
         return;
     }
-    let g = frame.g;
+    let g = frame.girth_scale;
     let (slot, top_half, top_z, reach) = if coat {
-        (slot::TOP, [0.105 * g + 0.05, 0.165 * g + 0.045], 0.22 * p.trunk, 0.72)
+        (slot::TOP, [0.105 * g + 0.05, 0.165 * g + 0.045], 0.22 * p.trunk_m, 0.72)
     } else {
-        (slot::LEGS, [0.112 * g + 0.012, 0.160 * g + 0.012], 0.14 * p.trunk, 1.0)
+        (slot::LEGS, [0.112 * g + 0.012, 0.160 * g + 0.012], 0.14 * p.trunk_m, 1.0)
     };
     let rings: Vec<Ring> = [(0.0_f32, 2), (0.25, 1), (0.55, 0), (0.8, 1), (1.0, 2)]
         .iter()
@@ -220,7 +228,7 @@ fn add_skirts(tubes: &mut Tubes, p: &Proportions, frame: &Frame, knees: [Vec3; 2
             let ease = s * (2.0 - s);
             let half = [top_half[0] + spread + 0.012 * ease, top_half[1] + 0.02 * ease];
             Ring {
-                center: Vec3::new(0.5 * (front + back), frame.posture.sway * (1.0 - 0.5 * s), z),
+                center: Vec3::new(0.5 * (front + back), frame.posture.sway_m * (1.0 - 0.5 * s), z),
                 along: Vec3::NEG_Z,
                 forward: Vec3::X,
                 half,

@@ -13,28 +13,28 @@ pub(in crate::assets) struct Frame<'a> {
     p: &'a Proportions,
     pub posture: &'a Posture,
     /// Scale of girths.
-    pub g: f32,
+    pub girth_scale: f32,
 }
 
 impl<'a> Frame<'a> {
     pub fn new(p: &'a Proportions, posture: &'a Posture) -> Self {
-        Self { p, posture, g: p.girth * p.stature / 1.75 }
+        Self { p, posture, girth_scale: p.girth_factor * p.stature_m / 1.75 }
     }
 
     pub fn up(&self) -> Vec3 {
-        let lean = self.posture.lean;
+        let lean = self.posture.lean_rad;
         Vec3::new(sinf(lean), 0.0, cosf(lean))
     }
 
     pub fn spine(&self, z: f32) -> Vec3 {
         // The sway fades toward the head.
-        let sway = self.posture.sway * (1.0 - 0.5 * (z / self.p.trunk).clamp(0.0, 1.0));
+        let sway = self.posture.sway_m * (1.0 - 0.5 * (z / self.p.trunk_m).clamp(0.0, 1.0));
         Vec3::new(0.0, sway, 0.0) + self.up() * z
     }
 
     pub fn forward(&self, z: f32) -> Vec3 {
-        let t = (z / self.p.trunk).clamp(0.0, 1.0);
-        let yaw = self.posture.pelvis_yaw + (self.posture.shoulder_yaw - self.posture.pelvis_yaw) * t;
+        let t = (z / self.p.trunk_m).clamp(0.0, 1.0);
+        let yaw = self.posture.pelvis_yaw_rad + (self.posture.shoulder_yaw_rad - self.posture.pelvis_yaw_rad) * t;
         Vec3::new(cosf(yaw), sinf(yaw), 0.0)
     }
 
@@ -43,13 +43,13 @@ impl<'a> Frame<'a> {
         Vec3::new(-f.y, f.x, 0.0)
     }
 
-    pub fn ring(&self, z: f32, dx: f32, half: [f32; 2], slot: u8, level: usize) -> Ring {
+    pub fn ring(&self, z: f32, forward_m: f32, half: [f32; 2], slot: u8, level: usize) -> Ring {
         let forward = self.forward(z);
-        Ring { center: self.spine(z) + forward * dx, along: self.up(), forward, half, slot, level }
+        Ring { center: self.spine(z) + forward * forward_m, along: self.up(), forward, half, slot, level }
     }
 }
 
 /// Along a limb that hangs, swung forward by an angle.
-pub(in crate::assets) fn down(angle: f32) -> Vec3 {
-    Vec3::new(sinf(angle), 0.0, -cosf(angle))
+pub(in crate::assets) fn down(angle_rad: f32) -> Vec3 {
+    Vec3::new(sinf(angle_rad), 0.0, -cosf(angle_rad))
 }

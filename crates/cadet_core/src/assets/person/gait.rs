@@ -17,24 +17,24 @@ const STANCE: f32 = 0.6;
 #[derive(Debug, Clone, Copy)]
 pub(in crate::assets) struct Leg {
     /// The thigh's direction.
-    pub thigh: f32,
+    pub thigh_rad: f32,
     /// The shank's direction.
-    pub shank: f32,
+    pub shank_rad: f32,
     /// The sole's pitch, toes up positive.
-    pub sole: f32,
+    pub sole_rad: f32,
 }
 
 /// An arm, radians.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::assets) struct Arm {
     /// The upper arm's swing, forward positive.
-    pub swing: f32,
+    pub swing_rad: f32,
     /// The upper arm's lift to the side.
-    pub lift: f32,
+    pub lift_rad: f32,
     /// The elbow's flexion.
-    pub elbow: f32,
+    pub elbow_rad: f32,
     /// How far the forearm points inward rather than forward.
-    pub inward: f32,
+    pub inward_rad: f32,
 }
 
 /// A whole posture; index 0 is the left side.
@@ -45,12 +45,12 @@ pub(in crate::assets) struct Posture {
     /// Of the walking cycle, in which what is held may move.
     pub phase: f32,
     /// Rotation of pelvis and of shoulders about z, radians.
-    pub pelvis_yaw: f32,
-    pub shoulder_yaw: f32,
+    pub pelvis_yaw_rad: f32,
+    pub shoulder_yaw_rad: f32,
     /// Sideways shift of the pelvis, meters to the left.
-    pub sway: f32,
+    pub sway_m: f32,
     /// Trunk's forward lean, radians.
-    pub lean: f32,
+    pub lean_rad: f32,
 }
 
 /// Periodic cubic (Catmull-Rom) interpolation of a table over the cycle.
@@ -70,27 +70,30 @@ fn table_leg(phase: f32, scale: f32) -> Leg {
     let pitch = hip - knee + ankle;
     // The table leaves the sole 5 degrees up while it is flat on the ground.
     let flat = (5.0 * scale).to_radians();
-    let sole = if pitch > flat { pitch - flat } else { pitch.min(0.0) };
-    Leg { thigh: hip, shank: hip - knee, sole }
+    let sole_rad = if pitch > flat { pitch - flat } else { pitch.min(0.0) };
+    Leg { thigh_rad: hip, shank_rad: hip - knee, sole_rad }
 }
 
 /// Where the ankle is relative to where it is with the sole flat, when the foot rolls over heel and ball.
 fn roll(p: &Proportions, sole: f32) -> f32 {
     let (c, s) = (cosf(sole), sinf(sole));
-    let (heel, ball, height) = (p.heel_behind_ankle, p.ball_before_ankle, p.ankle_height);
+    let (heel, ball, height) = (p.heel_behind_ankle_m, p.ball_before_ankle_m, p.ankle_height_m);
     if sole > 0.0 { heel * (c - 1.0) - height * s } else { ball * (1.0 - c) - height * s }
 }
 
 /// Ankle relative to the hip: forward and up.
 fn ankle(p: &Proportions, leg: Leg) -> (f32, f32) {
-    (p.thigh * sinf(leg.thigh) + p.shank * sinf(leg.shank), -p.thigh * cosf(leg.thigh) - p.shank * cosf(leg.shank))
+    (
+        p.thigh_m * sinf(leg.thigh_rad) + p.shank_m * sinf(leg.shank_rad),
+        -p.thigh_m * cosf(leg.thigh_rad) - p.shank_m * cosf(leg.shank_rad),
+    )
 }
 
 /// By how much the table's ankle lies behind the place that keeps the standing foot still on the ground.
 fn slip(p: &Proportions, phase: f32, scale: f32) -> f32 {
     let planted = |phase: f32| -> f32 {
         let leg = table_leg(phase, scale);
-        roll(p, leg.sole) - p.cycle_length * phase - ankle(p, leg).0
+        roll(p, leg.sole_rad) - p.cycle_length_m * phase - ankle(p, leg).0
     };
     let middle = planted(0.25);
     if phase < STANCE {
@@ -110,23 +113,23 @@ fn walking_leg(p: &Proportions, phase: f32, scale: f32) -> Leg {
     let (x, z) = ankle(p, leg);
     let x = x + slip(p, phase, scale);
     // Two-link inverse kinematics with the knee forward.
-    let (a, b) = (p.thigh, p.shank);
+    let (a, b) = (p.thigh_m, p.shank_m);
     let reach = (x * x + z * z).sqrt().clamp((a - b).abs() + 1e-3, 0.9985 * (a + b));
     let at_hip = acosf(((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0));
     let at_knee = acosf(((a * a + b * b - reach * reach) / (2.0 * a * b)).clamp(-1.0, 1.0));
-    let thigh = atan2f(x, -z) + at_hip;
-    Leg { thigh, shank: thigh - (std::f32::consts::PI - at_knee), sole: leg.sole }
+    let thigh_rad = atan2f(x, -z) + at_hip;
+    Leg { thigh_rad, shank_rad: thigh_rad - (std::f32::consts::PI - at_knee), sole_rad: leg.sole_rad }
 }
 
 /// The posture of a walker at a phase of the cycle; the left heel strikes at 0.
 pub(in crate::assets) fn walking(p: &Proportions, phase: f32) -> Posture {
-    let scale = (p.speed / 1.35).clamp(0.6, 1.3);
+    let scale = (p.speed_mps / 1.35).clamp(0.6, 1.3);
     let legs = [walking_leg(p, phase, scale), walking_leg(p, phase + 0.5, scale)];
     let turn = cosf(phase * TAU);
     let arm = |side: f32, pose: ArmPose| match pose {
         ArmPose::Swing => {
-            let swing = -22.0_f32.to_radians() * turn * side * scale + 0.05;
-            Arm { swing, lift: 0.10, elbow: p.elbow + 0.20 * swing.max(0.0), inward: 0.25 }
+            let swing_rad = -22.0_f32.to_radians() * turn * side * scale + 0.05;
+            Arm { swing_rad, lift_rad: 0.10, elbow_rad: p.elbow_rad + 0.20 * swing_rad.max(0.0), inward_rad: 0.25 }
         }
         held => held_arm(p, held, 0.3 * turn * side),
     };
@@ -134,39 +137,39 @@ pub(in crate::assets) fn walking(p: &Proportions, phase: f32) -> Posture {
         legs,
         arms: [arm(1.0, p.arms[0]), arm(-1.0, p.arms[1])],
         phase,
-        pelvis_yaw: -4.0_f32.to_radians() * turn * scale,
-        shoulder_yaw: 5.0_f32.to_radians() * turn * scale,
-        sway: 0.018 * sinf(phase * TAU - 0.3),
-        lean: p.lean,
+        pelvis_yaw_rad: -4.0_f32.to_radians() * turn * scale,
+        shoulder_yaw_rad: 5.0_f32.to_radians() * turn * scale,
+        sway_m: 0.018 * sinf(phase * TAU - 0.3),
+        lean_rad: p.lean_rad,
     }
 }
 
 fn held_arm(p: &Proportions, pose: ArmPose, swing: f32) -> Arm {
     match pose {
         ArmPose::Swing | ArmPose::Hang => {
-            Arm { swing: 0.06 + 0.15 * swing, lift: 0.14, elbow: 0.6 * p.elbow, inward: 0.3 }
+            Arm { swing_rad: 0.06 + 0.15 * swing, lift_rad: 0.14, elbow_rad: 0.6 * p.elbow_rad, inward_rad: 0.3 }
         }
-        ArmPose::Phone => Arm { swing: 0.35, lift: 0.15, elbow: 1.75, inward: 0.35 },
-        ArmPose::Pocket => Arm { swing: -0.25, lift: 0.30, elbow: 0.75, inward: 0.55 },
-        ArmPose::Crossed => Arm { swing: 0.30, lift: 0.12, elbow: 1.55, inward: 1.15 },
-        ArmPose::Carry => Arm { swing: 0.05 + 0.2 * swing, lift: 0.20, elbow: 0.12, inward: 0.0 },
-        ArmPose::Strap => Arm { swing: 0.20, lift: 0.18, elbow: 2.0, inward: 0.3 },
+        ArmPose::Phone => Arm { swing_rad: 0.35, lift_rad: 0.15, elbow_rad: 1.75, inward_rad: 0.35 },
+        ArmPose::Pocket => Arm { swing_rad: -0.25, lift_rad: 0.30, elbow_rad: 0.75, inward_rad: 0.55 },
+        ArmPose::Crossed => Arm { swing_rad: 0.30, lift_rad: 0.12, elbow_rad: 1.55, inward_rad: 1.15 },
+        ArmPose::Carry => Arm { swing_rad: 0.05 + 0.2 * swing, lift_rad: 0.20, elbow_rad: 0.12, inward_rad: 0.0 },
+        ArmPose::Strap => Arm { swing_rad: 0.20, lift_rad: 0.18, elbow_rad: 2.0, inward_rad: 0.3 },
     }
 }
 
 /// The posture of a person who stands with the weight on one leg.
 pub(in crate::assets) fn standing(p: &Proportions) -> Posture {
-    let straight = Leg { thigh: 0.0, shank: -0.01, sole: 0.0 };
-    let bent = Leg { thigh: 0.16, shank: -0.10, sole: 0.0 };
+    let straight = Leg { thigh_rad: 0.0, shank_rad: -0.01, sole_rad: 0.0 };
+    let bent = Leg { thigh_rad: 0.16, shank_rad: -0.10, sole_rad: 0.0 };
     let is_left = p.weight_on_left;
     Posture {
         legs: if is_left { [straight, bent] } else { [bent, straight] },
         arms: p.arms.map(|a| held_arm(p, a, 0.0)),
         phase: 0.0,
-        pelvis_yaw: 0.0,
-        shoulder_yaw: if is_left { 0.06 } else { -0.06 },
-        sway: if is_left { 0.035 } else { -0.035 },
-        lean: p.lean,
+        pelvis_yaw_rad: 0.0,
+        shoulder_yaw_rad: if is_left { 0.06 } else { -0.06 },
+        sway_m: if is_left { 0.035 } else { -0.035 },
+        lean_rad: p.lean_rad,
     }
 }
 

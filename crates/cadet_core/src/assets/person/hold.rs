@@ -24,12 +24,12 @@ pub(in crate::assets) enum Hold {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::assets) struct Pole {
     /// From the grip to the tip.
-    pub length: f32,
+    pub length_m: f32,
     /// Where grip and tip are in the middle of the way that the tip is on the ground: forward, and to the left.
     pub grip_xy: [f32; 2],
     pub tip_xy: [f32; 2],
     /// Phase of the gait at which it is put down.
-    pub strikes_at: f32,
+    pub strikes_at_phase: f32,
     /// Way of a cycle; 0 for somebody who stands.
     pub cycle_m: f32,
 }
@@ -58,7 +58,7 @@ impl Pole {
         if self.cycle_m <= 0.0 {
             return (0.0, 0.0);
         }
-        let own = phase - self.strikes_at;
+        let own = phase - self.strikes_at_phase;
         let own = own - own.floor();
         let reach = 0.5 * STANCE * self.cycle_m;
         if own < STANCE {
@@ -80,7 +80,7 @@ impl Pole {
         let tip = self.tip(phase);
         let x = self.grip_xy[0] + HAND_SHARE * self.step(phase).0;
         let aside = [x - tip.x, self.grip_xy[1] - tip.y];
-        let up = (self.length * self.length - aside[0] * aside[0] - aside[1] * aside[1]).max(0.0).sqrt();
+        let up = (self.length_m * self.length_m - aside[0] * aside[0] - aside[1] * aside[1]).max(0.0).sqrt();
         Vec3::new(x, self.grip_xy[1], tip.z + up)
     }
 }

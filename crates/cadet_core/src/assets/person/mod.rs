@@ -92,18 +92,18 @@ impl PersonModel {
 
     fn of(p: Proportions, sitting: Option<Sitting>, annotated: AnnotatedBox, model_seed: u64, s: &mut Stream) -> Self {
         let palette = clothes::palette(p.kind, p.headwear, s);
-        let num_phases = if p.speed > 0.0 { NUM_PHASES / 2 } else { 1 };
+        let num_phases = if p.speed_mps > 0.0 { NUM_PHASES / 2 } else { 1 };
         let bounds = (0..num_phases)
             .map(|k| 2 * k)
             .map(|k| Bounds::of(grounded(&p, sitting.as_ref(), k, 0).vertices))
             .fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
         let (size, center) = (bounds.size(), bounds.center());
         Self {
-            name: format!("{}/{model_seed}", p.kind.name()),
+            name: format!("{}/{model_seed}", p.kind.as_ref()),
             size_lwh: DVec3::new(f64::from(size.x), f64::from(size.y), f64::from(bounds.max.z)),
             annotated,
-            walking_speed_mps: f64::from(p.speed),
-            cycle_length_m: f64::from(p.cycle_length),
+            walking_speed_mps: f64::from(p.speed_mps),
+            cycle_length_m: f64::from(p.cycle_length_m),
             palette: Arc::new(palette),
             sitting,
             belonging: None,
@@ -153,7 +153,7 @@ impl PersonModel {
                 _ => p.load = Load::None,
             }
         }
-        let (kind, what) = (p.kind.name(), thing.name());
+        let (kind, what) = (p.kind.as_ref(), thing.as_ref());
         Self {
             name: format!("{kind} with {what}/{}", self.seed),
             proportions: Arc::new(p),
@@ -173,7 +173,7 @@ impl PersonModel {
     #[must_use]
     pub fn pose(&self, phase: f64) -> LodSet {
         let wrapped = phase - phase.floor();
-        let k = if self.proportions.speed > 0.0 { (wrapped * NUM_PHASES as f64) as usize % NUM_PHASES } else { 0 };
+        let k = if self.proportions.speed_mps > 0.0 { (wrapped * NUM_PHASES as f64) as usize % NUM_PHASES } else { 0 };
         let shape = self.shapes[k].get_or_init(|| {
             // Most people are far away, and few are seen in more than one phase from near by.
             let level = |i: usize| {
@@ -196,7 +196,7 @@ impl PersonModel {
 fn grounded(p: &Proportions, sitting: Option<&Sitting>, phase_index: usize, level: usize) -> Tubes {
     let posture = match sitting {
         Some(sitting) => sitting.posture(p),
-        None if p.speed > 0.0 => gait::walking(p, phase_index as f32 / NUM_PHASES as f32),
+        None if p.speed_mps > 0.0 => gait::walking(p, phase_index as f32 / NUM_PHASES as f32),
         None => gait::standing(p),
     };
     let mut tubes = body::body(p, &posture, level);

@@ -1,5 +1,7 @@
 //! One person's measures and gait.
 
+use strum::AsRefStr;
+
 use super::hold::Hold;
 use crate::math;
 use crate::rng::Stream;
@@ -24,21 +26,12 @@ pub(in crate::assets) enum ArmPose {
 }
 
 /// Kind of person.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, AsRefStr)]
+#[strum(serialize_all = "lowercase")]
 pub(in crate::assets) enum PersonKind {
     Man,
     Woman,
     Child,
-}
-
-impl PersonKind {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Man => "man",
-            Self::Woman => "woman",
-            Self::Child => "child",
-        }
-    }
 }
 
 /// What covers the legs.
@@ -86,35 +79,35 @@ pub(in crate::assets) enum Headwear {
 pub(in crate::assets) struct Proportions {
     pub kind: PersonKind,
     /// Height with shoes and hair.
-    pub stature: f32,
+    pub stature_m: f32,
     /// Girth relative to a slim adult's, and how far the belly sticks out.
-    pub girth: f32,
-    pub belly: f32,
-    pub thigh: f32,
-    pub shank: f32,
-    pub upper_arm: f32,
-    pub forearm: f32,
-    pub hand: f32,
-    pub foot: f32,
+    pub girth_factor: f32,
+    pub belly_m: f32,
+    pub thigh_m: f32,
+    pub shank_m: f32,
+    pub upper_arm_m: f32,
+    pub forearm_m: f32,
+    pub hand_m: f32,
+    pub foot_m: f32,
     /// Ankle joint above the sole, shoes included.
-    pub ankle_height: f32,
-    pub heel_behind_ankle: f32,
-    pub ball_before_ankle: f32,
+    pub ankle_height_m: f32,
+    pub heel_behind_ankle_m: f32,
+    pub ball_before_ankle_m: f32,
     /// Half distance of hip joints, of shoulder joints, of the footprints.
-    pub hip_half: f32,
-    pub shoulder_half: f32,
-    pub step_half_width: f32,
+    pub hip_half_m: f32,
+    pub shoulder_half_m: f32,
+    pub step_half_width_m: f32,
     /// Shoulder joints above hip joints.
-    pub trunk: f32,
+    pub trunk_m: f32,
     /// Chin above hip joints, and the head's height.
-    pub chin: f32,
-    pub head: f32,
+    pub chin_m: f32,
+    pub head_m: f32,
     /// 0 for a person who stands, m/s.
-    pub speed: f32,
+    pub speed_mps: f32,
     /// Two steps, meters.
-    pub cycle_length: f32,
-    pub lean: f32,
-    pub elbow: f32,
+    pub cycle_length_m: f32,
+    pub lean_rad: f32,
+    pub elbow_rad: f32,
     pub arms: [ArmPose; 2],
     pub weight_on_left: bool,
     pub legwear: Legwear,
@@ -138,10 +131,10 @@ fn share_of_men(stature_m: f64) -> f64 {
 
 impl Proportions {
     /// Draws a person of a height.
-    pub fn draw(is_standing: bool, stature: f64, s: &mut Stream) -> Self {
-        let kind = if stature < TALLEST_CHILD_M {
+    pub fn draw(is_standing: bool, stature_m: f64, s: &mut Stream) -> Self {
+        let kind = if stature_m < TALLEST_CHILD_M {
             PersonKind::Child
-        } else if s.chance(share_of_men(stature)) {
+        } else if s.chance(share_of_men(stature_m)) {
             PersonKind::Man
         } else {
             PersonKind::Woman
@@ -154,7 +147,7 @@ impl Proportions {
             _ => s.clipped_normal(1.38, 0.22).clamp(0.85, 1.9),
         };
         // Step length grows with the root of speed; short people take shorter steps.
-        let step = (speed * 60.0 * 0.0064 * stature / 1.75).sqrt();
+        let step = (speed * 60.0 * 0.0064 * stature_m / 1.75).sqrt();
         let load_draw = s.unit();
         let load = if kind == PersonKind::Child {
             if load_draw < 0.4 { Load::Backpack } else { Load::None }
@@ -193,8 +186,8 @@ impl Proportions {
             Headwear::ShortHair
         };
         // The measures' fractions are of the naked height; shoes add 2.5 cm and hair 1.5.
-        let h = stature - 0.04;
-        let child = if kind == PersonKind::Child { ((1.6 - stature) / 0.45).clamp(0.0, 1.0) } else { 0.0 };
+        let h = stature_m - 0.04;
+        let child = if kind == PersonKind::Child { ((1.6 - stature_m) / 0.45).clamp(0.0, 1.0) } else { 0.0 };
         let leg_fraction = 0.530 - 0.07 * child;
         let head_fraction = 0.130 + 0.035 * child;
         let leg = (leg_fraction - 0.039) * h;
@@ -202,28 +195,28 @@ impl Proportions {
         let foot = 0.152 * h + 0.025;
         Self {
             kind,
-            stature: stature as f32,
-            girth: s.clipped_normal(if is_elderly { 1.08 } else { 1.0 }, 0.07) as f32,
-            belly: if kind == PersonKind::Child { 0.0 } else { (s.range(-0.04, 0.08)).max(0.0) as f32 },
-            thigh: (0.499 * leg) as f32,
-            shank: (0.501 * leg) as f32,
-            upper_arm: (0.186 * h) as f32,
-            forearm: (0.146 * h) as f32,
-            hand: (0.108 * h) as f32,
-            foot: foot as f32,
-            ankle_height: (0.039 * h + 0.025) as f32,
-            heel_behind_ankle: (0.235 * foot) as f32,
-            ball_before_ankle: (0.44 * foot) as f32,
-            hip_half: (0.050 * h * if is_woman { 1.04 } else { 1.0 }) as f32,
-            shoulder_half: ((0.1295 * h - 0.035) * wide) as f32,
-            step_half_width: s.range(0.04, 0.06) as f32,
-            trunk: ((0.818 - leg_fraction - 0.030 * child) * h - 0.02) as f32,
-            chin: ((1.0 - head_fraction - leg_fraction) * h) as f32,
-            head: (head_fraction * h) as f32,
-            speed: speed as f32,
-            cycle_length: (2.0 * step) as f32,
-            lean: if is_elderly { s.range(0.06, 0.16) } else { s.range(0.02, 0.07) } as f32,
-            elbow: s.range(0.26, 0.52) as f32,
+            stature_m: stature_m as f32,
+            girth_factor: s.clipped_normal(if is_elderly { 1.08 } else { 1.0 }, 0.07) as f32,
+            belly_m: if kind == PersonKind::Child { 0.0 } else { (s.range(-0.04, 0.08)).max(0.0) as f32 },
+            thigh_m: (0.499 * leg) as f32,
+            shank_m: (0.501 * leg) as f32,
+            upper_arm_m: (0.186 * h) as f32,
+            forearm_m: (0.146 * h) as f32,
+            hand_m: (0.108 * h) as f32,
+            foot_m: foot as f32,
+            ankle_height_m: (0.039 * h + 0.025) as f32,
+            heel_behind_ankle_m: (0.235 * foot) as f32,
+            ball_before_ankle_m: (0.44 * foot) as f32,
+            hip_half_m: (0.050 * h * if is_woman { 1.04 } else { 1.0 }) as f32,
+            shoulder_half_m: ((0.1295 * h - 0.035) * wide) as f32,
+            step_half_width_m: s.range(0.04, 0.06) as f32,
+            trunk_m: ((0.818 - leg_fraction - 0.030 * child) * h - 0.02) as f32,
+            chin_m: ((1.0 - head_fraction - leg_fraction) * h) as f32,
+            head_m: (head_fraction * h) as f32,
+            speed_mps: speed as f32,
+            cycle_length_m: (2.0 * step) as f32,
+            lean_rad: if is_elderly { s.range(0.06, 0.16) } else { s.range(0.02, 0.07) } as f32,
+            elbow_rad: s.range(0.26, 0.52) as f32,
             arms,
             weight_on_left: s.chance(0.5),
             legwear,

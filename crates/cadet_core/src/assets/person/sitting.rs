@@ -25,13 +25,13 @@ pub(super) struct Sitting {
 }
 
 /// Hands on the thighs.
-const ON_THIGHS: Arm = Arm { swing: 0.30, lift: 0.16, elbow: 0.95, inward: 0.35 };
+const ON_THIGHS: Arm = Arm { swing_rad: 0.30, lift_rad: 0.16, elbow_rad: 0.95, inward_rad: 0.35 };
 /// Something is held or read, or the arms lie on a table.
-const BEFORE_CHEST: Arm = Arm { swing: 0.55, lift: 0.14, elbow: 1.25, inward: 0.45 };
+const BEFORE_CHEST: Arm = Arm { swing_rad: 0.55, lift_rad: 0.14, elbow_rad: 1.25, inward_rad: 0.45 };
 /// A telephone or a cup is at the head.
-const AT_HEAD: Arm = Arm { swing: 0.70, lift: 0.20, elbow: 2.1, inward: 0.25 };
+const AT_HEAD: Arm = Arm { swing_rad: 0.70, lift_rad: 0.20, elbow_rad: 2.1, inward_rad: 0.25 };
 /// Hanging beside the seat.
-const ASIDE: Arm = Arm { swing: -0.05, lift: 0.28, elbow: 0.4, inward: 0.1 };
+const ASIDE: Arm = Arm { swing_rad: -0.05, lift_rad: 0.28, elbow_rad: 0.4, inward_rad: 0.1 };
 
 impl Sitting {
     /// Draws how somebody sits whose annotated box is so long: the feet reach forward in long ones.
@@ -51,22 +51,22 @@ impl Sitting {
 
     /// The posture in which the soles are on the ground; short legs hang from a high seat.
     pub fn posture(&self, p: &Proportions) -> Posture {
-        let from_hip_m = self.hip_m() - p.ankle_height;
+        let from_hip_m = self.hip_m() - p.ankle_height_m;
         let leg = |slope: f32| {
             // Long shanks lean; short ones stand upright, and the thighs slope down to them.
-            let slope = slope.max((from_hip_m - p.shank) / p.thigh).min(0.35);
-            let drop = ((from_hip_m - slope * p.thigh) / p.shank).clamp(0.8, 1.0);
-            let shank = acosf(drop) * if self.is_stretched { 1.0 } else { -1.0 };
-            Leg { thigh: acosf(slope), shank, sole: 0.0 }
+            let slope = slope.max((from_hip_m - p.shank_m) / p.thigh_m).min(0.35);
+            let drop = ((from_hip_m - slope * p.thigh_m) / p.shank_m).clamp(0.8, 1.0);
+            let shank_rad = acosf(drop) * if self.is_stretched { 1.0 } else { -1.0 };
+            Leg { thigh_rad: acosf(slope), shank_rad, sole_rad: 0.0 }
         };
         Posture {
             legs: self.slopes.map(leg),
             arms: self.arms,
             phase: 0.0,
-            pelvis_yaw: 0.0,
-            shoulder_yaw: 0.0,
-            sway: 0.0,
-            lean: self.lean,
+            pelvis_yaw_rad: 0.0,
+            shoulder_yaw_rad: 0.0,
+            sway_m: 0.0,
+            lean_rad: self.lean,
         }
     }
 }

@@ -43,8 +43,8 @@ fn heel(person: &PersonModel, phase: f64, is_left: bool) -> Vec3 {
     let posture = gait::walking(&person.proportions, phase as f32);
     let leg = posture.legs[usize::from(!is_left)];
     let p = &*person.proportions;
-    let x = p.thigh * crate::math::sinf(leg.thigh) + p.shank * crate::math::sinf(leg.shank);
-    Vec3::new(x, 0.0, leg.sole)
+    let x = p.thigh_m * crate::math::sinf(leg.thigh_rad) + p.shank_m * crate::math::sinf(leg.shank_rad);
+    Vec3::new(x, 0.0, leg.sole_rad)
 }
 
 #[test]
@@ -109,8 +109,8 @@ fn a_walker_swings_its_arms_against_its_legs() {
     let person = people(50).find(|p| p.walking_speed_mps > 1.2 && p.proportions.arms == [ArmPose::Swing; 2]);
     let p = person.expect("somebody walks with free arms").proportions;
     let posture = gait::walking(&p, 0.0);
-    assert!(posture.legs[0].thigh > 0.2 && posture.legs[1].thigh < 0.0, "the left heel strikes");
-    assert!(posture.arms[0].swing < -0.2 && posture.arms[1].swing > 0.2, "the left arm is back");
+    assert!(posture.legs[0].thigh_rad > 0.2 && posture.legs[1].thigh_rad < 0.0, "the left heel strikes");
+    assert!(posture.arms[0].swing_rad < -0.2 && posture.arms[1].swing_rad > 0.2, "the left arm is back");
 }
 
 #[test]

@@ -43,13 +43,13 @@ pub(in crate::assets) struct Tubes {
 }
 
 impl Tubes {
-    /// Adds a tube with `sides` corners a ring, closed at both ends by domes; `flat` cuts each ring off below this
-    /// fraction of its first half axis (soles), -1 for whole ellipses.
-    pub fn tube(&mut self, rings: &[Ring], sides: usize, level: usize, flat: f32) {
+    /// Adds a tube with `sides` corners a ring, closed at both ends by domes. Each ring is cut off below `flat_fraction`
+    /// of its first half axis (soles), -1 for whole ellipses.
+    pub fn tube(&mut self, rings: &[Ring], sides: usize, level: usize, flat_fraction: f32) {
         let rings: Vec<&Ring> = rings.iter().filter(|r| r.level >= level).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
         let start = self.vertices.len() as u32;
-        let circle: Vec<[f32; 2]> = circle(sides).iter().map(|[u, v]| [u.max(flat), *v]).collect();
+        let circle: Vec<[f32; 2]> = circle(sides).iter().map(|[u, v]| [u.max(flat_fraction), *v]).collect();
         self.vertices.reserve(rings.len() * sides + 2);
         for r in &rings {
             let across = r.along.cross(r.forward).normalize();
@@ -71,7 +71,11 @@ impl Tubes {
         for (ring, base, sign) in ends {
             let tip = self.vertices.len() as u32;
             let dome = 0.45 * ring.half[0].min(ring.half[1]);
-            let sink = if flat > -1.0 { ring.forward * (0.5 * (1.0 + flat) * ring.half[0] * 0.5) } else { Vec3::ZERO };
+            let sink = if flat_fraction > -1.0 {
+                ring.forward * (0.5 * (1.0 + flat_fraction) * ring.half[0] * 0.5)
+            } else {
+                Vec3::ZERO
+            };
             self.vertices.push(ring.center + ring.along * (sign * dome) + sink);
             for k in 0..n {
                 let l = (k + 1) % n;

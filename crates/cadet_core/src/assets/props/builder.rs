@@ -254,12 +254,12 @@ impl<'a> Drawing<'a> {
                 b.loft(&rings, slot, true);
             }
             Kind::Bush => {
-                let [half_x, half_y, low, top] = [0, 1, 2, 3].map(|k| n[k] as f32);
-                let is_usual = half_x.min(half_y).min(top - low) > 0.1 && half_x.max(half_y).max(top) < 6.0;
-                if !is_usual || low.abs() > 6.0 || n[4] < 1.0 {
+                let [half_x, half_y, low_m, top_m] = [0, 1, 2, 3].map(|k| n[k] as f32);
+                let is_usual = half_x.min(half_y).min(top_m - low_m) > 0.1 && half_x.max(half_y).max(top_m) < 6.0;
+                if !is_usual || low_m.abs() > 6.0 || n[4] < 1.0 {
                     return Err("a bush has half extents and a height of 0.1 to 6 m, and power 1 or more".to_owned());
                 }
-                let bush = Cushion { half: (half_x, half_y), low, top, power: n[4] as f32 };
+                let bush = Cushion { half: (half_x, half_y), low_m, top_m, power: n[4] as f32 };
                 bush.grow(&mut self.scope.stream, b, &mut self.leaves, self.detail);
             }
             Kind::Stems => {

@@ -311,7 +311,7 @@ impl LampHead {
             head: Head {
                 at: Vec3::ZERO,
                 is_globe: table.need("beam")?.one_of(&[("cut_off", false), ("globe", true)])?,
-                candela: table.need("candela")?.number(1.0, 1e5)? as f32,
+                downward_cd: table.need("candela")?.number(1.0, 1e5)? as f32,
                 reach_m: table.need("reach_m")?.number(1.0, 100.0)? as f32,
                 lens: slots.of(table.need("lens")?)?,
                 radiance: table.need("radiance")?.number(0.0, 10.0)? as f32,

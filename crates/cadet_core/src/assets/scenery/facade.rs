@@ -69,13 +69,13 @@ pub(super) struct Opening {
     pub filling: Filling,
 }
 
-/// The outline of a wall from `bottom` up to `eaves`, and on to a gable's `apex` in the middle (equal: none).
+/// The outline of a wall from `bottom_m` up to `eaves_m`, and on to a gable's `apex_m` in the middle (equal: none).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WallShape {
-    pub width: f32,
-    pub bottom: f32,
-    pub eaves: f32,
-    pub apex: f32,
+    pub width_m: f32,
+    pub bottom_m: f32,
+    pub eaves_m: f32,
+    pub apex_m: f32,
     /// What the wall is made of.
     pub face: u8,
 }
@@ -98,23 +98,23 @@ fn breaks(mut values: Vec<f32>) -> Vec<f32> {
 /// Draws a wall with its openings. Openings above the eaves lie in the gable.
 pub(super) fn wall(b: &mut MeshBuilder, plane: &WallPlane, shape: &WallShape, openings: &[Opening], detail: Detail) {
     let cut: &[Opening] = if detail == Detail::Far { &[] } else { openings };
-    let half = shape.width / 2.0;
-    let gabled = shape.apex > shape.eaves;
+    let half = shape.width_m / 2.0;
+    let gabled = shape.apex_m > shape.eaves_m;
     let us = breaks(
-        [0.0, shape.width]
+        [0.0, shape.width_m]
             .into_iter()
             .chain(gabled.then_some(half))
             .chain(cut.iter().flat_map(|o| [o.rect[0], o.rect[1]]))
             .collect(),
     );
-    let low = |o: &&Opening| o.rect[3] <= shape.eaves;
+    let low = |o: &&Opening| o.rect[3] <= shape.eaves_m;
     let vs = breaks(
-        [shape.bottom, shape.eaves]
+        [shape.bottom_m, shape.eaves_m]
             .into_iter()
             .chain(cut.iter().filter(low).flat_map(|o| [o.rect[2], o.rect[3]]))
             .collect(),
     );
-    let roofline = |u: f32| shape.eaves + (shape.apex - shape.eaves) * (1.0 - (u - half).abs() / half);
+    let roofline = |u: f32| shape.eaves_m + (shape.apex_m - shape.eaves_m) * (1.0 - (u - half).abs() / half);
     for strip in us.windows(2) {
         let (u0, u1) = (strip[0], strip[1]);
         let inside = |o: &&Opening| o.rect[0] <= u0 && o.rect[1] >= u1;
@@ -124,7 +124,7 @@ pub(super) fn wall(b: &mut MeshBuilder, plane: &WallPlane, shape: &WallShape, op
             }
         }
         if gabled {
-            let mut from = shape.eaves;
+            let mut from = shape.eaves_m;
             if let Some(o) = cut.iter().filter(inside).find(|o| !low(o)) {
                 plane.rect(b, [u0, u1, from, o.rect[2]], 0.0, shape.face);
                 from = o.rect[3];

@@ -29,8 +29,8 @@ pub(super) fn mesh(bays: usize, detail: Detail) -> Mesh {
         (Vec3::new(-x, y, 0.0), -Vec3::Y, 2.0 * y, &[]),
         (Vec3::new(-x, -y, 0.0), Vec3::X, DEPTH_M, &[]),
     ];
-    for (origin, u, width, openings) in sides {
-        let shape = WallShape { width, bottom: -1.0, eaves: HEIGHT_M, apex: HEIGHT_M, face: slot::WALL };
+    for (origin, u, width_m, openings) in sides {
+        let shape = WallShape { width_m, bottom_m: -1.0, eaves_m: HEIGHT_M, apex_m: HEIGHT_M, face: slot::WALL };
         wall(&mut b, &WallPlane { origin, u }, &shape, openings, detail);
     }
     roof::flat(&mut b, x, y, HEIGHT_M - 0.12);

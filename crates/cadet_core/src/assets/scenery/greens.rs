@@ -11,8 +11,8 @@ use crate::rng::Stream;
 /// A cushion about the z axis: half extents, between two heights, its corners as square as `power` says.
 pub(in crate::assets) struct Cushion {
     pub half: (f32, f32),
-    pub low: f32,
-    pub top: f32,
+    pub low_m: f32,
+    pub top_m: f32,
     pub power: f32,
 }
 
@@ -23,15 +23,19 @@ impl Cushion {
         let up = std::f32::consts::FRAC_PI_2 * t;
         let (x, y) = (bent(cosf(a), self.power), bent(sinf(a), self.power));
         let out = bent(cosf(up), 3.5);
-        let at =
-            v(self.half.0 * x * out, self.half.1 * y * out, self.low + (self.top - self.low) * bent(sinf(up), 3.0));
+        let at = v(
+            self.half.0 * x * out,
+            self.half.1 * y * out,
+            self.low_m + (self.top_m - self.low_m) * bent(sinf(up), 3.0),
+        );
         (at, v(x * cosf(up), y * cosf(up), sinf(up)).normalize_or(Vec3::Z))
     }
 
     pub(in crate::assets) fn grow(&self, s: &mut Stream, core: &mut MeshBuilder, leaves: &mut Leaves, detail: Detail) {
         let (sides, rows) = detail.pick((18, 6), (12, 4), (8, 3));
         let inset: f32 = detail.pick(0.05, 0.035, 0.0);
-        let mut rings = vec![level_ring([self.half.0 - inset, self.half.1 - inset], self.low - 0.2, sides, self.power)];
+        let mut rings =
+            vec![level_ring([self.half.0 - inset, self.half.1 - inset], self.low_m - 0.2, sides, self.power)];
         for k in 0..=rows {
             let t = 0.97 * k as f32 / rows as f32;
             let skin = (0..sides).map(|i| std::f32::consts::TAU * (i as f32 + 0.5) / sides as f32);
@@ -40,7 +44,7 @@ impl Cushion {
         core.loft(&rings, if detail == Detail::Far { slot::LEAF } else { slot::DARK_LEAF }, true);
         let size: f32 = detail.pick(0.09, 0.18, 0.45);
         let coverage: f32 = detail.pick(0.9, 0.8, 0.15);
-        let (hx, hy, h) = (self.half.0, self.half.1, self.top - self.low);
+        let (hx, hy, h) = (self.half.0, self.half.1, self.top_m - self.low_m);
         let area = 4.0 * hx * hy + 3.4 * (hx + hy) * h;
         let of_top = 4.0 * hx * hy / area;
         for _ in 0..(coverage * area / (size * size)) as usize {
@@ -48,8 +52,8 @@ impl Cushion {
             let t = if s.chance(f64::from(of_top)) { range(s, 0.45, 1.0) } else { range(s, 0.02, 0.5) };
             let (p, out) = self.skin(a, t);
             let facing = (direction(s) + out * 0.7).normalize_or(out);
-            let at = (p + out * range(s, -0.05, 0.01)).max(v(-hx + 0.04, -hy + 0.04, self.low));
-            let at = at.min(v(hx - 0.04, hy - 0.04, self.top - 0.02));
+            let at = (p + out * range(s, -0.05, 0.01)).max(v(-hx + 0.04, -hy + 0.04, self.low_m));
+            let at = at.min(v(hx - 0.04, hy - 0.04, self.top_m - 0.02));
             leaves.card(s, at, facing, out + Vec3::Z * 0.2, size);
         }
     }

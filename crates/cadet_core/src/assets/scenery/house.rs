@@ -1,5 +1,7 @@
 //! Houses of a South German suburb, from the terrace to the block of flats.
 
+use strum::{AsRefStr, VariantArray};
+
 use super::draw::{CREASE_RAD, range};
 use super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::materials::house_slot as slot;
@@ -11,7 +13,8 @@ use crate::math::{Mat3, Vec3};
 use crate::rng::Stream;
 
 /// What kind of house.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum HouseKind {
     /// A family's own house in its garden.
     Detached,
@@ -27,37 +30,19 @@ pub enum HouseKind {
     Flats,
 }
 
-impl HouseKind {
-    /// Every kind.
-    pub const ALL: [Self; 6] = [Self::Detached, Self::Semi, Self::Terrace, Self::Village, Self::Block, Self::Flats];
-
-    /// A short name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Detached => "detached",
-            Self::Semi => "semi",
-            Self::Terrace => "terrace",
-            Self::Village => "village",
-            Self::Block => "block",
-            Self::Flats => "flats",
-        }
-    }
-}
-
 /// The drawn measures of one house: x is its depth, y its width along the street.
 #[derive(Debug, Clone)]
 pub(super) struct HouseDesign {
     pub kind: HouseKind,
-    pub depth: f32,
-    pub width: f32,
+    pub depth_m: f32,
+    pub width_m: f32,
     pub units: usize,
     pub stories: usize,
-    pub story_height: f32,
-    pub plinth: f32,
-    pub eaves: f32,
+    pub story_height_m: f32,
+    pub plinth_m: f32,
+    pub eaves_m: f32,
     pub slope: f32,
-    pub overhang: f32,
+    pub overhang_m: f32,
     pub gable_to_street: bool,
     pub hipped: bool,
     pub flat_roof: bool,
@@ -71,9 +56,9 @@ pub(super) struct HouseDesign {
 impl HouseDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: HouseKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.name(), variant as u64);
+        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut s;
-        let (units, width, depth) = match kind {
+        let (units, width_m, depth_m) = match kind {
             HouseKind::Detached => (1, range(s, 9.0, 12.5), range(s, 9.0, 12.0)),
             HouseKind::Semi => (2, 2.0 * range(s, 6.5, 8.5), range(s, 10.0, 12.0)),
             HouseKind::Terrace => {
@@ -90,8 +75,8 @@ impl HouseDesign {
             HouseKind::Block => 3 + s.below(2),
             HouseKind::Flats => 2 + s.below(3),
         };
-        let story_height = if kind == HouseKind::Block { range(s, 3.2, 3.7) } else { range(s, 2.65, 2.85) };
-        let plinth = match kind {
+        let story_height_m = if kind == HouseKind::Block { range(s, 3.2, 3.7) } else { range(s, 2.65, 2.85) };
+        let plinth_m = match kind {
             HouseKind::Flats => range(s, 0.5, 0.9),
             // On the sidewalk's line there is no room for steps.
             HouseKind::Village | HouseKind::Block => range(s, 0.14, 0.19),
@@ -123,15 +108,15 @@ impl HouseDesign {
         let dormers = !gable_to_street && !hipped && !flat_roof && s.chance(0.4);
         Self {
             kind,
-            depth,
-            width,
+            depth_m,
+            width_m,
             units,
             stories,
-            story_height,
-            plinth,
-            eaves: plinth + stories as f32 * story_height + loft,
+            story_height_m,
+            plinth_m,
+            eaves_m: plinth_m + stories as f32 * story_height_m + loft,
             slope: crate::math::tanf(degrees.to_radians()),
-            overhang: range(s, 0.3, 0.6),
+            overhang_m: range(s, 0.3, 0.6),
             gable_to_street,
             hipped,
             flat_roof,
@@ -150,15 +135,16 @@ impl HouseDesign {
 
     /// The roof, its ridge along its own y.
     fn roof(&self) -> Pitched {
-        let (length, span) = if self.gable_to_street { (self.depth, self.width) } else { (self.width, self.depth) };
-        let Self { eaves, slope, overhang, hipped, .. } = *self;
+        let (length_m, span_m) =
+            if self.gable_to_street { (self.depth_m, self.width_m) } else { (self.width_m, self.depth_m) };
+        let Self { eaves_m, slope, overhang_m, hipped, .. } = *self;
         // Hips need the ridge along the longer side.
-        Pitched { length, span, eaves, slope, overhang, hipped: hipped && length >= span }
+        Pitched { length_m, span_m, eaves_m, slope, overhang_m, hipped: hipped && length_m >= span_m }
     }
 
     /// The highest point of the walls and the roof.
     pub fn height(&self) -> f32 {
-        if self.flat_roof { self.eaves + 0.3 } else { self.roof().ridge() + 0.3 }
+        if self.flat_roof { self.eaves_m + 0.3 } else { self.roof().ridge() + 0.3 }
     }
 
     fn window_filling(&self, s: &mut Stream) -> Filling {
@@ -168,7 +154,7 @@ impl HouseDesign {
 
     /// Length of a side's wall; sides go round counter-clockwise from the front.
     fn side_width(&self, side: usize) -> f32 {
-        if side.is_multiple_of(2) { self.width } else { self.depth }
+        if side.is_multiple_of(2) { self.width_m } else { self.depth_m }
     }
 
     /// Whether the roof's end is over a side.
@@ -179,12 +165,12 @@ impl HouseDesign {
     /// Height of the gables.
     fn rise(&self) -> f32 {
         let roof = self.roof();
-        if self.flat_roof || roof.hipped { 0.0 } else { roof.ridge() - self.eaves }
+        if self.flat_roof || roof.hipped { 0.0 } else { roof.ridge() - self.eaves_m }
     }
 
     /// The ways in at the front: from where to where along y.
     pub fn doorways(&self) -> Vec<[f32; 2]> {
-        let along = |[u0, u1]: [f32; 2]| [u0 - self.width / 2.0, u1 - self.width / 2.0];
+        let along = |[u0, u1]: [f32; 2]| [u0 - self.width_m / 2.0, u1 - self.width_m / 2.0];
         self.openings(0).iter().filter_map(Opening::doorway).map(along).collect()
     }
 
@@ -207,7 +193,7 @@ impl HouseDesign {
             for column in 0..columns {
                 let u = part * unit as f32 + cell * (column as f32 + 0.5);
                 for story in 0..self.stories {
-                    let floor = self.plinth + self.story_height * story as f32;
+                    let floor = self.plinth_m + self.story_height_m * story as f32;
                     if doors > 0 && column == door_column && story == 0 {
                         let rect = [u - 0.55, u + 0.55, floor + 0.02, floor + 2.12];
                         openings.push(Opening { rect, filling: Filling::Door });
@@ -221,7 +207,7 @@ impl HouseDesign {
         if let Some(rise) = gable.filter(|r| *r > 2.6) {
             let u = width / 2.0;
             let half = (w / 2.0).min(0.55);
-            let v = self.eaves + 0.25_f32.max(rise * 0.1);
+            let v = self.eaves_m + 0.25_f32.max(rise * 0.1);
             openings.push(Opening { rect: [u - half, u + half, v, v + 1.15], filling: self.window_filling(s) });
         }
         openings
@@ -230,7 +216,7 @@ impl HouseDesign {
     /// Draws the house.
     pub fn mesh(&self, detail: Detail) -> Mesh {
         let mut b = MeshBuilder::new();
-        let (x, y) = (self.depth / 2.0, self.width / 2.0);
+        let (x, y) = (self.depth_m / 2.0, self.width_m / 2.0);
         let roof = self.roof();
         for (i, plane) in [
             WallPlane { origin: Vec3::new(x, -y, 0.0), u: Vec3::Y },
@@ -243,12 +229,12 @@ impl HouseDesign {
         {
             let openings = self.openings(i);
             let rise = if self.has_gable(i) { self.rise() } else { 0.0 };
-            let width = self.side_width(i);
+            let width_m = self.side_width(i);
             let shape = WallShape {
-                width,
-                bottom: self.plinth - 0.05,
-                eaves: self.eaves,
-                apex: self.eaves + rise,
+                width_m,
+                bottom_m: self.plinth_m - 0.05,
+                eaves_m: self.eaves_m,
+                apex_m: self.eaves_m + rise,
                 face: slot::WALL,
             };
             wall(&mut b, &plane, &shape, &openings, detail);
@@ -257,9 +243,9 @@ impl HouseDesign {
             }
         }
         let foot = Vec3::new(x + 0.03, y + 0.03, 0.0);
-        b.cuboid(Vec3::new(-foot.x, -foot.y, -1.5), Vec3::new(foot.x, foot.y, self.plinth), slot::PLINTH);
+        b.cuboid(Vec3::new(-foot.x, -foot.y, -1.5), Vec3::new(foot.x, foot.y, self.plinth_m), slot::PLINTH);
         if self.flat_roof {
-            flat(&mut b, x, y, self.eaves);
+            flat(&mut b, x, y, self.eaves_m);
         } else {
             let mut top = MeshBuilder::new();
             roof.draw(&mut top, detail);
@@ -270,17 +256,17 @@ impl HouseDesign {
         if detail != Detail::Far {
             self.downpipes(&mut b, &roof);
         }
-        b.build(self.kind.name(), CREASE_RAD)
+        b.build(self.kind.as_ref(), CREASE_RAD)
     }
 
     /// Steps and canopies at doors, balconies.
     fn attach(&self, b: &mut MeshBuilder, plane: &WallPlane, openings: &[Opening], front: bool) {
         for o in openings.iter().filter(|o| o.filling == Filling::Door) {
             let u = (o.rect[0] + o.rect[1]) / 2.0;
-            let steps = ((self.plinth / 0.17).ceil() as usize).max(1);
+            let steps = ((self.plinth_m / 0.17).ceil() as usize).max(1);
             for k in 0..steps {
                 let out = 0.28 * (steps - k) as f32 + if self.on_sidewalk() { 0.0 } else { 0.35 };
-                let top = self.plinth * (k + 1) as f32 / steps as f32;
+                let top = self.plinth_m * (k + 1) as f32 / steps as f32;
                 plane.block(b, [u - 0.8, u + 0.8, -0.6, top], -out, 0.0, slot::STONE);
             }
             if !self.on_sidewalk() {
@@ -288,10 +274,10 @@ impl HouseDesign {
             }
         }
         if self.balconies && front {
-            let pitch = self.width / self.units as f32;
+            let pitch = self.width_m / self.units as f32;
             for unit in 0..self.units {
                 for story in 1..self.stories {
-                    let (u, v) = (pitch * (unit as f32 + 0.45), self.plinth + self.story_height * story as f32);
+                    let (u, v) = (pitch * (unit as f32 + 0.45), self.plinth_m + self.story_height_m * story as f32);
                     let (u0, u1) = (u - 1.6, u + 1.6);
                     plane.block(b, [u0, u1, v - 0.18, v], -1.3, 0.0, slot::STONE);
                     plane.block(b, [u0, u1, v + 0.08, v + 0.95], -1.3, -1.25, slot::SHUTTER);
@@ -312,8 +298,9 @@ impl HouseDesign {
             _ => 1,
         };
         for k in 0..chimneys {
-            let along = roof.length * ((k as f32 + range(&mut s, 0.3, 0.7)) / chimneys as f32 - 0.5);
-            let along = if roof.hipped { along.clamp(-0.5, 0.5) * (roof.length - roof.span).max(0.1) } else { along };
+            let along = roof.length_m * ((k as f32 + range(&mut s, 0.3, 0.7)) / chimneys as f32 - 0.5);
+            let along =
+                if roof.hipped { along.clamp(-0.5, 0.5) * (roof.length_m - roof.span_m).max(0.1) } else { along };
             let across = range(&mut s, -0.8, 0.8);
             let at = if self.gable_to_street { Vec3::new(along, -across, 0.0) } else { Vec3::new(across, along, 0.0) };
             let (low, high) = (roof.ridge() - 1.2, roof.ridge() + 0.75);
@@ -325,8 +312,8 @@ impl HouseDesign {
             }
         }
         for k in 0..self.num_dormers {
-            let y = self.width * ((k as f32 + 0.5) / self.num_dormers as f32 - 0.5);
-            let x = roof.span / 2.0 * 0.62;
+            let y = self.width_m * ((k as f32 + 0.5) / self.num_dormers as f32 - 0.5);
+            let x = roof.span_m / 2.0 * 0.62;
             let foot = roof.top_at(x) - 0.1;
             let top = (foot + 1.55).min(roof.ridge() - 0.2);
             if top - foot < 1.2 {
@@ -335,7 +322,8 @@ impl HouseDesign {
             let back = ((roof.ridge() + 0.16 - top) / roof.slope - 0.3).max(0.0);
             let half = 0.95;
             let plane = WallPlane { origin: Vec3::new(x, y - half, 0.0), u: Vec3::Y };
-            let shape = WallShape { width: 2.0 * half, bottom: foot - 0.4, eaves: top, apex: top, face: slot::WALL };
+            let shape =
+                WallShape { width_m: 2.0 * half, bottom_m: foot - 0.4, eaves_m: top, apex_m: top, face: slot::WALL };
             let rect = [half - 0.6, half + 0.6, foot + 0.15, top - 0.12];
             let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: Curtain::None };
             wall(
@@ -357,10 +345,10 @@ impl HouseDesign {
     }
 
     fn downpipes(&self, b: &mut MeshBuilder, roof: &Pitched) {
-        let (x, y) = (self.depth / 2.0 + 0.07, self.width / 2.0 - 0.25);
-        let top = if self.flat_roof { self.eaves } else { roof.top_at(roof.span / 2.0 + roof.overhang) - 0.1 };
+        let (x, y) = (self.depth_m / 2.0 + 0.07, self.width_m / 2.0 - 0.25);
+        let top = if self.flat_roof { self.eaves_m } else { roof.top_at(roof.span_m / 2.0 + roof.overhang_m) - 0.1 };
         let corners = if self.gable_to_street {
-            let (x, y) = (self.depth / 2.0 - 0.25, self.width / 2.0 + 0.07);
+            let (x, y) = (self.depth_m / 2.0 - 0.25, self.width_m / 2.0 + 0.07);
             [(x, y), (x, -y), (-x, y), (-x, -y)]
         } else {
             [(x, y), (x, -y), (-x, y), (-x, -y)]

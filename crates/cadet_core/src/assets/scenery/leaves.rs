@@ -29,30 +29,30 @@ impl Leaves {
         self.faces.is_empty()
     }
 
-    /// Adds a card: a flat kite about `middle`, its area about `size`^2, that faces `facing`; its shading normal is bent to
-    /// `outward`.
-    pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
-        self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY), MIDDLING);
+    /// Adds a card: a flat kite about `middle`, its area about `size_m`^2, that faces `facing`; its shading normal is bent
+    /// to `outward`.
+    pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size_m: f32) {
+        self.card_within(s, middle, facing, outward, size_m, (middle, f32::INFINITY), MIDDLING);
     }
 
     /// Adds a card that keeps within a ball (center, radius), moved inwards and shrunk: large ones do not widen the crown.
-    /// `openness` from 0, deep in the crown, to 1, at its top: leaves in the shade of others are darker, and so is what
-    /// they let through.
+    /// `openness_share` from 0, deep in the crown, to 1, at its top: leaves in the shade of others are darker, and so is
+    /// what they let through.
     pub fn card_within(
         &mut self,
         s: &mut Stream,
         middle: Vec3,
         facing: Vec3,
         outward: Vec3,
-        size: f32,
+        size_m: f32,
         (center, radius): (Vec3, f32),
-        openness: f32,
+        openness_share: f32,
     ) {
         let side = direction(s).cross(facing).normalize_or(Vec3::X);
         let up = facing.cross(side);
         // From squat to slender at the same area.
         let stretch = s.range(0.85, 1.35) as f32 * std::f32::consts::FRAC_1_SQRT_2;
-        let (w, h) = (0.5 * size / stretch, size * stretch);
+        let (w, h) = (0.5 * size_m / stretch, size_m * stretch);
         let skew = s.range(-0.5, 0.5) as f32;
         let to_corners = [up * -h, side * w + up * (h * skew), up * h, side * -w - up * (h * skew)];
         let from_center = (middle - center).clamp_length_max((radius - KEPT_WITHIN * w.max(h)).max(0.0));
@@ -66,7 +66,8 @@ impl Leaves {
             .extend(if flip { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] }.map(|f| f.map(|i| base + i)));
         self.vertices.extend(corners);
         self.normals.extend([normal; 4]);
-        let (light, dark) = (f64::from(0.5 * openness), f64::from(0.8 * (1.0 - openness) * (1.0 - openness)));
+        let (light, dark) =
+            (f64::from(0.5 * openness_share), f64::from(0.8 * (1.0 - openness_share) * (1.0 - openness_share)));
         let slot = match s.weighted(&[1.0 - light - dark, light, dark]) {
             0 => slot::LEAF,
             1 => slot::LIGHT_LEAF,
@@ -75,9 +76,9 @@ impl Leaves {
         self.slots.extend([slot; 2]);
     }
 
-    /// Adds a blade: a slender triangle from its foot to its tip, `width` wide at the foot; its shading normal is `outward`.
-    pub fn blade(&mut self, s: &mut Stream, foot: Vec3, tip: Vec3, width: f32, outward: Vec3) {
-        let side = (tip - foot).cross(direction(s)).normalize_or(Vec3::X) * (width / 2.0);
+    /// Adds a blade: a slender triangle from its foot to its tip, `width_m` wide at the foot, with the normal `outward`.
+    pub fn blade(&mut self, s: &mut Stream, foot: Vec3, tip: Vec3, width_m: f32, outward: Vec3) {
+        let side = (tip - foot).cross(direction(s)).normalize_or(Vec3::X) * (width_m / 2.0);
         let corners = [foot - side, foot + side, tip];
         let normal = outward.normalize_or(Vec3::Z);
         let is_front = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) >= 0.0;

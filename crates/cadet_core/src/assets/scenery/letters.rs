@@ -60,13 +60,13 @@ pub(in crate::assets) fn width(word: &str) -> f32 {
 }
 
 /// Writes a word on a plane that faces +x: from `at` to the right as who looks at it sees it, `at` half way up.
-pub(in crate::assets) fn write(b: &mut MeshBuilder, word: &str, at: Vec3, height: f32, slot: u8) {
-    let (dy, dz) = (0.17 * height, height / 5.0);
+pub(in crate::assets) fn write(b: &mut MeshBuilder, word: &str, at: Vec3, height_m: f32, slot: u8) {
+    let (dy, dz) = (0.17 * height_m, height_m / 5.0);
     let mut left = at.y;
     for letter in word.chars() {
         let (rows, columns) = rows(letter);
         for (row, bits) in rows.into_iter().enumerate() {
-            let top = at.z + height / 2.0 - dz * row as f32;
+            let top = at.z + height_m / 2.0 - dz * row as f32;
             for [from, to] in strokes(bits, columns) {
                 let (from, to) = (left + dy * from as f32, left + dy * to as f32);
                 let corner = |y: f32, z: f32| Vec3::new(at.x, y, z);

@@ -46,9 +46,9 @@ pub fn house(kind: HouseKind, variant: usize) -> House {
     let design = HouseDesign::new(kind, variant);
     let model = MODELS.get((kind, variant), || {
         let design = design.clone();
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = house_palette(&mut Stream::from_seed(&name, 0), design.flat_roof);
-        let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
+        let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
         let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
         model(name, shape, palette, half, height_m)
@@ -64,9 +64,9 @@ pub fn city_house(kind: CityKind, variant: usize) -> House {
     let design = CityDesign::new(kind, variant);
     let model = MODELS.get((kind, variant), || {
         let design = design.clone();
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = design.lit_shops(city_palette(&mut Stream::from_seed(&name, 0)));
-        let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
+        let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
         let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
         model(name, shape, palette, half, height_m)
@@ -81,9 +81,9 @@ pub fn hall(kind: HallKind, variant: usize) -> SceneryModel {
     let variant = variant % HALL_VARIANTS;
     MODELS.get((kind, variant), || {
         let design = HallDesign::new(kind, variant);
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = hall_palette(kind, &mut Stream::from_seed(&name, 0));
-        let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
+        let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
         let shape = Detail::levels([50.0, 100.0, f32::INFINITY], move |d| design.mesh(d));
         model(name, shape, palette, half, height_m)
@@ -111,10 +111,10 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
     let variant = variant % TREES;
     MODELS.get((kind, variant), || {
         let design = TreeDesign::new(kind, variant);
-        let name = format!("{}/{variant}", kind.name());
+        let name = format!("{}/{variant}", kind.as_ref());
         let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
-        let half = DVec2::splat(f64::from(design.crown_radius));
-        let height_m = f64::from(design.height);
+        let half = DVec2::splat(f64::from(design.crown_radius_m));
+        let height_m = f64::from(design.height_m);
         model(name, Arc::new(design.shape()), palette, half, height_m)
     })
 }

@@ -71,10 +71,10 @@ pub mod furniture_slot {
     pub const BACK: u8 = 6;
 }
 
-/// Scales a color by up to `value` around 1, and each of its three parts by up to `hue`.
-pub(in crate::assets) fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
-    let v = stream.range(1.0 - value, 1.0 + value) as f32;
-    rgb.map(|c| (c * v * stream.range(1.0 - hue, 1.0 + hue) as f32).clamp(0.004, 0.92))
+/// Scales a color by up to `value_share` around 1, and each of its three parts by up to `hue_share`.
+pub(in crate::assets) fn jitter(stream: &mut Stream, rgb: [f32; 3], value_share: f64, hue_share: f64) -> [f32; 3] {
+    let v = stream.range(1.0 - value_share, 1.0 + value_share) as f32;
+    rgb.map(|c| (c * v * stream.range(1.0 - hue_share, 1.0 + hue_share) as f32).clamp(0.004, 0.92))
 }
 
 fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {

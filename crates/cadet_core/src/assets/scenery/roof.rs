@@ -10,15 +10,15 @@ use crate::math::Vec3;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pitched {
     /// Extent of the walls along the ridge.
-    pub length: f32,
+    pub length_m: f32,
     /// Extent of the walls across it.
-    pub span: f32,
+    pub span_m: f32,
     /// Height of the walls.
-    pub eaves: f32,
+    pub eaves_m: f32,
     /// Rise over run.
     pub slope: f32,
     /// How far the roof goes beyond the walls at the eaves and, on gables, at the verges.
-    pub overhang: f32,
+    pub overhang_m: f32,
     /// Hips instead of gables.
     pub hipped: bool,
 }
@@ -30,7 +30,7 @@ const LIFT_M: f32 = 0.03;
 impl Pitched {
     /// Height of the ridge.
     pub fn ridge(&self) -> f32 {
-        self.eaves + self.slope * self.span / 2.0
+        self.eaves_m + self.slope * self.span_m / 2.0
     }
 
     /// Height of the upper surface at a distance from the ridge's plane.
@@ -40,7 +40,7 @@ impl Pitched {
 
     /// Draws the roof, its soffit, its verges or hips, and gutters along the eaves.
     pub fn draw(&self, b: &mut MeshBuilder, detail: Detail) {
-        let (reach_x, reach_y) = (self.span / 2.0 + self.overhang, self.length / 2.0 + self.overhang);
+        let (reach_x, reach_y) = (self.span_m / 2.0 + self.overhang_m, self.length_m / 2.0 + self.overhang_m);
         let run = (1.0 + self.slope * self.slope).sqrt() * reach_x;
         let courses = match detail {
             Detail::Near => (run / COURSE_M).ceil() as usize,
@@ -133,9 +133,9 @@ impl Pitched {
 }
 
 /// A flat roof over walls of the given half extents: a slab with an edge trim, sunk behind it.
-pub(super) fn flat(b: &mut MeshBuilder, half_x: f32, half_y: f32, height: f32) {
+pub(super) fn flat(b: &mut MeshBuilder, half_x: f32, half_y: f32, height_m: f32) {
     let (x, y) = (half_x + 0.12, half_y + 0.12);
-    b.cuboid(Vec3::new(-x, -y, height), Vec3::new(x, y, height + 0.28), slot::METAL);
-    let (x, y, z) = (half_x - 0.1, half_y - 0.1, height + 0.285);
+    b.cuboid(Vec3::new(-x, -y, height_m), Vec3::new(x, y, height_m + 0.28), slot::METAL);
+    let (x, y, z) = (half_x - 0.1, half_y - 0.1, height_m + 0.285);
     b.quad(Vec3::new(-x, -y, z), Vec3::new(x, -y, z), Vec3::new(x, y, z), Vec3::new(-x, y, z), slot::ROOF);
 }

@@ -29,7 +29,7 @@ pub struct Head {
     /// In the model's frame.
     pub at: Vec3,
     /// Straight down: 340 cd make 17 lx below a residential lamp of 4.5 m, 1100 cd make 20 lx below 7.5 m.
-    pub candela: f32,
+    pub downward_cd: f32,
     /// Whether it shines to all sides, not only down.
     pub is_globe: bool,
     /// Nothing is lit beyond.
@@ -57,8 +57,8 @@ impl StreetLight {
     /// The palette of a lamp on a wire, whose lens is at this height.
     #[must_use]
     pub fn on_wire(self, lens_m: f32, palette: &Arc<Palette>) -> Arc<Palette> {
-        let (at, candela, reach_m) = (Vec3::Z * lens_m, SPAN_CD, SPAN_REACH_M);
-        self.lit(palette, &Head { at, candela, is_globe: false, reach_m, lens: slot::ACCENT, radiance: 2.0 })
+        let (at, downward_cd, reach_m) = (Vec3::Z * lens_m, SPAN_CD, SPAN_REACH_M);
+        self.lit(palette, &Head { at, downward_cd, is_globe: false, reach_m, lens: slot::ACCENT, radiance: 2.0 })
     }
 
     /// A palette with a lamp that is lit at night.
@@ -73,7 +73,7 @@ impl StreetLight {
             at: head.at,
             ahead: -Vec3::Z,
             left: Vec3::Y,
-            intensity: color.map(|c| c * (head.candela / CD_PER_INTENSITY)),
+            intensity: color.map(|c| c * (head.downward_cd / CD_PER_INTENSITY)),
             reach_m: head.reach_m,
         };
         let at_night = Palette::new(materials).with_lamps(vec![lamp]);

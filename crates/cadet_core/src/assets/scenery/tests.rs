@@ -1,5 +1,7 @@
 //! Properties of the prototypes, checked with plain ray casts.
 
+use strum::VariantArray;
+
 use super::materials::{house_slot, plant_slot};
 use super::tree::TreeDesign;
 use super::*;
@@ -34,11 +36,12 @@ pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u
 fn every_model() -> Vec<SceneryModel> {
     let [houses, trees, hedges] = num_variants();
     let mut models = vec![garage(1), garage(2)];
-    models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v).model)));
-    models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
+    models.extend(HouseKind::VARIANTS.iter().flat_map(|k| (0..houses).map(|v| house(*k, v).model)));
+    models.extend(TreeKind::VARIANTS.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
     models.extend(shipped().iter().flat_map(|p| (0..p.num_variants()).map(|v| p.model(v))));
-    models
-        .extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)));
+    models.extend(
+        CityKind::VARIANTS.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)),
+    );
     models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
     models.extend((0..hedges).map(|v| hedge(v, 1)));
     models
@@ -46,7 +49,7 @@ fn every_model() -> Vec<SceneryModel> {
 
 #[test]
 fn leaves_are_flat_so_that_each_is_drawn_as_one() {
-    for kind in TreeKind::ALL {
+    for &kind in TreeKind::VARIANTS {
         for (_, mesh) in &tree(kind, 0).shape.levels {
             let is_leaf = |face: u32| mesh.slots[face as usize] != plant_slot::BARK;
             let leaves = (0..mesh.faces.len() as u32).filter(|f| is_leaf(*f)).count();
@@ -76,7 +79,7 @@ fn every_mesh_is_sound_and_stands_in_the_ground() {
         let counts: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
         assert!(counts.windows(2).all(|c| c[1] <= c[0]), "{}: {counts:?}", model.name);
         // Trees beside the ego show single leaves; the largest are those of woods and streets.
-        let is_large = [TreeKind::Wood, TreeKind::Street].iter().any(|kind| model.name.starts_with(kind.name()));
+        let is_large = [TreeKind::Wood, TreeKind::Street].iter().any(|kind| model.name.starts_with(kind.as_ref()));
         assert!(counts[0] <= if is_large { 44_000 } else { 24_000 }, "{}: {counts:?}", model.name);
     }
 }
@@ -94,7 +97,7 @@ fn levels_of_detail_keep_the_silhouette() {
 
 #[test]
 fn windows_are_openings_with_rooms_behind() {
-    for kind in HouseKind::ALL {
+    for &kind in HouseKind::VARIANTS {
         let model = house(kind, 0).model;
         let mesh: &Mesh = &model.shape.levels[0].1;
         let mut panes = 0;
@@ -125,7 +128,7 @@ fn windows_keep_their_panes_nets_and_frames_at_every_level() {
     };
     let mut nets_m2 = 0.0;
     let variants = num_variants()[0];
-    for (kind, variant) in HouseKind::ALL.iter().flat_map(|k| (0..variants).map(|v| (*k, v))) {
+    for (kind, variant) in HouseKind::VARIANTS.iter().flat_map(|k| (0..variants).map(|v| (*k, v))) {
         let model = house(kind, variant).model;
         let [near, mid, far] = [0, 1, 2].map(|k| &model.shape.levels[k].1);
         let panes_m2 = |mesh| area_m2(mesh, &[house_slot::GLASS, house_slot::DARK_GLASS, house_slot::NET_GLASS]);
@@ -145,7 +148,7 @@ fn windows_keep_their_panes_nets_and_frames_at_every_level() {
 #[test]
 fn house_walls_have_no_holes_but_windows() {
     let mut s = Stream::from_seed("walls", 0);
-    for kind in HouseKind::ALL {
+    for &kind in HouseKind::VARIANTS {
         let model = house(kind, 1).model;
         for level in &model.shape.levels {
             let mesh = &level.1;
@@ -170,7 +173,7 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_meter() {
                 let mut s = Stream::from_seed("beams", variant as u64);
                 for _ in 0..250 {
                     let blob = design.blobs[s.below(design.blobs.len())];
-                    let p = blob.center + draw::direction(&mut s) * (blob.radius * 0.75 * s.unit() as f32);
+                    let p = blob.center + draw::direction(&mut s) * (blob.radius_m * 0.75 * s.unit() as f32);
                     let d = draw::direction(&mut s);
                     let near = hits(mesh, p - d * 0.5, d, |slot| slot != plant_slot::BARK);
                     open += usize::from(near.first().is_none_or(|h| h.0 > 1.0));
@@ -194,7 +197,7 @@ fn every_part_of_a_crown_has_its_leaves_at_every_level() {
                     .map(|(f, _)| f.map(|i| mesh.vertices[i as usize]).into_iter().sum::<Vec3>() / 3.0)
                     .collect();
                 let fewest = design.blobs.iter().map(|blob| {
-                    let reach = blob.radius * 1.1;
+                    let reach = blob.radius_m * 1.1;
                     middles.iter().filter(|m| m.distance(blob.center) < reach).count()
                 });
                 if middles.len() < 150 {
@@ -258,7 +261,7 @@ fn backs_of_signs_are_gray_metal() {
 
 #[test]
 fn leaves_beside_the_camera_are_no_plates() {
-    for kind in TreeKind::ALL {
+    for &kind in TreeKind::VARIANTS {
         for variant in 0..num_variants()[1] {
             let model = tree(kind, variant);
             let mesh = model.shape.select(4.0, 1.0).expect("near enough to be drawn");

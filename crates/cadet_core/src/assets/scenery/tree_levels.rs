@@ -5,7 +5,7 @@
 pub(super) struct Level {
     pub to_m: f32,
     /// Triangles of leaves, at most.
-    pub leaves: f32,
+    pub leaf_triangles: f32,
     /// Cards that hang together.
     pub per_cluster: usize,
     /// Corners around the trunk.
@@ -26,7 +26,14 @@ const FEWEST: f32 = 40.0;
 
 /// A shrub's levels.
 pub(super) fn of_shrub() -> Vec<Level> {
-    let level = |to_m, leaves, per_cluster| Level { to_m, leaves, per_cluster, sides: 3, limbs: 0, is_bent: false };
+    let level = |to_m, leaf_triangles, per_cluster| Level {
+        to_m,
+        leaf_triangles,
+        per_cluster,
+        sides: 3,
+        limbs: 0,
+        is_bent: false,
+    };
     vec![level(25.0, 900.0, 10), level(55.0, 200.0, 4), level(160.0, 20.0, 1)]
 }
 
@@ -54,8 +61,8 @@ pub(super) fn of_tree(most: f32, card_width_m: impl Fn(f32) -> f32) -> Vec<Level
     levels
 }
 
-fn level(to_m: f32, leaves: f32) -> Level {
-    let (per_cluster, sides, limbs, is_bent) = match leaves {
+fn level(to_m: f32, leaf_triangles: f32) -> Level {
+    let (per_cluster, sides, limbs, is_bent) = match leaf_triangles {
         3000.0.. => (10, 8, 8, true),
         1500.0.. => (6, 6, 6, true),
         800.0.. => (4, 6, 5, true),
@@ -63,7 +70,7 @@ fn level(to_m: f32, leaves: f32) -> Level {
         200.0.. => (1, 4, 2, true),
         _ => (1, 3, 0, false),
     };
-    Level { to_m, leaves, per_cluster, sides, limbs, is_bent }
+    Level { to_m, leaf_triangles, per_cluster, sides, limbs, is_bent }
 }
 
 #[cfg(test)]
@@ -76,9 +83,9 @@ mod tests {
         for area in [100.0_f32, 900.0] {
             let width_m = |leaves: f32| (2.0 * area / leaves).sqrt().max(0.2);
             let levels = of_tree(5200.0, width_m);
-            assert!(levels.last().is_some_and(|last| last.to_m == f32::INFINITY && last.leaves < 2.0 * FEWEST));
+            assert!(levels.last().is_some_and(|last| last.to_m == f32::INFINITY && last.leaf_triangles < 2.0 * FEWEST));
             for pair in levels.windows(2) {
-                let ([level, next], to_m) = ([pair[0].leaves, pair[1].leaves], pair[0].to_m);
+                let ([level, next], to_m) = ([pair[0].leaf_triangles, pair[1].leaf_triangles], pair[0].to_m);
                 assert!(next <= level / 2.0 && to_m < pair[1].to_m);
                 // Pixels of KITTI's camera, whose focal length is 721 of them.
                 let px = 721.0 * width_m(next) / to_m;
@@ -91,6 +98,6 @@ mod tests {
     fn small_crowns_have_no_more_cards_than_fit() {
         // 20 m^2 in cards of 0.2 m are 1,000 triangles: of 5,200, 2,600 and 1,300 the last is enough.
         let levels = of_tree(5200.0, |leaves| (2.0 * 20.0 / leaves).sqrt().max(0.2));
-        assert_eq!(levels[0].leaves, 1300.0);
+        assert_eq!(levels[0].leaf_triangles, 1300.0);
     }
 }

@@ -34,27 +34,33 @@ impl WallPlane {
         }
     }
 
-    /// The four sides of a rectangular hole, seen from within it, from depth `d0` to `d1`.
-    pub(super) fn reveal(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], d0: f32, d1: f32, slot: u8) {
+    /// The four sides of a rectangular hole, seen from within it, from depth `d0_m` to `d1_m`.
+    pub(super) fn reveal(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], d0_m: f32, d1_m: f32, slot: u8) {
         let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
         for i in 0..4 {
             let ((ua, va), (ub, vb)) = (corners[i], corners[(i + 1) % 4]);
-            b.quad(self.at(ua, va, d0), self.at(ub, vb, d0), self.at(ub, vb, d1), self.at(ua, va, d1), slot);
+            b.quad(self.at(ua, va, d0_m), self.at(ub, vb, d0_m), self.at(ub, vb, d1_m), self.at(ua, va, d1_m), slot);
         }
     }
 
-    /// A box on the wall, from depth `back` (positive inside) to `front` (negative outside).
-    pub(super) fn block(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], front: f32, back: f32, slot: u8) {
-        self.rect(b, [u0, u1, v0, v1], front, slot);
-        self.ring(b, [u0, u1, v0, v1], front, back, slot);
+    /// A box on the wall, from depth `back_m` (positive inside) to `front_m` (negative outside).
+    pub(super) fn block(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], front_m: f32, back_m: f32, slot: u8) {
+        self.rect(b, [u0, u1, v0, v1], front_m, slot);
+        self.ring(b, [u0, u1, v0, v1], front_m, back_m, slot);
     }
 
     /// The four sides of a box, without its front.
-    pub(super) fn ring(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], front: f32, back: f32, slot: u8) {
+    pub(super) fn ring(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], front_m: f32, back_m: f32, slot: u8) {
         let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
         for i in 0..4 {
             let ((ua, va), (ub, vb)) = (corners[i], corners[(i + 1) % 4]);
-            b.quad(self.at(ua, va, back), self.at(ub, vb, back), self.at(ub, vb, front), self.at(ua, va, front), slot);
+            b.quad(
+                self.at(ua, va, back_m),
+                self.at(ub, vb, back_m),
+                self.at(ub, vb, front_m),
+                self.at(ua, va, front_m),
+                slot,
+            );
         }
     }
 }

@@ -27,8 +27,8 @@ pub(super) fn add_fittings(surface: &mut Surface, o: &Outline, house: &Glasshous
         add_handles(surface, o, house);
     }
     if fittings.side_strip {
-        let z = 0.52 * o.d.belt;
-        let (from, to) = (o.d.axles_x[0] - 1.18 * o.d.arch_radius, o.d.axles_x[1] + 1.18 * o.d.arch_radius);
+        let z = 0.52 * o.d.belt_z;
+        let (from, to) = (o.d.axles_x[0] - 1.18 * o.d.arch_radius_m, o.d.axles_x[1] + 1.18 * o.d.arch_radius_m);
         flank_strip(surface, o, &[(from, z), (0.5 * (from + to), z), (to, z)], 0.03, 0.004, slot::PLASTIC);
     }
     if level == 0 {
@@ -87,16 +87,23 @@ pub(super) fn add_mirrors_and_aerial(
 }
 
 /// A strip of constant width along (x, z) points of the left flank, mirrored too.
-pub(super) fn flank_strip(surface: &mut Surface, o: &Outline, path: &[(f32, f32)], width: f32, proud: f32, slot: u8) {
+pub(super) fn flank_strip(
+    surface: &mut Surface,
+    o: &Outline,
+    path: &[(f32, f32)],
+    width_m: f32,
+    proud_m: f32,
+    slot: u8,
+) {
     let n = path.len();
     let grid: Vec<Vec<Vec3>> = (0..n)
         .map(|k| {
             let (a, b) = (path[k.saturating_sub(1)], path[(k + 1).min(n - 1)]);
             let (dx, dz) = (b.0 - a.0, b.1 - a.1);
             let length = (dx * dx + dz * dz).sqrt();
-            let (nx, nz) = (-dz / length * width / 2.0, dx / length * width / 2.0);
+            let (nx, nz) = (-dz / length * width_m / 2.0, dx / length * width_m / 2.0);
             let (x, z) = path[k];
-            [-1.0, 1.0].iter().map(|s| o.flank(x + nx * s, z + nz * s) + Vec3::Y * proud).collect()
+            [-1.0, 1.0].iter().map(|s| o.flank(x + nx * s, z + nz * s) + Vec3::Y * proud_m).collect()
         })
         .collect();
     surface.pair(&grid, Outward::Along(Vec3::Y), |_, _| Some(slot));
@@ -104,7 +111,7 @@ pub(super) fn flank_strip(surface: &mut Surface, o: &Outline, path: &[(f32, f32)
 
 fn add_shut_lines(surface: &mut Surface, o: &Outline, house: &Glasshouse, level: usize) {
     let d = &o.d;
-    let low = d.clearance + 0.10;
+    let low = d.clearance_m + 0.10;
     let rows = if level == 0 { 6 } else { 2 };
     let upright = |surface: &mut Surface, x0: f32, x1: f32, low: f32| {
         let path: Vec<(f32, f32)> = (0..=rows)
@@ -116,20 +123,20 @@ fn add_shut_lines(surface: &mut Surface, o: &Outline, house: &Glasshouse, level:
             .collect();
         flank_strip(surface, o, &path, 0.010, 0.0025, slot::LINER);
     };
-    let front = o.screen_foot_x.min(d.axles_x[0] - 1.12 * d.arch_radius);
+    let front = o.screen_foot_x.min(d.axles_x[0] - 1.12 * d.arch_radius_m);
     let middle = house.b_pillar_x;
     upright(surface, front, front, low);
     upright(surface, middle, middle, low);
     let mut last = middle;
     if matches!(d.windows, Windows::FiveDoor | Windows::Estate) && !d.is_van {
         // The rear door's edge follows the arch.
-        let edge = d.axles_x[1] + 0.35 * d.arch_radius;
-        let arch_top = d.wheel_radius + 1.12 * d.arch_radius;
-        last = d.axles_x[1] + 1.15 * d.arch_radius;
+        let edge = d.axles_x[1] + 0.35 * d.arch_radius_m;
+        let arch_top = d.wheel_radius_m + 1.12 * d.arch_radius_m;
+        last = d.axles_x[1] + 1.15 * d.arch_radius_m;
         let path = [
             (last, low),
-            (last, d.wheel_radius + 0.05),
-            (edge + 0.25 * d.arch_radius, arch_top),
+            (last, d.wheel_radius_m + 0.05),
+            (edge + 0.25 * d.arch_radius_m, arch_top),
             (edge, o.top_z(edge) - 0.012),
         ];
         flank_strip(surface, o, &path, 0.010, 0.0025, slot::LINER);
@@ -142,7 +149,7 @@ fn add_handles(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     let d = &o.d;
     let mut at = vec![house.b_pillar_x + 0.15];
     if matches!(d.windows, Windows::FiveDoor | Windows::Estate) && !d.is_van {
-        at.push(d.axles_x[1] + 0.55 * d.arch_radius);
+        at.push(d.axles_x[1] + 0.55 * d.arch_radius_m);
     }
     for x in at {
         let z = o.top_z(x) - 0.13;
@@ -156,13 +163,14 @@ pub(super) fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings
     let d = &o.d;
     let columns = o.columns(0);
     let (nose, tail) = (&columns[0], &columns[columns.len() - 1]);
-    for (column, z, is_front) in [(nose, 0.42_f32.max(d.clearance + 0.14), true), (tail, fittings.rear_plate_z, false)]
+    for (column, z, is_front) in
+        [(nose, 0.42_f32.max(d.clearance_m + 0.14), true), (tail, fittings.rear_plate_z, false)]
     {
         let is_short = fittings.two_line_plate && !is_front;
         let (half_w, half_h) = if is_short { (0.17, 0.10) } else { (0.26, 0.055) };
         let crown = o.top_z(column.x) + o.crown(column.x);
-        let v = (z - d.clearance) / (crown - d.clearance);
-        let dv = half_h / (crown - d.clearance);
+        let v = (z - d.clearance_m) / (crown - d.clearance_m);
+        let dv = half_h / (crown - d.clearance_m);
         let out = if is_front { 1.0 } else { -1.0 };
         // Flat and upright, before what is behind it.
         let outermost = [v - dv, v, v + dv].map(|v| o.point(column, v).x * out).into_iter().fold(0.0, f32::max);
@@ -213,7 +221,7 @@ fn add_end_lines(surface: &mut Surface, o: &Outline) {
     end_line(surface, o, true, &across(0.94, 0.615));
     end_line(surface, o, true, &across(0.72, 0.945));
     end_line(surface, o, false, &across(0.94, 0.37));
-    let gate = if o.d.boot > 0.1 { 0.66 } else { 0.80 };
+    let gate = if o.d.boot_m > 0.1 { 0.66 } else { 0.80 };
     let upright: Vec<(f32, f32)> = (0..=4).map(|k| (gate, 0.38 + 0.60 * k as f32 / 4.0)).collect();
     end_line(surface, o, false, &upright);
     // The bonnet's edge runs from the lamp to the windscreen.

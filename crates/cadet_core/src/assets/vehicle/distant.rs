@@ -32,16 +32,16 @@ pub(super) fn body(o: &Outline, house: &Glasshouse, styling: &Styling, fittings:
 fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling) {
     let columns = columns(o);
     let grid: Vec<Vec<Vec3>> = columns.iter().map(|c| HEIGHTS.iter().map(|v| o.point(c, *v)).collect()).collect();
-    let inside = Vec3::new(0.0, 0.0, 0.5 * o.d.height);
+    let inside = Vec3::new(0.0, 0.0, 0.5 * o.d.height_m);
     surface.pair(&grid, Outward::From(inside), |i, j| {
         let (a, b) = (&columns[i], &columns[i + 1]);
-        let is_arch = o.d.axles_x.iter().any(|axle| (0.5 * (a.x + b.x) - axle).abs() < o.d.arch_radius);
+        let is_arch = o.d.axles_x.iter().any(|axle| (0.5 * (a.x + b.x) - axle).abs() < o.d.arch_radius_m);
         let is_flank = a.face == Face::Side && b.face == Face::Side;
         let v = 0.5 * (HEIGHTS[j] + HEIGHTS[j + 1]);
         Some(if HEIGHTS[j + 1] <= ARCH_TO && is_arch && is_flank {
             slot::LINER
         } else {
-            shell_slot(a, b, v, styling, o.d.length / 2.0)
+            shell_slot(a, b, v, styling, o.d.length_m / 2.0)
         })
     });
     add_decks(surface, o, &columns, &[0.0, 1.0], |_| true);
@@ -50,24 +50,24 @@ fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling) {
 /// The half ring, from the middle of the nose to the tail's.
 fn columns(o: &Outline) -> Vec<Column> {
     let d = &o.d;
-    let arches = d.axles_x.iter().flat_map(|axle| [axle + d.arch_radius, axle - d.arch_radius]);
+    let arches = d.axles_x.iter().flat_map(|axle| [axle + d.arch_radius_m, axle - d.arch_radius_m]);
     let mut xs: Vec<f32> = arches.chain([o.nose_x, o.tail_x, o.screen_foot_x, o.backlight_foot_x]).collect();
     xs.retain(|x| (o.tail_x..=o.nose_x).contains(x));
     xs.sort_by(|a, b| b.total_cmp(a));
-    let side = xs.into_iter().map(|x| Column { x, face: Face::Side, arch: None, is_seam: false });
+    let side = xs.into_iter().map(|x| Column { x, face: Face::Side, arch_z: None, is_seam: false });
     let nose = ENDS.iter().map(|f| o.end_column(*f, true));
     nose.chain(side).chain(ENDS.iter().rev().map(|f| o.end_column(*f, false))).collect()
 }
 
 fn add_house(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     let d = &o.d;
-    let limit = |height_m: f32| (height_m / (d.height - d.belt)).min(0.91);
+    let limit = |height_m: f32| (height_m / (d.height_m - d.belt_z)).min(0.91);
     let posts = house.outer_posts();
     let sides: Vec<Vec<Vec3>> = posts
         .iter()
         .map(|(foot, top, _)| [0.0, limit(SIDE_PANES_TO_M), 1.0].map(|v| house.side(*foot, *top, v)).to_vec())
         .collect();
-    surface.pair(&sides, Outward::From(Vec3::Z * d.belt), |i, j| {
+    surface.pair(&sides, Outward::From(Vec3::Z * d.belt_z), |i, j| {
         Some(if j == 0 && matches!(posts[i].2, Cell::Pane(_)) { slot::DARK_GLASS } else { slot::PAINT })
     });
     let xs = house.roof_stations(&posts);

@@ -51,14 +51,14 @@ impl<'a> Glasshouse<'a> {
     pub fn new(o: &'a Outline, rear_glass: u8) -> Self {
         let d = &o.d;
         let header_bow = 0.04;
-        let front_rise = d.height - d.roof_sag[0] - d.cowl;
+        let front_rise = d.height_m - d.roof_sag_m[0] - d.cowl_z;
         let header_x = d.cowl_x - front_rise / d.screen_slope - header_bow;
         let tail_z = o.deck_z(o.backlight_foot_x, 0.0);
         let backlight_x = o.backlight_foot_x - if d.is_van { 0.03 } else { 0.08 };
-        let rear_rise = d.height - d.roof_sag[1] - tail_z;
+        let rear_rise = d.height_m - d.roof_sag_m[1] - tail_z;
         let rear_header_x = (backlight_x + rear_rise / d.backlight_slope + 0.03).min(header_x - 0.5);
         let middle = 0.5 * (header_x + rear_header_x);
-        let apex_x = (0.02 * d.length).clamp(middle - 0.2, middle + 0.35 * (header_x - rear_header_x));
+        let apex_x = (0.02 * d.length_m).clamp(middle - 0.2, middle + 0.35 * (header_x - rear_header_x));
         let mut house = Self {
             o,
             header_x,
@@ -110,7 +110,7 @@ impl<'a> Glasshouse<'a> {
             let steep = slant.abs() < 0.35;
             let (mut end, mut end_top) =
                 (tail_foot + rear_width, tail_top + rear_width * if steep { 0.9 } else { 0.5 });
-            if d.boot > 0.1 || d.backlight_slope < 0.6 {
+            if d.boot_m > 0.1 || d.backlight_slope < 0.6 {
                 // A sloping C-pillar: the door's glass ends over the rear wheel.
                 end = d.axles_x[1] + 0.10;
                 end_top = (tail_top + 0.12).min(b_top - 0.25);
@@ -136,13 +136,13 @@ impl<'a> Glasshouse<'a> {
     pub fn roof_z(&self, x: f32) -> f32 {
         let d = &self.o.d;
         let (end, sag) = if x > self.apex_x {
-            (self.header_x + self.header_bow, d.roof_sag[0])
+            (self.header_x + self.header_bow, d.roof_sag_m[0])
         } else {
-            (self.rear_header_x, d.roof_sag[1])
+            (self.rear_header_x, d.roof_sag_m[1])
         };
         let t = (x - self.apex_x) / (end - self.apex_x);
         // Flat in the middle, as real roofs are for a meter.
-        d.height - sag * t * t * t.abs()
+        d.height_m - sag * t * t * t.abs()
     }
 
     fn drop(&self, t: f32) -> f32 {
@@ -166,7 +166,7 @@ impl<'a> Glasshouse<'a> {
         let (o, middle) = (self.o, 0.0);
         let foot_x = o.backlight_foot_x + (o.screen_foot_x - o.backlight_foot_x) * along;
         let foot = o.edge_y(foot_x).min(o.half_width(middle, 1.0)) - 0.018;
-        Vec3::new(x, foot - (z - d.belt) * d.tumblehome - narrowing * t * t, z)
+        Vec3::new(x, foot - (z - d.belt_z) * d.tumblehome_tangent - narrowing * t * t, z)
     }
 
     /// A point of the roof, lateral fraction.
@@ -187,7 +187,7 @@ impl<'a> Glasshouse<'a> {
     }
 
     /// A point of windscreen or backlight, lateral fraction and height fraction.
-    pub fn screen(&self, is_front: bool, t: f32, s: f32) -> Vec3 {
+    pub fn screen(&self, is_front: bool, t: f32, v: f32) -> Vec3 {
         let o = self.o;
         let (foot_x, bow, top_x) = if is_front {
             (o.screen_foot_x, o.d.cowl_x - o.screen_foot_x, self.header_x)
@@ -198,11 +198,11 @@ impl<'a> Glasshouse<'a> {
         let (x, y) = (foot_x + bow * (1.0 - t * t), corner.y * t);
         let foot_z = if t == 1.0 { corner.z } else { o.deck_z(x, y).min(corner.z + 0.12) - 0.004 };
         let (foot, top) = (Vec3::new(x, y, foot_z), self.roof(top_x, t));
-        let arc = 4.0 * s * (1.0 - s);
+        let arc = 4.0 * v * (1.0 - v);
         let along = (top - foot).normalize();
         let normal = Vec3::new(along.z, 0.0, -along.x) * if is_front { 1.0 } else { -1.0 };
         let normal = if normal.z < 0.0 { -normal } else { normal };
-        foot.lerp(top, s) + Vec3::Y * (t * self.bulge * arc) + normal * (0.02 * arc * (1.0 - t * t))
+        foot.lerp(top, v) + Vec3::Y * (t * self.bulge * arc) + normal * (0.02 * arc * (1.0 - t * t))
     }
 
     /// Adds roof, pillars and panes.
@@ -211,7 +211,7 @@ impl<'a> Glasshouse<'a> {
             [&[0.0, 0.05, 0.22, 0.45, 0.70, 0.91, 1.0][..], &[0.0, 0.05, 0.5, 0.91, 1.0], &[0.0, 0.05, 0.91, 1.0]]
                 [level];
         let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.8, 0.93, 1.0][..], &[0.0, 0.45, 0.93, 1.0], &[0.0, 0.93, 1.0]][level];
-        let rise = self.o.d.height - self.edge_drop - self.o.d.belt;
+        let rise = self.o.d.height_m - self.edge_drop - self.o.d.belt_z;
         self.add_sides(surface, &capped(rows, SIDE_PANES_TO_M / rise), level);
         self.add_roof(surface, lateral, level, has_sunroof);
         self.add_screen(surface, &capped(rows, SCREEN_TO_M / rise), lateral, true);
@@ -219,7 +219,7 @@ impl<'a> Glasshouse<'a> {
     }
 
     fn add_sides(&self, surface: &mut Surface, rows: &[f32], level: usize) {
-        let middle = Vec3::new(0.0, 0.0, self.o.d.belt);
+        let middle = Vec3::new(0.0, 0.0, self.o.d.belt_z);
         let outward = Outward::From(middle);
         let splits = [3, 2, 1][level];
         let last = rows.len() - 2;
@@ -361,12 +361,12 @@ impl<'a> Glasshouse<'a> {
     }
 
     /// A point of the backlight, lateral fraction and height fraction.
-    pub fn on_backlight(&self, t: f32, s: f32) -> Vec3 {
-        self.screen(false, t, s)
+    pub fn on_backlight(&self, t: f32, v: f32) -> Vec3 {
+        self.screen(false, t, v)
     }
 
     /// A point of the windscreen, lateral fraction and height fraction.
-    pub fn on_screen(&self, t: f32, s: f32) -> Vec3 {
-        self.screen(true, t, s)
+    pub fn on_screen(&self, t: f32, v: f32) -> Vec3 {
+        self.screen(true, t, v)
     }
 }

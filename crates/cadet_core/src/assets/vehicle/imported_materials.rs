@@ -1,15 +1,18 @@
 //! What a user's materials are made of: the part of a vehicle that their names tell, and the color that they state.
 
+use strum::{AsRefStr, VariantArray};
+
 use super::paint::{coated, glass};
 use crate::assets::source_mesh::SourceMaterial;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, variant};
 use crate::material::{LidarMaterial, Material, Pattern, Semantic};
 
 /// What frames a pane.
 const TRIM: &[&str] = &["*trim*", "*frame*", "*seal*", "*rubber*"];
 
-/// The part of a vehicle that a material covers; what is none of these is painted metal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// The part of a vehicle that a material covers, in the order of trial; what is none of these is painted metal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum Role {
     /// Panes: camera and laser look through.
     Glass,
@@ -24,31 +27,12 @@ pub enum Role {
 }
 
 impl Role {
-    /// Every role, in the order in which they are tried.
-    pub const ALL: [Self; 5] = [Self::Glass, Self::Tyre, Self::Plate, Self::Lamp, Self::Interior];
-
-    /// The role's name in rules.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Glass => "glass",
-            Self::Tyre => "tyre",
-            Self::Plate => "plate",
-            Self::Lamp => "lamp",
-            Self::Interior => "interior",
-        }
-    }
-
     /// The role of a name.
     ///
     /// # Errors
     /// [`Error::Unknown`], listing the names that exist.
     pub fn from_name(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|role| role.name() == name).ok_or_else(|| Error::Unknown {
-            what: "material role",
-            name: name.to_owned(),
-            known: Self::ALL.map(Self::name).join(", "),
-        })
+        variant("material role", name, |known| known == name)
     }
 
     /// The patterns that hold where a user gives none.
@@ -90,7 +74,7 @@ impl MaterialRules {
     fn role(&self, material: &SourceMaterial) -> Option<Role> {
         let name = &material.name;
         let own = |role: &Role| self.0.iter().find(|(r, _)| r == role).map(|(_, patterns)| patterns);
-        if let Some(role) = Role::ALL.into_iter().find(|role| own(role).is_some_and(|p| fits_any(p, name))) {
+        if let Some(role) = Role::VARIANTS.iter().copied().find(|role| own(role).is_some_and(|p| fits_any(p, name))) {
             return Some(role);
         }
         if material.opacity < 0.99 {
@@ -100,7 +84,7 @@ impl MaterialRules {
         if fits_any(TRIM, name) && (fits_any(Role::Glass.default_patterns(), name) || fits_any(&["*window*"], name)) {
             return None;
         }
-        Role::ALL.into_iter().find(|role| own(role).is_none() && fits_any(role.default_patterns(), name))
+        Role::VARIANTS.iter().copied().find(|role| own(role).is_none() && fits_any(role.default_patterns(), name))
     }
 
     /// True where the user says what is of a role, even if it is nothing.
@@ -117,7 +101,7 @@ impl MaterialRules {
         let lost = self.0.iter().flat_map(|(role, patterns)| patterns.iter().map(move |p| (role, p)));
         for (role, pattern) in lost {
             if !materials.iter().any(|m| matches(pattern, &m.name)) {
-                let (role, known) = (role.name(), listed(materials.iter().map(|m| &m.name)));
+                let (role, known) = (role.as_ref(), listed(materials.iter().map(|m| &m.name)));
                 let reason = format!("materials.{role}: no material is named {pattern:?}; known: {known}");
                 return Err(Error::Mesh { name: file.to_owned(), reason });
             }

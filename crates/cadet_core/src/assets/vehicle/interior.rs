@@ -25,12 +25,12 @@ impl Seats {
     /// The seats of a vehicle.
     pub fn new(o: &Outline, house: &Glasshouse) -> Self {
         let d = &o.d;
-        let floor_z = if d.is_van { d.clearance + 0.25 } else { d.clearance + 0.10 };
+        let floor_z = if d.is_van { d.clearance_m + 0.25 } else { d.clearance_m + 0.10 };
         // Heads stay under the roof in low cars.
-        let headroom = (d.height - 0.10 - floor_z - 0.30).min(0.92);
+        let headroom = (d.height_m - 0.10 - floor_z - 0.30).min(0.92);
         let hip_x = if d.windows == Windows::ThreeDoor { house.b_pillar_x + 0.42 } else { house.b_pillar_x + 0.27 };
         let hip_x = if d.is_van { hip_x.max(o.screen_foot_x - 1.25) } else { hip_x };
-        let hip = Vec3::new(hip_x, 0.22 * d.width, floor_z + 0.30 + 0.03);
+        let hip = Vec3::new(hip_x, 0.22 * d.width_m, floor_z + 0.30 + 0.03);
         let rear_x = hip_x - 0.82;
         let has_bench = d.windows != Windows::PanelVan && rear_x > o.backlight_foot_x + 0.25;
         Self { hip, rear_hip: has_bench.then(|| Vec3::new(rear_x, 0.0, hip.z + 0.02)), floor_z, scale: headroom / 0.92 }
@@ -57,7 +57,7 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
     let head = seats.hip + Vec3::new(-0.16, 0.0, 0.0) + lean * Vec3::new(0.01, 0.0, 0.66 * seats.scale);
     surface.block_pair(head, Vec3::new(0.045, 0.125, 0.085), lean, sides, slot::CLOTH);
     if let Some(rear) = seats.rear_hip {
-        let half_width = 0.39 * d.width;
+        let half_width = 0.39 * d.width_m;
         let center = rear + Vec3::new(-0.14, 0.0, 0.24 * seats.scale);
         surface.block(center, Vec3::new(0.06, half_width, 0.29 * seats.scale), leaning(0.45), sides, slot::CLOTH);
         if level == 0 {
@@ -68,7 +68,7 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
                 sides,
                 slot::CLOTH,
             );
-            let head = center + leaning(0.45) * Vec3::new(0.0, 0.24 * d.width, 0.35 * seats.scale);
+            let head = center + leaning(0.45) * Vec3::new(0.0, 0.24 * d.width_m, 0.35 * seats.scale);
             surface.block_pair(head, Vec3::new(0.04, 0.12, 0.07), leaning(0.3), sides, slot::CLOTH);
         }
     }
@@ -92,9 +92,9 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
 fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     let d = &o.d;
     let (front, rear) = (o.screen_foot_x, o.backlight_foot_x);
-    let arch_top = d.wheel_radius + d.arch_radius + 0.03;
-    let floor = if level < 2 { seats.floor_z } else { arch_top.max(d.belt - 0.38) };
-    let (near, past) = (d.arch_radius + 0.03, d.arch_radius + 0.10);
+    let arch_top = d.wheel_radius_m + d.arch_radius_m + 0.03;
+    let floor = if level < 2 { seats.floor_z } else { arch_top.max(d.belt_z - 0.38) };
+    let (near, past) = (d.arch_radius_m + 0.03, d.arch_radius_m + 0.10);
     let mut stations = vec![front, 0.5 * (front + rear), rear];
     if level < 2 {
         let edges = d.axles_x.iter().flat_map(|a| [a - past, a - near, a + near, a + past]);
@@ -107,7 +107,7 @@ fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
             let p = o.glass_foot(*x);
             // Wheel houses stand in the cabin.
             let is_house = level < 2 && d.axles_x.iter().any(|a| (x - a).abs() < near + 1e-4);
-            let low_y = if is_house { d.width / 2.0 - 0.33 } else { p.y - 0.07 };
+            let low_y = if is_house { d.width_m / 2.0 - 0.33 } else { p.y - 0.07 };
             let shelf_z = arch_top.min(p.z - 0.05);
             vec![
                 p - Vec3::new(0.0, 0.012, 0.0),
@@ -161,7 +161,7 @@ fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
 /// Center and normal of the steering wheel.
 fn steering_wheel(o: &Outline, seats: &Seats) -> (Vec3, Mat3) {
     let x = (seats.hip.x + 0.42).min(o.screen_foot_x - 0.33);
-    let center = Vec3::new(x, seats.hip.y, (o.d.belt - 0.03).max(seats.hip.z + 0.27));
+    let center = Vec3::new(x, seats.hip.y, (o.d.belt_z - 0.03).max(seats.hip.z + 0.27));
     (center, leaning(if o.d.is_van { 0.85 } else { 1.15 }))
 }
 
@@ -171,7 +171,7 @@ fn add_steering_wheel(surface: &mut Surface, o: &Outline, seats: &Seats, level: 
 }
 
 /// A steering wheel.
-pub(super) fn add_wheel(surface: &mut Surface, center: Vec3, axes: Mat3, radius: f32, level: usize) {
+pub(super) fn add_wheel(surface: &mut Surface, center: Vec3, axes: Mat3, radius_m: f32, level: usize) {
     let (around, tube) = if level == 0 { (14, 5) } else { (7, 3) };
     let rings: Vec<Vec<Vec3>> = (0..=around)
         .map(|i| {
@@ -179,14 +179,14 @@ pub(super) fn add_wheel(surface: &mut Surface, center: Vec3, axes: Mat3, radius:
             (0..=tube)
                 .map(|j| {
                     let b = (j % tube) as f32 / tube as f32 * std::f32::consts::TAU;
-                    let r = radius + 0.015 * cosf(b);
+                    let r = radius_m + 0.015 * cosf(b);
                     center + axes * Vec3::new(r * cosf(a), r * sinf(a), 0.015 * sinf(b))
                 })
                 .collect()
         })
         .collect();
     surface.sheet(&rings, Outward::From(center), |_, _| Some(slot::DARK));
-    surface.block(center - axes * Vec3::Z * 0.01, Vec3::new(0.07, radius - 0.013, 0.012), axes, 6, slot::DARK);
+    surface.block(center - axes * Vec3::Z * 0.01, Vec3::new(0.07, radius_m - 0.013, 0.012), axes, 6, slot::DARK);
 }
 
 /// A person in a seat: head, torso and, for the driver, arms on the wheel.
@@ -248,11 +248,11 @@ pub(super) fn add_seat_pairs(surface: &mut Surface, hips: Vec<Vec3>, level: usiz
 }
 
 /// A tube from `a` to `b`.
-pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0: f32, r1: f32, n: usize, slot: u8) {
+pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0_m: f32, r1_m: f32, n: usize, slot: u8) {
     let along = (b - a).normalize();
     let u = along.cross(if along.z.abs() < 0.9 { Vec3::Z } else { Vec3::X }).normalize();
     let v = along.cross(u);
-    let rings: Vec<Vec<Vec3>> = [(a, r0), (b, r1)]
+    let rings: Vec<Vec<Vec3>> = [(a, r0_m), (b, r1_m)]
         .iter()
         .map(|(c, r)| {
             (0..n)

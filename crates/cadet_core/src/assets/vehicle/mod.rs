@@ -176,10 +176,10 @@ impl VehicleModel {
         let styling = Styling {
             black_bumpers: if d.is_van { s.chance(0.5) } else { is_old },
             side_strip: is_old || s.chance(0.25),
-            lamp_from: s.range(0.50, 0.72) as f32,
-            grille_to: s.range(0.25, 0.45) as f32,
-            tail_lamp_from: if d.boot > 0.1 { 0.60 } else { s.range(0.45, 0.62) as f32 },
-            tail_lamp_side: if d.boot > 0.1 { s.range(0.55, 0.70) } else { s.range(0.74, 0.84) } as f32,
+            lamp_from_fraction: s.range(0.50, 0.72) as f32,
+            grille_to_fraction: s.range(0.25, 0.45) as f32,
+            tail_lamp_from_fraction: if d.boot_m > 0.1 { 0.60 } else { s.range(0.45, 0.62) as f32 },
+            tail_lamp_side_fraction: if d.boot_m > 0.1 { s.range(0.55, 0.70) } else { s.range(0.74, 0.84) } as f32,
         };
         let is_tall = matches!(d.name, "estate" | "mpv" | "suv");
         let fittings = Fittings {
@@ -188,12 +188,12 @@ impl VehicleModel {
             roof_rails: is_tall && s.chance(0.4),
             aerial: s.chance(0.6),
             two_line_plate: s.chance(0.05),
-            rear_plate_z: s.range(0.45, 0.78 * f64::from(d.belt)) as f32,
+            rear_plate_z: s.range(0.45, 0.78 * f64::from(d.belt_z)) as f32,
         };
         let rim = if s.chance(0.35) {
-            Rim { spokes: 12, fill: 0.62 }
+            Rim { spokes: 12, spoke_share: 0.62 }
         } else {
-            Rim { spokes: 5 + s.below(6), fill: s.range(0.30, 0.55) as f32 }
+            Rim { spokes: 5 + s.below(6), spoke_share: s.range(0.30, 0.55) as f32 }
         };
         let has_sunroof = !d.is_van && s.chance(0.15);
         let has_passenger = s.chance(0.3);
@@ -235,14 +235,18 @@ impl VehicleModel {
             OCCUPANTS_TO_M,
         );
         let mut wheel_centers = [Vec3::ZERO; 4];
-        let wheel =
-            levels_of(d.name, &mut |k| wheels::wheel(d.wheel_radius, d.tyre_width, rim, k), CREASE_RAD, WHEELS_TO_M);
-        let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width / 2.0;
+        let wheel = levels_of(
+            d.name,
+            &mut |k| wheels::wheel(d.wheel_radius_m, d.tyre_width_m, rim, k),
+            CREASE_RAD,
+            WHEELS_TO_M,
+        );
+        let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width_m / 2.0;
         for (i, c) in wheel_centers.iter_mut().enumerate() {
             let x = d.axles_x[i / 2];
             let side = if i % 2 == 0 { 1.0 } else { -1.0 };
-            *c = fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius));
-            c.z = d.wheel_radius;
+            *c = fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius_m));
+            c.z = d.wheel_radius_m;
         }
         Self {
             name: format!("{}/{model_seed}", d.name),
@@ -253,7 +257,7 @@ impl VehicleModel {
             driver: Some(driver),
             wheel: Some(wheel),
             wheel_centers,
-            wheel_radius_m: f64::from(d.wheel_radius),
+            wheel_radius_m: f64::from(d.wheel_radius_m),
             palette: Arc::new(palette),
             has_lenses: true,
             openings: Some(Arc::new(Openings::of(&outline, &house, size_lwh.as_vec3(), |p| fits[0].point(p)))),

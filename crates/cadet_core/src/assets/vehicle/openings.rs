@@ -68,7 +68,7 @@ impl Openings {
     /// Of a car or van, moved by `fit` as its body is.
     pub(super) fn of(o: &Outline, house: &Glasshouse<'_>, size_lwh: Vec3, fit: impl Fn(Vec3) -> Vec3) -> Self {
         let mut door = door(o, house);
-        let is_hatch = o.d.boot < 0.1 && !o.d.is_van && o.d.windows != Windows::PanelVan;
+        let is_hatch = o.d.boot_m < 0.1 && !o.d.is_van && o.d.windows != Windows::PanelVan;
         let mut gate = is_hatch.then(|| gate(o, house));
         for leaf in std::iter::once(&mut door).chain(&mut gate) {
             leaf.map(&fit);
@@ -97,8 +97,8 @@ impl Openings {
 
 fn door(o: &Outline, house: &Glasshouse<'_>) -> Leaf {
     let d = &o.d;
-    let (front, back) = (o.screen_foot_x.min(d.axles_x[0] - 1.12 * d.arch_radius), house.b_pillar_x);
-    let low = d.clearance + 0.10;
+    let (front, back) = (o.screen_foot_x.min(d.axles_x[0] - 1.12 * d.arch_radius_m), house.b_pillar_x);
+    let low = d.clearance_m + 0.10;
     let across = [0.0, 0.25, 0.5, 0.75, 1.0_f32];
     let panel = [0.0, 0.2, 0.45, 0.7, 0.88, 1.0_f32].map(|v| {
         let at = |t: f32| {

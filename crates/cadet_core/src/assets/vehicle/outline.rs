@@ -33,7 +33,7 @@ pub(super) struct Column {
     /// Which face it is on.
     pub face: Face,
     /// Lower edge where a wheel arch is cut.
-    pub arch: Option<f32>,
+    pub arch_z: Option<f32>,
     /// The cells between this column and the one before are no surface: the two stand above each other.
     pub is_seam: bool,
 }
@@ -83,18 +83,18 @@ fn interpolate(table: impl Fn(usize) -> (f32, f32), n: usize, v: f32) -> f32 {
 
 /// How far the tail lies behind the bumper's foremost line at a row of [`SECTION`].
 fn tail_setback(d: &Dimensions, row: usize) -> f32 {
-    (if d.is_van { VAN_TAIL } else { 1.0 }) * TAIL_SETBACK[row] + d.tail_ledge * TAIL_LEDGE[row]
+    (if d.is_van { VAN_TAIL } else { 1.0 }) * TAIL_SETBACK[row] + d.tail_ledge_m * TAIL_LEDGE[row]
 }
 
 impl Outline {
     /// The outline of a vehicle.
     pub fn new(d: Dimensions) -> Self {
-        let half = d.length / 2.0;
-        let nose_x = d.axles_x[0] + d.arch_radius + 0.02;
-        let tail_x = d.axles_x[1] - d.arch_radius - 0.02;
+        let half = d.length_m / 2.0;
+        let nose_x = d.axles_x[0] + d.arch_radius_m + 0.02;
+        let tail_x = d.axles_x[1] - d.arch_radius_m - 0.02;
         let screen_bow = if d.is_van { 0.10 } else { 0.15 };
         let backlight_bow = if d.is_van { 0.03 } else { 0.08 };
-        let backlight_x = -half + tail_setback(&d, TAIL_SETBACK.len() - 1) + 0.02 + d.boot;
+        let backlight_x = -half + tail_setback(&d, TAIL_SETBACK.len() - 1) + 0.02 + d.boot_m;
         Self {
             nose_x,
             tail_x,
@@ -108,28 +108,28 @@ impl Outline {
     /// Height of the shell's upper edge at the side: fender, belt line, tail.
     pub fn top_z(&self, x: f32) -> f32 {
         let d = &self.d;
-        let half = d.length / 2.0;
+        let half = d.length_m / 2.0;
         if x >= self.screen_foot_x {
             let t = ((half - x) / (half - self.screen_foot_x)).clamp(0.0, 1.0);
-            d.bonnet_edge + (d.belt - d.bonnet_edge) * (1.0 - powf(1.0 - t, 1.5))
+            d.bonnet_edge_z + (d.belt_z - d.bonnet_edge_z) * (1.0 - powf(1.0 - t, 1.5))
         } else {
-            d.belt + d.belt_rise * (self.screen_foot_x - x) / (self.screen_foot_x + half)
+            d.belt_z + d.belt_rise_m * (self.screen_foot_x - x) / (self.screen_foot_x + half)
         }
     }
 
     /// How much higher than its edges bonnet, boot lid and cowl are in the middle.
     pub fn crown(&self, x: f32) -> f32 {
-        let half = self.d.length / 2.0;
+        let half = self.d.length_m / 2.0;
         if x >= self.screen_foot_x {
             let t = ((half - x) / (half - self.screen_foot_x)).clamp(0.0, 1.0);
-            0.035 + ((self.d.cowl - self.d.belt).max(0.025) - 0.035) * t
+            0.035 + ((self.d.cowl_z - self.d.belt_z).max(0.025) - 0.035) * t
         } else {
             0.025
         }
     }
 
     fn taper(&self, x: f32) -> f32 {
-        let half = self.d.length / 2.0;
+        let half = self.d.length_m / 2.0;
         let nose = ((x - self.d.axles_x[0]) / (half - self.d.axles_x[0])).clamp(0.0, 1.0);
         let tail = ((self.d.axles_x[1] - x) / (half + self.d.axles_x[1])).clamp(0.0, 1.0);
         1.0 - 0.10 * nose * nose * nose - 0.07 * tail * tail * tail
@@ -140,20 +140,20 @@ impl Outline {
         let tuck = interpolate(|k| SECTION[k], SECTION.len(), v);
         // Vans carry their full width up to the roof.
         let tuck = if self.d.is_van && v > 0.64 { 0.4 * tuck } else { tuck };
-        (self.d.width / 2.0 - self.lip) * self.taper(x) - tuck
+        (self.d.width_m / 2.0 - self.lip) * self.taper(x) - tuck
     }
 
     /// The height fraction of a height at a column's place.
     pub fn fraction(&self, x: f32, z: f32) -> f32 {
-        (z - self.d.clearance) / (self.top_z(x) - self.d.clearance)
+        (z - self.d.clearance_m) / (self.top_z(x) - self.d.clearance_m)
     }
 
     /// A point of the flank by x and z.
     pub fn flank(&self, x: f32, z: f32) -> Vec3 {
         let (d, mut y) = (&self.d, self.half_width(x, self.fraction(x, z)));
         for axle in d.axles_x {
-            let dz = (z - d.wheel_radius).max(0.0);
-            let gap = ((x - axle) * (x - axle) + dz * dz).sqrt() - d.arch_radius;
+            let dz = (z - d.wheel_radius_m).max(0.0);
+            let gap = ((x - axle) * (x - axle) + dz * dz).sqrt() - d.arch_radius_m;
             let near = (1.0 - gap.abs() / 0.06).max(0.0);
             y += self.lip * near * near;
         }
@@ -165,10 +165,10 @@ impl Outline {
         let d = &self.d;
         let f = column.face.lateral();
         let top = self.top_z(column.x) + self.crown(column.x) * (1.0 - f * f);
-        let mut z = d.clearance + v * (top - d.clearance);
+        let mut z = d.clearance_m + v * (top - d.clearance_m);
         match column.face {
             Face::Side => {
-                if let Some(low) = column.arch {
+                if let Some(low) = column.arch_z {
                     z = z.max(low);
                 }
                 self.flank(column.x, z)
@@ -176,9 +176,9 @@ impl Outline {
             Face::Nose(f) | Face::Tail(f) => {
                 let is_nose = matches!(column.face, Face::Nose(_));
                 let (root, tip, n) = if is_nose {
-                    (self.nose_x, d.length / 2.0, d.corner_exponent[0])
+                    (self.nose_x, d.length_m / 2.0, d.corner_exponent[0])
                 } else {
-                    (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
+                    (self.tail_x, -d.length_m / 2.0, d.corner_exponent[1])
                 };
                 let reach = (tip - root).abs();
                 let setback = |k: usize| if is_nose { NOSE_SETBACK[k] } else { tail_setback(d, k) };
@@ -200,7 +200,7 @@ impl Outline {
 
     /// Half width of the shell's upper edge at x, rounded off toward nose and tail.
     pub fn edge_y(&self, x: f32) -> f32 {
-        let half = self.d.length / 2.0;
+        let half = self.d.length_m / 2.0;
         let lateral = |root: f32, tip: f32, back: f32, n: f32| {
             let along = ((x - root) / ((tip - root) * (1.0 - back / (tip - root).abs()))).clamp(0.0, 1.0);
             powf((1.0 - powf(along, n)).max(0.0), 1.0 / n)
@@ -233,15 +233,20 @@ impl Outline {
     }
 
     /// The column of nose or tail at a lateral fraction.
-    pub fn end_column(&self, f: f32, is_nose: bool) -> Column {
+    pub fn end_column(&self, fraction: f32, is_nose: bool) -> Column {
         let d = &self.d;
         let (root, tip, n) = if is_nose {
-            (self.nose_x, d.length / 2.0, d.corner_exponent[0])
+            (self.nose_x, d.length_m / 2.0, d.corner_exponent[0])
         } else {
-            (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
+            (self.tail_x, -d.length_m / 2.0, d.corner_exponent[1])
         };
-        let x = root + (tip - root) * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
-        Column { x, face: if is_nose { Face::Nose(f) } else { Face::Tail(f) }, arch: None, is_seam: false }
+        let x = root + (tip - root) * powf((1.0 - powf(fraction, n)).max(0.0), 1.0 / n);
+        Column {
+            x,
+            face: if is_nose { Face::Nose(fraction) } else { Face::Tail(fraction) },
+            arch_z: None,
+            is_seam: false,
+        }
     }
 
     /// The columns of the half ring for a level of detail, 0 the finest.
@@ -252,7 +257,7 @@ impl Outline {
             &[0.0, 0.58, 0.90],
         ];
         let d = &self.d;
-        let column = |x, face| Column { x, face, arch: None, is_seam: false };
+        let column = |x, face| Column { x, face, arch_z: None, is_seam: false };
         let end = |f: f32, is_nose: bool| self.end_column(f, is_nose);
         let mut columns: Vec<Column> = ENDS[level].iter().map(|f| end(*f, true)).collect();
         let mut side: Vec<Column> = vec![column(self.nose_x, Face::Side), column(self.tail_x, Face::Side)];
@@ -261,28 +266,28 @@ impl Outline {
             for k in 0..=segments {
                 let angle = (0.5 - k as f32 / segments as f32) * std::f32::consts::PI;
                 let (sin, cos) = (crate::math::sinf(angle), crate::math::cosf(angle));
-                let (x, low) = (axle + d.arch_radius * sin, d.wheel_radius + d.arch_radius * cos.max(0.0));
+                let (x, low) = (axle + d.arch_radius_m * sin, d.wheel_radius_m + d.arch_radius_m * cos.max(0.0));
                 let is_first = k == 0;
                 if is_first || k == segments {
                     // The arch's upright edge: one column down to the sill, one from the axle's height.
                     side.push(column(x + if is_first { 1e-4 } else { -1e-4 }, Face::Side));
                 }
-                side.push(Column { x, face: Face::Side, arch: Some(low), is_seam: is_first });
+                side.push(Column { x, face: Face::Side, arch_z: Some(low), is_seam: is_first });
             }
         }
-        let covered = |x: f32| d.axles_x.iter().any(|a| (x - a).abs() < d.arch_radius + 0.02);
+        let covered = |x: f32| d.axles_x.iter().any(|a| (x - a).abs() < d.arch_radius_m + 0.02);
         for x in [self.screen_foot_x, self.backlight_foot_x] {
             if covered(x) || x < self.tail_x {
                 // On an arch the column takes the arch's height.
                 let low = d.axles_x.iter().filter_map(|a| {
-                    let square = d.arch_radius * d.arch_radius - (x - a) * (x - a);
-                    (square > 0.0).then(|| d.wheel_radius + square.sqrt())
+                    let square = d.arch_radius_m * d.arch_radius_m - (x - a) * (x - a);
+                    (square > 0.0).then(|| d.wheel_radius_m + square.sqrt())
                 });
                 if x > self.tail_x {
                     side.push(Column {
                         x,
                         face: Face::Side,
-                        arch: low.fold(None, |a, b| Some(a.map_or(b, |a: f32| a.max(b)))),
+                        arch_z: low.fold(None, |a, b| Some(a.map_or(b, |a: f32| a.max(b)))),
                         is_seam: false,
                     });
                 }
@@ -291,7 +296,7 @@ impl Outline {
             }
         }
         let doors = [7, 3, 2][level];
-        let (from, to) = (d.axles_x[0] - d.arch_radius, d.axles_x[1] + d.arch_radius);
+        let (from, to) = (d.axles_x[0] - d.arch_radius_m, d.axles_x[1] + d.arch_radius_m);
         for k in 1..doors {
             let x = from + (to - from) * k as f32 / doors as f32;
             if (x - self.screen_foot_x).abs() > 0.06 {
@@ -301,7 +306,7 @@ impl Outline {
         side.sort_by(|a, b| b.x.total_cmp(&a.x));
         // Behind an arch the column that goes down to the sill comes second: its cells to the arch are the seam.
         for k in 1..side.len() {
-            if side[k].arch.is_none() && side[k - 1].arch.is_some() {
+            if side[k].arch_z.is_none() && side[k - 1].arch_z.is_some() {
                 side[k].is_seam = true;
             }
         }

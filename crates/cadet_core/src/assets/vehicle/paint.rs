@@ -221,14 +221,14 @@ pub(super) fn coated(
     Material { roughness, specular, ..Material::matt(semantic, albedo, Pattern::Plain, reflectance) }
 }
 
-pub(super) fn glass(semantic: Semantic, tint: [f32; 3], eye: f32, laser: f32) -> Material {
+pub(super) fn glass(semantic: Semantic, tint: [f32; 3], eye_transmission: f32, laser_transmission: f32) -> Material {
     Material {
         albedo: tint,
         roughness: 0.02,
         specular: 0.04,
-        transmission: eye,
+        transmission: eye_transmission,
         pattern: Pattern::Plain,
         semantic,
-        lidar: LidarMaterial { transmission: laser, ..LidarMaterial::diffuse(0.005) },
+        lidar: LidarMaterial { transmission: laser_transmission, ..LidarMaterial::diffuse(0.005) },
     }
 }

@@ -20,8 +20,8 @@ const PROUD_M: f32 = 0.004;
 pub(super) fn add_signals(surface: &mut Surface, o: &Outline, styling: &Styling, ends: &[f32], heights: &[f32]) {
     let (across, up) = FRONT;
     add_lens(surface, o, true, &cuts(across, ends), &cuts(up, heights));
-    let from = (styling.tail_lamp_side + 0.02).max(REAR_FROM);
-    let low = (styling.tail_lamp_from + 0.04).max(0.66);
+    let from = (styling.tail_lamp_side_fraction + 0.02).max(REAR_FROM);
+    let low = (styling.tail_lamp_from_fraction + 0.04).max(0.66);
     add_lens(surface, o, false, &cuts([from, REAR_TO], ends), &cuts([low, low + REAR_BAND], heights));
 }
 
@@ -33,7 +33,7 @@ pub(super) fn ends_of(o: &Outline, level: usize) -> Vec<f32> {
 
 /// Adds the repeaters on the front fenders.
 pub(super) fn add_repeaters(surface: &mut Surface, o: &Outline) {
-    let x = o.d.axles_x[0] - 0.85 * o.d.arch_radius;
+    let x = o.d.axles_x[0] - 0.85 * o.d.arch_radius_m;
     let z = o.top_z(x) - 0.15;
     flank_strip(surface, o, &[(x + 0.035, z), (x - 0.035, z)], 0.024, PROUD_M, slot::LEFT_SIGNAL);
 }

@@ -60,7 +60,7 @@ fn label_bounds(mesh: &Mesh, belt: f32) -> Bounds {
 fn the_body_fills_its_box_at_every_level() {
     for seed in 0..SEEDS {
         for class in [ObjectClass::Car, ObjectClass::Van] {
-            let (model, belt) = (VehicleModel::generate(class, seed).unwrap(), outline(class, seed).d.belt);
+            let (model, belt) = (VehicleModel::generate(class, seed).unwrap(), outline(class, seed).d.belt_z);
             let size = model.size_lwh.as_vec3();
             for (_, mesh) in &model.body.levels {
                 let bounds = label_bounds(mesh, belt);
@@ -80,7 +80,7 @@ fn sizes_follow_the_labels_of_kitti() {
     let n = 4000;
     let draws: Vec<Dimensions> = (0..n).map(|seed| Dimensions::of_seed(ObjectClass::Car, seed).unwrap()).collect();
     let over = Margins::mean_of_vehicles().map(|m| m as f32);
-    assert!(draws.iter().all(|d| d.length > d.width && d.height > 1.1));
+    assert!(draws.iter().all(|d| d.length_m > d.width_m && d.height_m > 1.1));
     let check = |name: &str, value: &dyn Fn(&Dimensions) -> f32, expected: [f32; 3], tolerance: f32| {
         let mut values: Vec<f32> = draws.iter().map(value).collect();
         values.sort_by(f32::total_cmp);
@@ -89,9 +89,9 @@ fn sizes_follow_the_labels_of_kitti() {
             assert!((got - expected).abs() < tolerance, "{name} at {share}: {got}, labels {expected}");
         }
     };
-    check("length", &|d| d.length - over[0], [3.20, 3.89, 4.53], 0.12);
-    check("width", &|d| d.width - over[1], [1.46, 1.63, 1.81], 0.04);
-    check("height", &|d| d.height - over[2], [1.37, 1.50, 1.78], 0.05);
+    check("length", &|d| d.length_m - over[0], [3.20, 3.89, 4.53], 0.12);
+    check("width", &|d| d.width_m - over[1], [1.46, 1.63, 1.81], 0.04);
+    check("height", &|d| d.height_m - over[2], [1.37, 1.50, 1.78], 0.05);
 }
 
 #[test]
@@ -143,10 +143,10 @@ fn flanks_and_roof_are_closed_and_face_outward() {
             let (mut rays, mut outside) = (0, 0);
             for i in 0..30 {
                 let x = size.x * (-0.42 + 0.84 * i as f32 / 29.0);
-                let is_arch = d.axles_x.iter().any(|a| (x - a).abs() < d.arch_radius + 0.03);
+                let is_arch = d.axles_x.iter().any(|a| (x - a).abs() < d.arch_radius_m + 0.03);
                 for k in 0..12 {
-                    let z = d.clearance + 0.03 + (0.80 * d.belt - d.clearance - 0.03) * k as f32 / 11.0;
-                    if is_arch && z < d.wheel_radius + d.arch_radius + 0.03 || z > 0.9 * d.bonnet_edge {
+                    let z = d.clearance_m + 0.03 + (0.80 * d.belt_z - d.clearance_m - 0.03) * k as f32 / 11.0;
+                    if is_arch && z < d.wheel_radius_m + d.arch_radius_m + 0.03 || z > 0.9 * d.bonnet_edge_z {
                         continue;
                     }
                     let hit = body.cast(Vec3::new(x, 3.0, z), Vec3::NEG_Y).expect("flank");
@@ -199,7 +199,7 @@ fn panes_lie_over_real_openings() {
                 }
             };
             let x = house.b_pillar_x + 0.22;
-            let z = 0.55 * o.d.belt + 0.45 * house.cant(x).z;
+            let z = 0.55 * o.d.belt_z + 0.45 * house.cant(x).z;
             through("left door", Vec3::new(x, 3.0, z + 0.1), Vec3::new(x, 0.0, z - 0.1), slot::SIDE_GLASS);
             through("right door", Vec3::new(x, -3.0, z + 0.1), Vec3::new(x, 0.0, z - 0.1), slot::SIDE_GLASS);
             let screen = house.on_screen(0.3, 0.5);
@@ -222,12 +222,12 @@ fn far_away_windows_are_dark_and_wheels_stand_in_dark_arches() {
             assert!(hit.is_outside, "{} faces inward at {}", model.name, hit.point);
             hit.slot
         };
-        let (x, belt) = (house.b_pillar_x + 0.22, o.d.belt);
+        let (x, belt) = (house.b_pillar_x + 0.22, o.d.belt_z);
         for side in [1.0, -1.0] {
             let z = 0.55 * belt + 0.45 * house.cant(x).z;
             assert_eq!(seen(Vec3::new(x, 3.0 * side, z), Vec3::new(x, 0.0, z)), slot::DARK_GLASS, "{}", model.name);
             for axle in o.d.axles_x {
-                let z = o.d.wheel_radius + 0.1;
+                let z = o.d.wheel_radius_m + 0.1;
                 let arch = seen(Vec3::new(axle, 3.0 * side, z), Vec3::new(axle, 0.0, z));
                 assert_eq!(arch, slot::LINER, "{}", model.name);
             }

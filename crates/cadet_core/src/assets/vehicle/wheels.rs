@@ -11,14 +11,14 @@ pub(super) struct Rim {
     /// Number of spokes.
     pub spokes: usize,
     /// Share of the angle between spokes that a spoke fills at its foot.
-    pub fill: f32,
+    pub spoke_share: f32,
 }
 
 /// A wheel about its own center: axle along y, outer face toward +y.
-pub(super) fn wheel(radius: f32, tyre_width: f32, rim: Rim, level: usize) -> Surface {
+pub(super) fn wheel(radius_m: f32, tyre_width_m: f32, rim: Rim, level: usize) -> Surface {
     let mut surface = Surface::default();
     let sides = [26, 14, 8, 6][level];
-    let (r, half) = (radius, tyre_width / 2.0);
+    let (r, half) = (radius_m, tyre_width_m / 2.0);
     let rim_r = r - 0.10 * r / 0.31;
     let ring = |radius: f32, y: f32| -> Vec<Vec3> {
         (0..=sides)
@@ -41,11 +41,11 @@ pub(super) fn wheel(radius: f32, tyre_width: f32, rim: Rim, level: usize) -> Sur
         2 => vec![(r, -half), (r, half), (rim_r, half)],
         _ => vec![(r, -half), (r, half)],
     };
-    let grid: Vec<Vec<Vec3>> = tyre.iter().map(|(radius, y)| ring(*radius, *y)).collect();
+    let grid: Vec<Vec<Vec3>> = tyre.iter().map(|(radius_m, y)| ring(*radius_m, *y)).collect();
     surface.sheet(&grid, Outward::From(Vec3::ZERO), |_, _| Some(slot::TYRE));
     if level == 3 {
-        for (radius, y, slot) in [(r, half, slot::TYRE), (rim_r, half + 0.004, slot::RIM)] {
-            surface.sheet(&[ring(radius, y), ring(0.0, y)], Outward::Along(Vec3::Y), |_, _| Some(slot));
+        for (radius_m, y, slot) in [(r, half, slot::TYRE), (rim_r, half + 0.004, slot::RIM)] {
+            surface.sheet(&[ring(radius_m, y), ring(0.0, y)], Outward::Along(Vec3::Y), |_, _| Some(slot));
         }
         return surface;
     }
@@ -72,7 +72,7 @@ pub(super) fn wheel(radius: f32, tyre_width: f32, rim: Rim, level: usize) -> Sur
     let at = |radius: f32, a: f32, y: f32| Vec3::new(radius * cosf(a), y, radius * sinf(a));
     for k in 0..rim.spokes {
         let a = k as f32 * step + 0.4;
-        let (w0, w1) = (0.5 * step * rim.fill.max(0.75), 0.5 * step * rim.fill);
+        let (w0, w1) = (0.5 * step * rim.spoke_share.max(0.75), 0.5 * step * rim.spoke_share);
         let front = if level == 0 {
             vec![
                 vec![

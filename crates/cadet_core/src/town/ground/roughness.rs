@@ -57,8 +57,8 @@ impl Roughness {
 
     /// Scales all heights.
     #[must_use]
-    pub fn scaled(mut self, by: f64) -> Self {
-        self.waves.iter_mut().for_each(|w| w.amplitude_m *= by);
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.waves.iter_mut().for_each(|w| w.amplitude_m *= factor);
         self
     }
 

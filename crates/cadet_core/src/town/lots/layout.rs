@@ -65,13 +65,13 @@ impl LotLayout {
     }
 
     /// A boundary along a line that leaves gaps, [from, to] along x.
-    pub fn border_along(&mut self, boundary: Boundary, [a0, a1]: [f64; 2], d: f64, gaps: &[[f64; 2]]) {
+    pub fn border_along(&mut self, boundary: Boundary, [a0, a1]: [f64; 2], y: f64, gaps: &[[f64; 2]]) {
         let mut gaps = gaps.to_vec();
         gaps.sort_by(|p, q| p[0].total_cmp(&q[0]));
         let mut from = a0;
         for gap in gaps.iter().chain([&[a1, a1]]) {
             if gap[0].min(a1) > from + 0.7 {
-                self.borders.push((boundary, DVec2::new(from, d), DVec2::new(gap[0].min(a1), d)));
+                self.borders.push((boundary, DVec2::new(from, y), DVec2::new(gap[0].min(a1), y)));
             }
             from = from.max(gap[1]);
         }

@@ -100,6 +100,12 @@ fn is_surface(lane: &Lane) -> bool {
     !matches!(lane.kind, LaneKind::Other | LaneKind::Verge)
 }
 
+/// The points of lanes in one cell of a grid, by lane and point.
+struct Cell {
+    lowest_m: f64,
+    points: Vec<(usize, usize)>,
+}
+
 /// All points of lanes that lie over others' by at least so much, by upper lane and point.
 pub(in crate::town) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossing> {
     let surfaces = || lanes.iter().enumerate().filter(|(_, lane)| is_surface(lane));
@@ -109,13 +115,12 @@ pub(in crate::town) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossin
         return Vec::new();
     }
     let cell = |p: DVec3| ((p.x / CELL_M).floor() as i64, (p.y / CELL_M).floor() as i64);
-    // Each square's lowest point, and all of them.
-    let mut by_cell: BTreeMap<(i64, i64), (f64, Vec<(usize, usize)>)> = BTreeMap::new();
+    let mut by_cell: BTreeMap<(i64, i64), Cell> = BTreeMap::new();
     for (i, lane) in surfaces() {
         for (k, p) in lane.center.iter().enumerate() {
-            let (low, points) = by_cell.entry(cell(*p)).or_insert((p.z, Vec::new()));
-            *low = low.min(p.z);
-            points.push((i, k));
+            let cell = by_cell.entry(cell(*p)).or_insert(Cell { lowest_m: p.z, points: Vec::new() });
+            cell.lowest_m = cell.lowest_m.min(p.z);
+            cell.points.push((i, k));
         }
     }
     let widest_m = surfaces().flat_map(|(_, lane)| &lane.width_m).copied().fold(0.0, f64::max);
@@ -125,8 +130,8 @@ pub(in crate::town) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossin
             let reach = ((width_m + widest_m) / 2.0 / CELL_M).ceil() as i64;
             let (i, j) = cell(*p);
             let near = (i - reach..=i + reach).flat_map(|i| by_cell.range((i, j - reach)..=(i, j + reach)));
-            let near = near.filter(|(_, (low, _))| p.z - low >= at_least_m);
-            for (lower, point) in near.flat_map(|(_, (_, points))| points).copied() {
+            let below = near.map(|(_, cell)| cell).filter(|cell| p.z - cell.lowest_m >= at_least_m);
+            for (lower, point) in below.flat_map(|cell| &cell.points).copied() {
                 let (q, below) = (lanes[lower].center[point], &lanes[lower]);
                 // Lanes of a banked road lie side by side and at other heights.
                 let share = if below.road == lane.road { ONE_ROAD_SHARE } else { 1.0 };

@@ -12,7 +12,7 @@ settings! {
         own: OwnProps = OwnProps::default();
     }
     numbers {
-        /// Weights of the house kinds, in the order of [`crate::assets::scenery::HouseKind::ALL`]; not all 0.
+        /// Weights of the house kinds, in the order of [`crate::assets::scenery::HouseKind`]; not all 0.
         house_shares: [f64; 6] = [0.35, 0.15, 0.15, 0.15, 0.08, 0.12], 0 to 1e6;
         /// How green it is: 1 is a common suburb, 0 has no trees.
         greenery: f64 = 1.0, 0 to 2;

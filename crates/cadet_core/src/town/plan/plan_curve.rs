@@ -47,10 +47,10 @@ pub(in crate::town) struct Segment {
 }
 
 impl Segment {
-    fn pose_at(&self, s: f64) -> PlanPose {
-        let turned = self.start.heading_rad + self.curvature_per_m * s;
+    fn pose_at(&self, s_m: f64) -> PlanPose {
+        let turned = self.start.heading_rad + self.curvature_per_m * s_m;
         let at = if self.curvature_per_m == 0.0 {
-            self.start.direction() * s
+            self.start.direction() * s_m
         } else {
             let (h, k) = (self.start.heading_rad, self.curvature_per_m);
             DVec2::new(math::sin(turned) - math::sin(h), math::cos(h) - math::cos(turned)) / k
@@ -82,9 +82,9 @@ impl PlanCurve {
         self.segments.iter().map(|s| 1.0 / s.curvature_per_m.abs()).fold(f64::INFINITY, f64::min)
     }
 
-    /// The pose at distance `s` (clamped to the curve).
-    pub(in crate::town) fn pose_at(&self, s: f64) -> PlanPose {
-        let mut left = s.max(0.0);
+    /// The pose at distance `s_m` (clamped to the curve).
+    pub(in crate::town) fn pose_at(&self, s_m: f64) -> PlanPose {
+        let mut left = s_m.max(0.0);
         for (i, segment) in self.segments.iter().enumerate() {
             if left <= segment.length_m || i + 1 == self.segments.len() {
                 return segment.pose_at(left.min(segment.length_m));
@@ -129,13 +129,13 @@ impl PlanCurve {
 /// The arc that leaves `start` tangentially and ends at `end`.
 fn arc(start: PlanPose, end: DVec2) -> Segment {
     let chord = end - start.at;
-    let length = chord.length();
+    let length_m = chord.length();
     let half_turn = wrap_angle(heading_of(chord) - start.heading_rad);
     let sin = math::sin(half_turn);
     if sin.abs() < 1e-7 {
-        return Segment { start, length_m: length, curvature_per_m: 0.0 };
+        return Segment { start, length_m, curvature_per_m: 0.0 };
     }
-    Segment { start, length_m: length * half_turn / sin, curvature_per_m: 2.0 * sin / length }
+    Segment { start, length_m: length_m * half_turn / sin, curvature_per_m: 2.0 * sin / length_m }
 }
 
 #[cfg(test)]

@@ -77,10 +77,10 @@ struct HouseRow<'a, 'b> {
 
 impl HouseRow<'_, '_> {
     /// A place along the front, which goes on straight beyond both ends.
-    fn at(&self, s: f64) -> DVec2 {
+    fn at(&self, s_m: f64) -> DVec2 {
         let (f, length_m) = (self.frontage, self.frontage.length_m());
-        let beyond = if s < 0.0 { s } else { (s - length_m).max(0.0) };
-        f.at(s.clamp(0.0, length_m)) + f.along(s.clamp(0.0, length_m)) * beyond
+        let beyond = if s_m < 0.0 { s_m } else { (s_m - length_m).max(0.0) };
+        f.at(s_m.clamp(0.0, length_m)) + f.along(s_m.clamp(0.0, length_m)) * beyond
     }
 
     /// How far the sidewalk goes on straight beyond one end of the frontage.
@@ -99,17 +99,17 @@ impl HouseRow<'_, '_> {
         ahead_m
     }
 
-    /// The plot from `s` on that a house fills from side to side; `None` where the street bends too much.
-    fn plot(&self, s: f64, house: House) -> Option<Plot> {
+    /// The plot from `s_m` on that a house fills from side to side; `None` where the street bends too much.
+    fn plot(&self, s_m: f64, house: House) -> Option<Plot> {
         let size = house.model.footprint_size();
-        let (p, mut q) = (self.at(s), self.at(s + size.y));
+        let (p, mut q) = (self.at(s_m), self.at(s_m + size.y));
         let along = (q - p).normalize_or_zero();
         if along == DVec2::ZERO {
             return None;
         }
         q = p + along * size.y;
         let out = right_of(along);
-        let edge = self.frontage.between(s.max(0.0), s + size.y);
+        let edge = self.frontage.between(s_m.max(0.0), s_m + size.y);
         let bulge = edge.iter().map(|r| (*r - p).dot(out)).fold(0.0, f64::max);
         if bulge > MOST_BULGE_M {
             return None;

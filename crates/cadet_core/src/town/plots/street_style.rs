@@ -1,5 +1,7 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
+use strum::VariantArray;
+
 use crate::assets::props::{ARM_LAMP, LAMP, Shipped, WALL, WIRE};
 use crate::assets::scenery::{HouseKind, StreetLight, num_variants};
 use crate::rng::{Stream, StreamKey};
@@ -158,7 +160,7 @@ impl StreetStyle {
     fn draw(key: &StreamKey, road: u32, speed_limit_mps: f64, config: &PropConfig) -> Self {
         let mut stream = key.indexed("street", u64::from(road));
         let s = &mut stream;
-        let kind = |s: &mut Stream| HouseKind::ALL[s.weighted(&config.house_shares)];
+        let kind = |s: &mut Stream| HouseKind::VARIANTS[s.weighted(&config.house_shares)];
         let houses = [kind(s), kind(s)];
         let fast = speed_limit_mps > 10.0;
         let lamp_kind = if fast { ARM_LAMP } else { LAMP };

@@ -107,6 +107,8 @@ pub(in crate::town) fn place_in_country(
 #[cfg(test)]
 #[allow(clippy::print_stderr)]
 mod tests {
+    use strum::VariantArray;
+
     use super::*;
     use crate::assets::scenery::HouseKind;
     use crate::math::DVec3;
@@ -136,7 +138,7 @@ mod tests {
 
     fn is_house(standing: &PropFootprint) -> bool {
         let kind = standing.name.split('/').next().unwrap();
-        kind == "garage" || HouseKind::ALL.iter().any(|k| k.name() == kind)
+        kind == "garage" || HouseKind::VARIANTS.iter().any(|k| k.as_ref() == kind)
     }
 
     fn poses_hash(instances: &[Instance]) -> u64 {

@@ -198,18 +198,18 @@ fn curbside(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingS
 }
 
 /// By how much a lane turns over the length of a spot.
-fn turn_at(lane: &Lane, s: f64, pitch_m: f64) -> f64 {
-    lane.pose_at(s - pitch_m / 2.0).rotation.angle_between(lane.pose_at(s + pitch_m / 2.0).rotation)
+fn turn_at(lane: &Lane, s_m: f64, pitch_m: f64) -> f64 {
+    lane.pose_at(s_m - pitch_m / 2.0).rotation.angle_between(lane.pose_at(s_m + pitch_m / 2.0).rotation)
 }
 
 /// How far off the lane's middle toward the curb a car may stand, if it may: the curb must be where half a car fits.
-fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch_m: f64) -> Option<f64> {
-    let (before, after) = (lane.pose_at(s - pitch_m / 2.0), lane.pose_at(s + pitch_m / 2.0));
-    if turn_at(lane, s, pitch_m) > MAX_TURN_RAD {
+fn curbside_offset(lane: &Lane, ground: &Ground, s_m: f64, pitch_m: f64) -> Option<f64> {
+    let (before, after) = (lane.pose_at(s_m - pitch_m / 2.0), lane.pose_at(s_m + pitch_m / 2.0));
+    if turn_at(lane, s_m, pitch_m) > MAX_TURN_RAD {
         return None;
     }
     let flank = CLEAR_OF_LANE_M + SPOT_WIDTH_M;
-    for pose in [before, lane.pose_at(s), after] {
+    for pose in [before, lane.pose_at(s_m), after] {
         let kind = |out_m: f64| {
             let p = pose.transform_point(DVec3::new(0.0, lane.curb_side() * out_m, 0.0));
             ground.kind_at(p.x, p.y)

@@ -9,8 +9,8 @@ use crate::world::footprint::Footprint;
 use crate::world::look::PersonLook;
 use crate::world::outlook::Outlook;
 use crate::world::params::walking::{
-    BLOCKED_S, CROSSES_AGAIN, CROSSING_MPS, HELD_S, LOOKS_ACROSS, OFF_LINE_M, OVER_M, ROUND_OTHERS_M, SIDESTEP_MPS,
-    TOGETHER_M, TURN_RADPS, ZEBRA_LEAD_M,
+    BLOCKED_S, CROSSES_AGAIN_SHARE, CROSSING_MPS, HELD_S, LOOKS_ACROSS_CHANCE, OFF_LINE_M, OVER_M, ROUND_OTHERS_M,
+    SIDESTEP_MPS, TOGETHER_M, TURN_RADPS, ZEBRA_LEAD_M,
 };
 use crate::world::params::{CRAWLS_MPS, LOOK_S};
 use crate::world::physics::{DT_S, Physics};
@@ -135,19 +135,19 @@ impl Pedestrian {
                 let room = streets.sidewalks.room_m(walkway);
                 let line_m = (walk.wanted_m + company.aside_m).clamp(-room, room);
                 self.avoid(&OnWalkway { direction, ..own }, line_m, around, &streets.sidewalks);
-                self.pace = self.pace.min(1.0) * (walk.pace + 0.4 * behind_m).clamp(0.0, 1.4);
+                self.pace = self.pace.min(1.0) * (walk.pace_share + 0.4 * behind_m).clamp(0.0, 1.4);
                 self.pace = self.pace.min(pace_behind(&own, around, &streets.sidewalks));
                 return;
             }
         }
         self.avoid(&own, self.preferred_m, around, &streets.sidewalks);
         self.pace = self.pace.min(pace_behind(&own, around, &streets.sidewalks));
-        if self.crosser && self.pace > 0.5 && self.choices.chance(LOOKS_ACROSS) {
+        if self.crosser && self.pace > 0.5 && self.choices.chance(LOOKS_ACROSS_CHANCE) {
             let position = own.at.extend(own.z_m);
             if let Some(wait) = way_across(position, walkway, s_m, around, streets) {
                 self.motion = wait;
                 self.pace = 0.0;
-                self.crosser = self.choices.chance(CROSSES_AGAIN);
+                self.crosser = self.choices.chance(CROSSES_AGAIN_SHARE);
             }
         }
     }
@@ -211,7 +211,7 @@ impl Behavior for Pedestrian {
                 self.pace = if is_blocked { 0.0 } else { 1.0 };
             }
         }
-        let walk = Walk { motion: self.motion, pace: self.pace, wanted_m: self.wanted_m };
+        let walk = Walk { motion: self.motion, pace_share: self.pace, wanted_m: self.wanted_m };
         Outlook { walk: Some(walk), ..Outlook::default() }
     }
 

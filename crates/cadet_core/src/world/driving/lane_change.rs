@@ -10,7 +10,7 @@ use crate::world::footprint::Footprint;
 use crate::world::outlook::Claim;
 use crate::world::params::lane_change::{
     ACROSS_S, BEFORE_END_M, BEFORE_JUNCTION_M, CRITICAL_MPS, LEAST_GAP_M, LEAST_GAP_S, LEAST_MPS, OUTER_BIAS_MPS2,
-    POLITENESS, SAFE_MPS2, STAY_S, STAYS_BEHIND_MPS2, THRESHOLD_MPS2,
+    POLITENESS_FACTOR, SAFE_MPS2, STAY_S, STAYS_BEHIND_MPS2, THRESHOLD_MPS2,
 };
 use crate::world::params::{CRAWLS_MPS, LONG_M, LOOK_STEPS};
 use crate::world::physics::DT_S;
@@ -38,7 +38,7 @@ fn on_the_outside(own_mps2: f64, inner_mps2: f64, speed_mps: f64, inner: Option<
 /// `stays` and `changed` are the own interactions before and after it, `follower` those of who is let go or cut in on.
 /// `bias_mps2` is against it.
 fn mobil_incentive(stays_mps2: f64, changed_mps2: f64, follower_mps2: (f64, f64), bias_mps2: f64) -> f64 {
-    changed_mps2 - stays_mps2 + POLITENESS * (follower_mps2.1 - follower_mps2.0) - THRESHOLD_MPS2 - bias_mps2
+    changed_mps2 - stays_mps2 + POLITENESS_FACTOR * (follower_mps2.1 - follower_mps2.0) - THRESHOLD_MPS2 - bias_mps2
 }
 
 /// Whether a gap is safe for both: MOBIL's criterion of safety, and room to spare.
@@ -220,6 +220,7 @@ mod tests {
     use super::*;
     use crate::rng::Stream;
     use crate::town::Lane;
+    use crate::world::streets::LanePosition;
     use crate::world::tests::towns::long_main_roads;
 
     const IDM: IdmParameters = IdmParameters {
@@ -346,7 +347,8 @@ mod tests {
         let is_right = |l: &&Lane| l.junction.is_none() && graph.inner_of(l.id).is_some() && l.length_m() > 60.0;
         let old = graph.lanes().iter().find(is_right).expect("a lane beside another");
         let stands_after = |share: f64, speed_mps: f64| {
-            let mut route = Route::new(old.id, 20.0, 0.0, 1.0, Stream::from_seed("change", 1), &graph);
+            let at = LanePosition { lane: old.id, s_m: 20.0, left_m: 0.0 };
+            let mut route = Route::new(at, 1.0, Stream::from_seed("change", 1), &graph);
             let begun = route.ahead(0.0, &graph);
             let from_m = route.change_to(graph.inner_of(old.id).unwrap(), &graph);
             route.offset_m = from_m * (1.0 - share_across(share));

@@ -10,7 +10,7 @@ use crate::world::params::overtaking::{
     LEAST_RIDER_MPS, LEAST_SPARE_M, LONGEST_S, MOST_ASIDE_M, ONCOMING_MPS, OVERTAKE_SPEED_FACTOR, RETURN_S,
     SIDE_MOVING_M, SIDE_PEOPLE_M, SIDE_STANDING_M, SPARE_M, STEP_S,
 };
-use crate::world::params::{LONG_M, SAME_WAY};
+use crate::world::params::{COS_SAME_WAY, LONG_M};
 use crate::world::slot::Slot;
 use crate::world::streets::{Ahead, LaneGraph, Route};
 use crate::world::traffic_state::TrafficState;
@@ -117,7 +117,7 @@ impl Overtaking {
             let inward = |a: &Ahead| a.tangent.perp() * self.inward;
             passed.iter().map(move |a| (a.at + inward(a) * self.inward_m, inward(a), a.z_m))
         };
-        let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > SAME_WAY);
+        let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > COS_SAME_WAY);
         let is_road = || lines().all(|(at, inward, _)| is_on_lane(at + inward * half_width_m, graph));
         let keeps_off = |o: &Footprint, side_m: f64| {
             !lines().any(|(at, _, z_m)| o.is_within(at, half_width_m + side_m) && o.is_level_with(at, z_m))
@@ -128,7 +128,7 @@ impl Overtaking {
             if !(-half_width_m - beside_m..self.inward_m + half_width_m + beside_m).contains(&inward_m) {
                 return false;
             }
-            if o.heading.dot(footprint.heading) < SAME_WAY {
+            if o.heading.dot(footprint.heading) < COS_SAME_WAY {
                 let nearer_m = o.velocity.length().max(ONCOMING_MPS) * time_s;
                 return distance_m > -footprint.half_length_m && distance_m < way_m + nearer_m + spare_m;
             }

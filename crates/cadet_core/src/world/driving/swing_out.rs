@@ -111,7 +111,7 @@ mod tests {
     use crate::world::lane_use::{LaneUse, OnLane};
     use crate::world::params::CAR;
     use crate::world::params::junctions::STOP_LINE_M;
-    use crate::world::streets::Needs;
+    use crate::world::streets::{LanePosition, Needs};
     use crate::world::tests::towns::crossing;
 
     const BUS_LWH: DVec3 = DVec3::new(12.0, 2.6, 3.0);
@@ -141,8 +141,8 @@ mod tests {
             (c[1] - c[0]).truncate().perp_dot((c[c.len() - 1] - c[0]).truncate()) < -1.0
         };
         let routes = (0..99).map(|seed| {
-            let s_m = into.length_m() - 12.0;
-            Route::with_needs(into.id, s_m, 0.0, 1e-9, needs, Stream::from_seed("ways", seed), &graph)
+            let at = LanePosition { lane: into.id, s_m: into.length_m() - 12.0, left_m: 0.0 };
+            Route::with_needs(at, 1e-9, needs, Stream::from_seed("ways", seed), &graph)
         });
         let route = routes.into_iter().find(turns_right).unwrap();
         let chain = [route.lanes[1]];

@@ -3,7 +3,7 @@
 use crate::math::DVec2;
 use crate::town::{LaneId, RightOfWay};
 use crate::world::params::TURNS_RAD;
-use crate::world::params::junctions::ON_ONE_LINE;
+use crate::world::params::junctions::COS_ON_ONE_LINE;
 use crate::world::slot::Slot;
 
 /// How far a request has got.
@@ -75,7 +75,7 @@ impl Request {
         if is_minor(own) != is_minor(theirs) {
             return is_minor(own);
         }
-        if self.heading.dot(other.heading).abs() > ON_ONE_LINE {
+        if self.heading.dot(other.heading).abs() > COS_ON_ONE_LINE {
             return other.turn < self.turn;
         }
         // From the side of the curb: from the right where traffic keeps right.

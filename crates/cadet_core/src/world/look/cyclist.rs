@@ -35,8 +35,8 @@ impl Look for CyclistLook {
                 sheds_snow: true,
             });
         };
-        push(if ride.stands { model.body(true) } else { model.pointing(ride.arm) }, box_from_leaning, true);
-        push(if ride.stands { model.standing() } else { model.pedaling(ride.crank) }, box_from_leaning, false);
+        push(if ride.stands { model.body(true) } else { model.pointing(ride.arm_share) }, box_from_leaning, true);
+        push(if ride.stands { model.standing() } else { model.pedaling(ride.crank_phase) }, box_from_leaning, false);
         for axle in model.axles() {
             push(Arc::clone(&model.wheel), box_from_leaning * ride.leaning_from_wheel(axle), false);
         }

@@ -20,20 +20,26 @@ pub(crate) struct Ride {
     /// How far the wheels have turned.
     pub roll_rad: f64,
     /// Phase of the crank in [0, 1).
-    pub crank: f64,
+    pub crank_phase: f64,
     /// Into the bend, to the left if positive.
     pub lean_rad: f64,
     /// Whether a foot is on the ground.
     pub stands: bool,
     /// How far an arm is stretched out: 1 is the left one, -1 the right one.
-    pub arm: f64,
+    pub arm_share: f64,
 }
 
 impl Ride {
     /// With wheels and cranks somewhere in their turns.
-    pub fn new(turn: f64, speed_mps: f64) -> Self {
-        let crank = (turn * 7.0).fract();
-        Self { roll_rad: turn * TAU, crank, lean_rad: 0.0, arm: 0.0, stands: speed_mps < FOOT_DOWN_MPS }
+    pub fn new(turn_phase: f64, speed_mps: f64) -> Self {
+        let crank_phase = (turn_phase * 7.0).fract();
+        Self {
+            roll_rad: turn_phase * TAU,
+            crank_phase,
+            lean_rad: 0.0,
+            arm_share: 0.0,
+            stands: speed_mps < FOOT_DOWN_MPS,
+        }
     }
 
     /// One physics step of `moved_m` and a turn; the legs rest when they need not drive.
@@ -42,7 +48,7 @@ impl Ride {
         self.stands = speed_mps < if self.stands { FOOT_UP_MPS } else { FOOT_DOWN_MPS };
         self.roll_rad = math::wrap_angle(self.roll_rad + moved_m / model.wheel_radius_m);
         if pedals && !self.stands {
-            self.crank = (self.crank + moved_m / model.development_m).fract();
+            self.crank_phase = (self.crank_phase + moved_m / model.development_m).fract();
         }
         let wanted = math::atan(speed_mps * turn_rad / DT_S / GRAVITY_MPS2).clamp(-MAX_LEAN_RAD, MAX_LEAN_RAD);
         let most = LEAN_RADPS * DT_S;
@@ -57,7 +63,7 @@ impl Ride {
             TurnSignal::Off | TurnSignal::Hazard => 0.0,
         };
         let wanted: f64 = if self.stands { 0.0 } else { wanted };
-        self.arm += (wanted - self.arm).clamp(-ARM_HZ * DT_S, ARM_HZ * DT_S);
+        self.arm_share += (wanted - self.arm_share).clamp(-ARM_HZ * DT_S, ARM_HZ * DT_S);
     }
 
     /// The leaning frame in the upright box frame: it tips about the line on which the wheels stand.

@@ -20,8 +20,8 @@ pub(crate) enum TurnSignal {
 
 impl TurnSignal {
     /// The side of a number that is positive to the left.
-    pub fn toward(left: f64) -> Self {
-        if left > 0.0 { Self::Left } else { Self::Right }
+    pub fn toward(side: f64) -> Self {
+        if side > 0.0 { Self::Left } else { Self::Right }
     }
 
     /// Whether the lamps of the left side and of the right are lit: a function of the time and of the agent's own phase.

@@ -39,7 +39,7 @@ pub const BENDS_RAD: f64 = 0.25;
 /// From the middle to the end of the longest vehicle.
 pub const LONGEST_TAIL_M: f64 = 9.0;
 /// Cosine of the greatest angle between two approaches that lie on one line.
-pub const ON_ONE_LINE: f64 = 0.75;
+pub const COS_ON_ONE_LINE: f64 = 0.75;
 /// Time by which a yielding vehicle has to be across before the other arrives: with the time that it needs to cross,
 /// this makes critical headways of 5 to 8 s from a standstill, where HCM 2010, exhibit 19-10, has 4.1 to 7.1 s.
 pub const MARGIN_S: f64 = 1.0;

@@ -1,7 +1,7 @@
 //! How drivers change lanes, in the terms of MOBIL (Kesting, Treiber, Helbing 2007).
 
 /// How much others' gains and losses count.
-pub const POLITENESS: f64 = 0.25;
+pub const POLITENESS_FACTOR: f64 = 0.25;
 /// A change is worth this at least.
 pub const THRESHOLD_MPS2: f64 = 0.1;
 /// Nobody is made to brake harder, neither who follows nor who changes.

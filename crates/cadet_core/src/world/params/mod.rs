@@ -22,11 +22,11 @@ pub(super) const LONG_M: f64 = 6.0;
 /// A way that changes direction by more turns.
 pub(super) const TURNS_RAD: f64 = 0.6;
 /// Cosine of the greatest angle between two that go the same way.
-pub(super) const SAME_WAY: f64 = 0.8;
+pub(super) const COS_SAME_WAY: f64 = 0.8;
 /// Two further apart in height are on different levels where a road passes over another: by that, and by a steep road's
 /// slope over the distance between them.
 pub(super) const LEVEL_M: f64 = 2.5;
-pub(super) const GRADE: f64 = 0.1;
+pub(super) const STEEP_SLOPE: f64 = 0.1;
 
 /// How a kind of vehicle follows others, in the terms of the intelligent driver model.
 pub(super) struct Following {

@@ -29,9 +29,9 @@ pub const TURN_RADPS: f64 = 3.0;
 /// Whoever is within this of the place beside or behind the one who leads turns round with them.
 pub const TOGETHER_M: f64 = 3.0;
 /// Share of those who have crossed a road that mean to cross another.
-pub const CROSSES_AGAIN: f64 = 0.7;
+pub const CROSSES_AGAIN_SHARE: f64 = 0.7;
 /// How likely it is at each look that who means to cross looks for a way.
-pub const LOOKS_ACROSS: f64 = 0.06;
+pub const LOOKS_ACROSS_CHANCE: f64 = 0.06;
 /// Whoever is farther from their line than this goes there first, and then on along it.
 pub const OFF_LINE_M: f64 = 0.6;
 /// How far round others one may step off the line: not into the road.

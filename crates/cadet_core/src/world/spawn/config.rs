@@ -8,9 +8,9 @@ use crate::settings::settings;
 /// Shares of cars and vans among driven vehicles that are no trucks.
 pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.89), (ObjectClass::Van, 0.11)];
 /// Share of trucks among driven vehicles where the streets have room for them.
-pub(super) const DRIVEN_TRUCKS: f64 = 0.17;
+pub(super) const DRIVEN_TRUCKS_SHARE: f64 = 0.17;
 /// Share of trucks among driven vehicles on motorways.
-pub(super) const MOTORWAY_TRUCKS: f64 = 0.24;
+pub(super) const MOTORWAY_TRUCKS_SHARE: f64 = 0.24;
 /// Shares of all classes among a user's own.
 pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
@@ -19,7 +19,7 @@ pub(super) const PARKED_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.
 /// Shares of trucks and of trailers and motorbikes among what is parked in the yards of works, where they fit, and the
 /// share of vans among the others there.
 pub(super) const YARD_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.5), (ObjectClass::Misc, 0.15)];
-pub(super) const YARD_VANS: f64 = 0.7;
+pub(super) const YARD_VANS_SHARE: f64 = 0.7;
 /// Shares of cars and vans among the other parked vehicles.
 pub(super) const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.90), (ObjectClass::Van, 0.10)];
 

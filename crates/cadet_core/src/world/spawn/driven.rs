@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX, MOTORWAY_TRUCKS};
+use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS_SHARE, DRIVEN_USER_MIX, MOTORWAY_TRUCKS_SHARE};
 use super::overlap::comes_toward;
 use super::parking::OFF_LANES_M;
 use super::spawner::{Entry, Spawner};
@@ -20,7 +20,7 @@ use crate::world::params::driver::SIDE_STANDING_M;
 use crate::world::params::{CAR, LONG_M};
 use crate::world::physics::Physics;
 use crate::world::slot::Slot;
-use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, LaneGraph, Needs, Route};
+use crate::world::streets::{CAR_STRAIGHT_WEIGHT, LONG_STRAIGHT_WEIGHT, LaneGraph, LanePosition, Needs, Route};
 
 /// How far from a junction, or from who is ahead, newcomers could stop; before the line of a light it is farther.
 const BEFORE_JUNCTION_M: f64 = 8.0;
@@ -103,7 +103,7 @@ impl Spawner<'_> {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
                 let seed = stream.next_u64();
                 let of = |class| Arc::new(VehicleModel::of_traffic(class, seed).expect("the class has shapes"));
-                let trucks = if self.is_fast() { MOTORWAY_TRUCKS } else { DRIVEN_TRUCKS };
+                let trucks = if self.is_fast() { MOTORWAY_TRUCKS_SHARE } else { DRIVEN_TRUCKS_SHARE };
                 if let Some(truck) = self.config.rare(&[(ObjectClass::Truck, trucks)], seed)
                     && let Some(newcomer) = self.place_truck(slot, stream, of(truck), ring_m, entry)
                 {
@@ -147,7 +147,7 @@ impl Spawner<'_> {
         // Farther off the middle one would not get past what stands beside it; a truck's corners need all of its room.
         let beside_m = OFF_LANES_M - model.size_lwh.y / 2.0 - SIDE_STANDING_M;
         let most_m = if needs.keeps_in_lane { 0.0 } else { beside_m.max(0.0) };
-        let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
+        let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT_WEIGHT } else { CAR_STRAIGHT_WEIGHT };
         let lanes = graph.open_lanes().filter(|l| !needs.is_some() || graph.fits(l.id, needs));
         let places = self.places_on(lanes, half_m, ring_m, entry);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
@@ -157,13 +157,13 @@ impl Spawner<'_> {
             let (lane_id, s_m, _) = *places.get(stream.weighted(&weights))?;
             let lane = graph.lane(lane_id);
             let s_m = s_m + stream.range(0.0, 3.5);
-            let offset_m = stream.clipped_normal(0.0, 0.1).clamp(-most_m, most_m);
+            let left_m = stream.clipped_normal(0.0, 0.1).clamp(-most_m, most_m);
             let is_lit = graph.signals().arm_of(lane_id).is_some();
             if is_lit && ON_LINE_M.contains(&(lane.length_m() - s_m - half_m)) {
                 continue;
             }
             let seed = self.key.indexed("car route", stream.next_u64());
-            let route = Route::with_needs(lane_id, s_m, offset_m, straight, needs, seed, graph);
+            let route = Route::with_needs(LanePosition { lane: lane_id, s_m, left_m }, straight, needs, seed, graph);
             let here = route.ahead(0.0, graph);
             let rectangle = Footprint {
                 center: here.at,

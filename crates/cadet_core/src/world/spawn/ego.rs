@@ -17,7 +17,7 @@ use crate::world::arena::Arena;
 use crate::world::body::{Chassis, settle};
 use crate::world::driving::IdmParameters;
 use crate::world::params::EGO;
-use crate::world::streets::{EGO_STRAIGHT, LaneGraph, Route};
+use crate::world::streets::{EGO_STRAIGHT_WEIGHT, LaneGraph, LanePosition, Route};
 
 /// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
 /// but a box.
@@ -107,8 +107,8 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
     let idm = IdmParameters::draw(&EGO, &mut key.stream("ego habits"));
     for _ in 0..50 {
         let Some((lane, s_m)) = starts.draw(&mut stream, graph) else { break };
-        let offset_m = stream.clipped_normal(0.0, 0.08);
-        let route = Route::new(lane, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), graph);
+        let at = LanePosition { lane, s_m, left_m: stream.clipped_normal(0.0, 0.08) };
+        let route = Route::new(at, EGO_STRAIGHT_WEIGHT, key.stream("ego route"), graph);
         if let Some(chassis) = chassis_on(&route, &model, 0.0, physics, graph) {
             return Ok(Car::new(chassis, Some(route), idm));
         }

@@ -14,11 +14,11 @@ use crate::world::body::Body;
 use crate::world::driving::{IdmParameters, LaneView};
 use crate::world::params::{CAR, LONG_M};
 use crate::world::slot::Slot;
-use crate::world::streets::{CAR_STRAIGHT, LONG_STRAIGHT, Needs, Route};
+use crate::world::streets::{CAR_STRAIGHT_WEIGHT, LONG_STRAIGHT_WEIGHT, LanePosition, Needs, Route};
 
 /// Vehicles start so much farther from the ego than on streets, are gone beyond this distance, and newcomers appear before
 /// it: farther away than anything is shown.
-pub(super) const FARTHER: f64 = 2.5;
+pub(super) const FARTHER_FACTOR: f64 = 2.5;
 pub(super) const GONE_M: f64 = 310.0;
 pub(super) const APPEARS_M: (f64, f64) = (252.0, 296.0);
 /// Speed limiters of trucks, and what cars go of the limit.
@@ -114,10 +114,10 @@ impl Spawner<'_> {
         for _ in 0..TRIES {
             let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
             let s_m = (s_m + stream.range(0.0, PLACES_EVERY_M)).min(graph.lane(lane).length_m() - 0.5);
-            let offset_m = stream.clipped_normal(0.0, 0.12);
+            let at = LanePosition { lane, s_m, left_m: stream.clipped_normal(0.0, 0.12) };
             let seed = self.key.indexed("car route", stream.next_u64());
-            let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT } else { CAR_STRAIGHT };
-            let route = Route::with_needs(lane, s_m, offset_m, straight, needs, seed, graph);
+            let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT_WEIGHT } else { CAR_STRAIGHT_WEIGHT };
+            let route = Route::with_needs(at, straight, needs, seed, graph);
             let wanted_mps =
                 (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, graph)).min(idm.top_speed_mps);
             let seen = LaneView::of(lane, s_m, half_m, Some(slot), &self.arena.around, graph);

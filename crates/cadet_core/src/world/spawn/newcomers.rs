@@ -43,16 +43,16 @@ pub(super) fn guided_vehicle(
     Ok(Actor { body, look: VehicleLook::new(model, true) })
 }
 
-/// A bicycle with its rider, at a pose with a yaw; `turn` in [0, 1) is how far wheels and cranks have turned.
+/// A bicycle with its rider, at a pose with a yaw; `turn_phase` in [0, 1) is how far wheels and cranks have turned.
 pub(super) fn ridden_bicycle(
     arena: &mut Arena,
     model: Arc<CyclistModel>,
     (world_from_box, yaw_rad): (DPose3, f64),
     velocity: DVec2,
-    turn: f64,
+    turn_phase: f64,
 ) -> Actor<Cycle, CyclistLook> {
     let body = Cycle::new(&mut arena.physics, &model, world_from_box, yaw_rad, velocity);
-    Actor { body, look: CyclistLook { model, ride: Ride::new(turn, velocity.length()) } }
+    Actor { body, look: CyclistLook { model, ride: Ride::new(turn_phase, velocity.length()) } }
 }
 
 /// Somebody who stands on the ground, mid-stride if the model walks, before anybody has told them where to go.

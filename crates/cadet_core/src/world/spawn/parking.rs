@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::config::{PARKED_MIX, PARKED_RARE, TrafficConfig, YARD_RARE, YARD_VANS};
+use super::config::{PARKED_MIX, PARKED_RARE, TrafficConfig, YARD_RARE, YARD_VANS_SHARE};
 use super::newcomers::parked_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
@@ -65,7 +65,7 @@ impl Spawner<'_> {
                 continue;
             }
             let is_usual_yard = spot.kind == SpotKind::Yard && config.vehicle_shares.is_empty();
-            let van_share = if is_usual_yard { YARD_VANS } else { parked_mix[1].1 };
+            let van_share = if is_usual_yard { YARD_VANS_SHARE } else { parked_mix[1].1 };
             let over_m = if spot.kind == SpotKind::Parallel { MOST_OVER_SPOT_M } else { 0.0 };
             let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
                 Some(model) => model,

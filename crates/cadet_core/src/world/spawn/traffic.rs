@@ -61,7 +61,7 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<Vec<Shortfa
     streets.graph.note_standing(&around.standing);
     let (car_m, walker_m, cyclist_m) = (config.car_radius_m, config.pedestrian_radius_m, config.cyclist_radius_m);
     spawner.roll_ego();
-    let car_m = car_m * if spawner.is_fast() { fast::FARTHER } else { 1.0 };
+    let car_m = car_m * if spawner.is_fast() { fast::FARTHER_FACTOR } else { 1.0 };
     spawner.refresh_traffic_state();
     let kinds: [(_, usize, _, _, Make<'_>); 3] = [
         ("num_cars", config.num_cars, "driven cars", (CAR_STARTS_M, car_m), Spawner::new_car),

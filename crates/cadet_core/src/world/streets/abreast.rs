@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::math::DVec3;
 use crate::town::{Lane, LaneId, LaneKind};
-use crate::world::params::SAME_WAY;
+use crate::world::params::COS_SAME_WAY;
 
 /// Lanes are abreast if their middles are so far apart, as shares of the mean of their widths.
 const APART: (f64, f64) = (0.75, 1.3);
@@ -28,7 +28,7 @@ pub(crate) fn neighbors(lanes: &[Lane]) -> Vec<[Option<LaneId>; 2]> {
                 let width_m = (lane.width_at(middle_m) + other.width_at(s_m)) / 2.0;
                 let apart = to.dot(inward).abs() / width_m;
                 // Lanes of another section lie before or behind.
-                let is_abreast = to.dot(along).abs() < 2.0 && (there.rotation * DVec3::X).dot(along) > SAME_WAY;
+                let is_abreast = to.dot(along).abs() < 2.0 && (there.rotation * DVec3::X).dot(along) > COS_SAME_WAY;
                 if is_abreast && (APART.0..APART.1).contains(&apart) {
                     beside[lane.id.0][usize::from(to.dot(inward) < 0.0)] = Some(other.id);
                 }

@@ -8,7 +8,7 @@ use crate::math::{self, DVec2, DVec3};
 use crate::plane::bounds;
 use crate::town::{GroundKind, Lane, LaneId, LaneKind, RightOfWay, RoadNetwork, Signals, Town};
 use crate::world::footprint::Footprint;
-use crate::world::params::{LEVEL_M, SAME_WAY};
+use crate::world::params::{COS_SAME_WAY, LEVEL_M};
 
 /// Lateral acceleration that drivers accept in bends.
 const LATERAL_MPS2: f64 = 2.0;
@@ -256,7 +256,7 @@ fn rights_of_way(town: &Town) -> Vec<Option<RightOfWay>> {
     let of = |lane: &Lane| RightOfWay::of(lane, network, &town.signals);
     let beside = |lane: &Lane| {
         let arrives_with = |o: &&Lane| {
-            let goes_along = o.end_tangent().dot(lane.end_tangent()) > SAME_WAY;
+            let goes_along = o.end_tangent().dot(lane.end_tangent()) > COS_SAME_WAY;
             o.road == lane.road && o.junction.is_none() && goes_along
         };
         network.driving().filter(arrives_with).find_map(of)

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 pub(super) use lane_graph::{LaneGraph, LanePosition};
 pub(super) use room::Needs;
-pub(super) use route::{Ahead, CAR_STRAIGHT, EGO_STRAIGHT, LONG_STRAIGHT, Route};
+pub(super) use route::{Ahead, CAR_STRAIGHT_WEIGHT, EGO_STRAIGHT_WEIGHT, LONG_STRAIGHT_WEIGHT, Route};
 pub(super) use sidewalk::Sidewalks;
 pub(super) use track::Track;
 

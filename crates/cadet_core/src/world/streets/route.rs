@@ -12,9 +12,9 @@ use crate::world::params::TURNS_RAD;
 
 /// How much likelier than turning off it is that the ego, or another car, goes straight on; long vehicles keep to
 /// where they fit.
-pub(crate) const EGO_STRAIGHT: f64 = 3.0;
-pub(crate) const CAR_STRAIGHT: f64 = 1.2;
-pub(crate) const LONG_STRAIGHT: f64 = 500.0;
+pub(crate) const EGO_STRAIGHT_WEIGHT: f64 = 3.0;
+pub(crate) const CAR_STRAIGHT_WEIGHT: f64 = 1.2;
+pub(crate) const LONG_STRAIGHT_WEIGHT: f64 = 500.0;
 /// How much less likely a way is that has no room for a vehicle.
 const TOO_NARROW: f64 = 1e-5;
 /// Draws of another way at a junction.
@@ -47,7 +47,7 @@ pub(crate) struct Route {
     /// Offset to the left of the lane's middle that the driver keeps.
     pub offset_m: f64,
     /// Weight of going straight on against turning off.
-    straight: f64,
+    straight_weight: f64,
     needs: Needs,
     /// Of a cyclist: the distance kept from the border of a lane for cars that is at the curb.
     keeps_m: Option<f64>,
@@ -55,32 +55,38 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    pub fn new(lane: LaneId, s_m: f64, offset_m: f64, straight: f64, choices: Stream, graph: &LaneGraph) -> Self {
-        Self::with_needs(lane, s_m, offset_m, straight, Needs::default(), choices, graph)
+    pub fn new(at: LanePosition, straight_weight: f64, choices: Stream, graph: &LaneGraph) -> Self {
+        Self::with_needs(at, straight_weight, Needs::default(), choices, graph)
     }
 
     /// The route of a vehicle that does not fit everywhere.
     pub fn with_needs(
-        lane: LaneId,
-        s_m: f64,
-        offset_m: f64,
-        straight: f64,
+        at: LanePosition,
+        straight_weight: f64,
         needs: Needs,
         choices: Stream,
         graph: &LaneGraph,
     ) -> Self {
+        let LanePosition { lane, s_m, left_m: offset_m } = at;
         let lanes = VecDeque::from([lane]);
-        let mut route = Self { lanes, s_m, base_m: 0.0, offset_m, straight, needs, keeps_m: None, choices };
+        let mut route = Self { lanes, s_m, base_m: 0.0, offset_m, straight_weight, needs, keeps_m: None, choices };
         route.extend(graph);
         route
     }
 
     /// The route of a cyclist, in the middle of lanes for bicycles where there are any, and so far from the border at
     /// the curb of others.
-    pub fn by_bicycle(lane: LaneId, s_m: f64, straight: f64, keeps_m: f64, choices: Stream, graph: &LaneGraph) -> Self {
+    pub fn by_bicycle(
+        lane: LaneId,
+        s_m: f64,
+        straight_weight: f64,
+        keeps_m: f64,
+        choices: Stream,
+        graph: &LaneGraph,
+    ) -> Self {
         let (lanes, needs) = (VecDeque::from([lane]), Needs::default());
         let keeps_m = Some(keeps_m);
-        let mut route = Self { lanes, s_m, base_m: 0.0, offset_m: 0.0, straight, needs, keeps_m, choices };
+        let mut route = Self { lanes, s_m, base_m: 0.0, offset_m: 0.0, straight_weight, needs, keeps_m, choices };
         route.offset_m = route.usual_m(graph.lane(lane), s_m);
         route.extend(graph);
         route
@@ -114,8 +120,8 @@ impl Route {
     /// The route of a tram: along lanes that are known to the end of the line.
     pub fn along(lanes: VecDeque<LaneId>, s_m: f64) -> Self {
         let choices = Stream::from_seed("track", 0);
-        let (base_m, offset_m, straight, needs) = (0.0, 0.0, LONG_STRAIGHT, Needs::default());
-        Self { lanes, s_m, base_m, offset_m, straight, needs, keeps_m: None, choices }
+        let (base_m, offset_m, straight_weight, needs) = (0.0, 0.0, LONG_STRAIGHT_WEIGHT, Needs::default());
+        Self { lanes, s_m, base_m, offset_m, straight_weight, needs, keeps_m: None, choices }
     }
 
     /// Whether the vehicle fits wherever it goes in the next `ahead_m`.
@@ -234,7 +240,7 @@ impl Route {
                 let out = c[c.len() - 1] - c[c.len() - 2];
                 let turn = math::atan2(end.x * out.y - end.y * out.x, end.x * out.x + end.y * out.y).abs();
                 let weight = match (turn < TURNS_RAD, turn < 2.5) {
-                    (true, _) => self.straight,
+                    (true, _) => self.straight_weight,
                     (false, true) => 1.0,
                     // Turning round is for dead ends.
                     (false, false) => 0.02,

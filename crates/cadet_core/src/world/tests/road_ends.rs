@@ -152,6 +152,7 @@ fn a_road_in_short_pieces_is_as_long_as_in_one() {
     pieces.windows(2).for_each(|pair| join(&mut network, pair[0], pair[1]));
     let graph = LaneGraph::new(town(network, ground(250.0, 10.0, &|_, _| 0.0), Vec::new()));
     assert!((graph.reach_m(pieces[0]) - 400.0).abs() < 1e-6, "{} m", graph.reach_m(pieces[0]));
-    let route = Route::new(pieces[0], 0.0, 0.0, 1.0, Stream::from_seed("way", 1), &graph);
+    let begin = LanePosition { lane: pieces[0], s_m: 0.0, left_m: 0.0 };
+    let route = Route::new(begin, 1.0, Stream::from_seed("way", 1), &graph);
     assert!(route.remaining_m(&graph) > 100.0, "{} m of 400 are known", route.remaining_m(&graph));
 }

@@ -152,7 +152,7 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
 #[test]
 fn cyclists_point_where_they_turn_and_nowhere_else() {
     let arms = |world: &World| {
-        let arm = |ride: &Ride| [ride.arm > 0.5, ride.arm < -0.5];
+        let arm = |ride: &Ride| [ride.arm_share > 0.5, ride.arm_share < -0.5];
         world.arena.each::<Cyclist>().map(|(_, agent, rider)| (agent.id, arm(&rider.own.look.ride))).collect()
     };
     let mut tally = [[0; 3]; 3];

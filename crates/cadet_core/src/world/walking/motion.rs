@@ -31,7 +31,7 @@ pub(crate) struct GroupPlace {
 pub(crate) struct Walk {
     pub motion: Motion,
     /// 0 to stop, 1 to walk on.
-    pub pace: f64,
+    pub pace_share: f64,
     /// The line that is aimed at: offset to the left of the walkway's.
     pub wanted_m: f64,
 }

@@ -36,12 +36,12 @@ struct Layout {
 }
 
 /// Draws a wall to a street. `is_crossing` marks the narrow one at a corner.
-pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width: f32, index: usize, detail: Detail) {
-    let (layout, mut s) = lay_out(d, width, index);
-    let shape = WallShape { width, bottom: -0.3, eaves: d.ground_m, apex: d.ground_m, face: city_slot::BASE };
+pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width_m: f32, index: usize, detail: Detail) {
+    let (layout, mut s) = lay_out(d, width_m, index);
+    let shape = WallShape { width_m, bottom_m: -0.3, eaves_m: d.ground_m, apex_m: d.ground_m, face: city_slot::BASE };
     wall(b, plane, &shape, &layout.ground, detail);
     let top = d.cornice_m();
-    let shape = WallShape { width, bottom: d.ground_m, eaves: top, apex: top, face: slot::WALL };
+    let shape = WallShape { width_m, bottom_m: d.ground_m, eaves_m: top, apex_m: top, face: slot::WALL };
     wall(b, plane, &shape, &layout.upper, detail);
     if let Some(bay) = layout.bay {
         draw_bay(b, d, plane, layout.columns[bay], detail, &mut s);
@@ -50,14 +50,14 @@ pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width
         return;
     }
     // The band over the ground floor, and one under the cornice.
-    plane.block(b, [0.0, width, d.ground_m - 0.12, d.ground_m + 0.14], -0.1, 0.0, slot::STONE);
-    plane.block(b, [0.0, width, top - 0.35, top - 0.1], -0.06, 0.0, slot::STONE);
+    plane.block(b, [0.0, width_m, d.ground_m - 0.12, d.ground_m + 0.14], -0.1, 0.0, slot::STONE);
+    plane.block(b, [0.0, width_m, top - 0.35, top - 0.1], -0.06, 0.0, slot::STONE);
     for column in &layout.balconies {
         for story in 1..d.stories {
             balcony(b, plane, layout.columns[*column], d.floor(story), detail);
         }
     }
-    if width > 8.0 {
+    if width_m > 8.0 {
         let foot = plane.at(0.16, -0.3, -0.09);
         b.tube(&[(foot, 0.05), (foot + Vec3::Z * (top + 0.2), 0.05)], 5, slot::METAL);
     }
@@ -70,16 +70,16 @@ pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width
 pub(super) fn draw_plain(
     b: &mut MeshBuilder,
     d: &CityDesign,
-    (plane, width): (&WallPlane, f32),
+    (plane, width_m): (&WallPlane, f32),
     (index, spacing_m): (usize, f32),
     detail: Detail,
 ) {
     let mut s = Stream::from_seed("plain", d.seed ^ index as u64);
-    let count = (width / spacing_m).round().max(1.0) as usize;
+    let count = (width_m / spacing_m).round().max(1.0) as usize;
     let mut openings = Vec::new();
     for story in 0..d.stories {
         for k in 0..count {
-            let (u, v) = (width * (k as f32 + 0.5) / count as f32, d.floor(story) + 0.95);
+            let (u, v) = (width_m * (k as f32 + 0.5) / count as f32, d.floor(story) + 0.95);
             if s.chance(0.85) {
                 let filling = Filling::Window { sashes: 1, shutter: 0.0, curtain: Curtain::draw(&mut s, 0.5) };
                 openings.push(Opening { rect: [u - 0.5, u + 0.5, v, v + 1.4], filling });
@@ -87,24 +87,24 @@ pub(super) fn draw_plain(
         }
     }
     let top = d.cornice_m();
-    let shape = WallShape { width, bottom: -0.3, eaves: top, apex: top, face: slot::WALL };
+    let shape = WallShape { width_m, bottom_m: -0.3, eaves_m: top, apex_m: top, face: slot::WALL };
     wall(b, plane, &shape, &openings, if detail == Detail::Near { Detail::Mid } else { detail });
 }
 
 /// The ways in on the ground floor of a wall to a street, along it.
-pub(super) fn doorways(d: &CityDesign, width: f32, index: usize) -> Vec<[f32; 2]> {
-    lay_out(d, width, index).0.ground.iter().filter_map(Opening::doorway).collect()
+pub(super) fn doorways(d: &CityDesign, width_m: f32, index: usize) -> Vec<[f32; 2]> {
+    lay_out(d, width_m, index).0.ground.iter().filter_map(Opening::doorway).collect()
 }
 
 /// What the wall has, and the stream that its bay is drawn from: the same for every level of detail.
-fn lay_out(d: &CityDesign, width: f32, index: usize) -> (Layout, Stream) {
+fn lay_out(d: &CityDesign, width_m: f32, index: usize) -> (Layout, Stream) {
     let mut stream = Stream::from_seed("front", d.seed ^ index as u64);
     let s = &mut stream;
-    let is_narrow = width < 6.0;
-    let count = if is_narrow { 1 } else { (width / d.column_m).round().max(2.0) as usize };
-    let cell = width / count as f32;
+    let is_narrow = width_m < 6.0;
+    let count = if is_narrow { 1 } else { (width_m / d.column_m).round().max(2.0) as usize };
+    let cell = width_m / count as f32;
     let columns: Vec<f32> = (0..count).map(|k| cell * (k as f32 + 0.5)).collect();
-    let ground = if d.has_shops { shops(d, width, is_narrow, s) } else { flats(d, &columns, is_narrow, s) };
+    let ground = if d.has_shops { shops(d, width_m, is_narrow, s) } else { flats(d, &columns, is_narrow, s) };
     let has_bay = !is_narrow && count >= 4 && s.chance(d.bay_share);
     let bay = has_bay.then(|| 1 + s.below(count - 2));
     let mut balconies = Vec::new();
@@ -219,18 +219,18 @@ fn balcony(b: &mut MeshBuilder, plane: &WallPlane, u: f32, floor: f32, detail: D
 fn draw_bay(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, u: f32, detail: Detail, s: &mut Stream) {
     let (u0, u1) = (u - d.column_m * 0.46, u + d.column_m * 0.46);
     let (low, high) = (d.floor(1) - 0.1, d.floor(d.stories - 1) + if d.stories > 3 { -0.1 } else { 2.9 });
-    let width = u1 - u0;
+    let width_m = u1 - u0;
     let front = WallPlane { origin: plane.at(u0, 0.0, -BAY_DEPTH_M), u: plane.u };
-    let half = (d.window.0 * 0.6).min(width / 2.0 - 0.25);
+    let half = (d.window.0 * 0.6).min(width_m / 2.0 - 0.25);
     let mut openings = Vec::new();
     let mut story = 1;
     while d.floor(story) + 0.8 + d.window.1 + 0.1 < high && story < d.stories {
         let v = d.floor(story) + 0.8;
         let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: Curtain::draw(s, 0.5) };
-        openings.push(Opening { rect: [width / 2.0 - half, width / 2.0 + half, v, v + d.window.1], filling });
+        openings.push(Opening { rect: [width_m / 2.0 - half, width_m / 2.0 + half, v, v + d.window.1], filling });
         story += 1;
     }
-    let shape = WallShape { width, bottom: low, eaves: high, apex: high, face: slot::STONE };
+    let shape = WallShape { width_m, bottom_m: low, eaves_m: high, apex_m: high, face: slot::STONE };
     // Rooms of this depth would come out of the wall behind, where there is none to be seen.
     wall(b, &front, &shape, &openings, detail);
     plane.ring(b, [u0, u1, low, high], -BAY_DEPTH_M, 0.0, slot::STONE);

@@ -1,7 +1,10 @@
 //! Where in its row a house stands.
 
+use strum::{AsRefStr, VariantArray};
+
 /// Where in its row a house stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
+#[strum(prefix = "city-", serialize_all = "kebab-case")]
 pub enum CityKind {
     /// Between two others.
     Row,
@@ -9,19 +12,4 @@ pub enum CityKind {
     FirstCorner,
     /// At the corner where it ends.
     LastCorner,
-}
-
-impl CityKind {
-    /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Row, Self::FirstCorner, Self::LastCorner];
-
-    /// A short name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Row => "city-row",
-            Self::FirstCorner => "city-first-corner",
-            Self::LastCorner => "city-last-corner",
-        }
-    }
 }

@@ -11,7 +11,7 @@ pub(super) const NAMES: [&str; 14] = [
     "WEINE", "DROGERIE",
 ];
 
-/// Writes a name in the middle of [u0, u1], as high as `height` and no wider than there is room; `depth` is that of the
+/// Writes a name in the middle of [u0, u1], as high as `v` and no wider than there is room; `depth_m` is that of the
 /// board's face.
 pub(in super::super) fn write(
     b: &mut MeshBuilder,
@@ -19,7 +19,7 @@ pub(in super::super) fn write(
     name: &str,
     [u0, u1]: [f32; 2],
     v: [f32; 2],
-    depth: f32,
+    depth_m: f32,
 ) {
     let letters: Vec<([u8; 5], usize)> = name.chars().map(rows).collect();
     let columns = letters.iter().map(|(_, n)| n + 1).sum::<usize>() - 1;
@@ -31,7 +31,7 @@ pub(in super::super) fn write(
             let (top, low) = (v[1] - dv * row as f32, v[1] - dv * (row + 1) as f32);
             for [from, to] in strokes(bits, width) {
                 let (a, z) = (u + du * from as f32, u + du * to as f32);
-                plane.rect(b, [a, z, low, top], depth - 0.006, city_slot::LETTER);
+                plane.rect(b, [a, z, low, top], depth_m - 0.006, city_slot::LETTER);
             }
         }
         u += du * (width + 1) as f32;

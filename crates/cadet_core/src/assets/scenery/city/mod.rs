@@ -62,9 +62,9 @@ enum Roof {
 #[derive(Debug, Clone)]
 pub(super) struct CityDesign {
     pub kind: CityKind,
-    pub depth: f32,
-    pub width: f32,
-    pub cut: f32,
+    pub depth_m: f32,
+    pub width_m: f32,
+    pub cut_m: f32,
     stories: usize,
     /// Height of the ground floor, and of those over it.
     ground_m: f32,
@@ -85,15 +85,15 @@ pub(super) struct CityDesign {
 impl CityDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: CityKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.name(), variant as u64);
+        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut s;
         let is_corner = kind != CityKind::Row;
-        let width = if is_corner { range(s, 13.0, 17.0) } else { ROW_WIDTHS_M[variant % ROW_WIDTHS_M.len()] };
+        let width_m = if is_corner { range(s, 13.0, 17.0) } else { ROW_WIDTHS_M[variant % ROW_WIDTHS_M.len()] };
         Self {
             kind,
-            depth: if is_corner { range(s, 12.5, 14.0) } else { range(s, 12.0, 13.5) },
-            width,
-            cut: if is_corner { range(s, 2.8, 3.6) } else { 0.0 },
+            depth_m: if is_corner { range(s, 12.5, 14.0) } else { range(s, 12.0, 13.5) },
+            width_m,
+            cut_m: if is_corner { range(s, 2.8, 3.6) } else { 0.0 },
             stories: 3 + s.weighted(&[0.3, 0.48, 0.22]),
             ground_m: range(s, 3.9, 4.4),
             story_m: range(s, 3.2, 3.6),
@@ -118,12 +118,12 @@ impl CityDesign {
             CityKind::FirstCorner => 1.0,
             CityKind::LastCorner => -1.0,
         };
-        Some(CityCorner { side, cut_m: f64::from(self.cut) })
+        Some(CityCorner { side, cut_m: f64::from(self.cut_m) })
     }
 
     /// The ways in at the front: from where to where along y.
     pub fn doorways(&self) -> Vec<[f32; 2]> {
-        let front = plan::sides(self.kind, self.depth, self.width, self.cut)[0];
+        let front = plan::sides(self.kind, self.depth_m, self.width_m, self.cut_m)[0];
         let along = |[u0, u1]: [f32; 2]| [front.from.y + u0, front.from.y + u1];
         front::doorways(self, front.width(), 0).into_iter().map(along).collect()
     }
@@ -145,7 +145,7 @@ impl CityDesign {
 
     /// Insets and heights of the roof from the eaves to the top.
     fn roof_line(&self) -> Vec<(f32, f32)> {
-        let (e, ridge) = (self.eaves_m(), self.depth / 2.0 - 0.12);
+        let (e, ridge) = (self.eaves_m(), self.depth_m / 2.0 - 0.12);
         match (self.roof, self.kind) {
             (Roof::Pitched, _) => vec![(-0.4, e + 0.08), (ridge, e + 0.08 + 0.72 * (ridge + 0.4))],
             (Roof::Mansard, CityKind::Row) => {
@@ -164,11 +164,11 @@ impl CityDesign {
     /// The palette with the light of its shops, which falls on the sidewalk at night.
     pub fn lit_shops(&self, palette: Arc<Palette>) -> Arc<Palette> {
         let are_lit = self.has_shops && Stream::from_seed("lit shops", self.seed).chance(LIT_SHOPS);
-        let count = if are_lit { (self.width / SHOP_M).floor().max(1.0) as usize } else { 0 };
-        let y = |k: usize| self.width * ((k as f32 + 0.5) / count as f32 - 0.5);
+        let count = if are_lit { (self.width_m / SHOP_M).floor().max(1.0) as usize } else { 0 };
+        let y = |k: usize| self.width_m * ((k as f32 + 0.5) / count as f32 - 0.5);
         let lamps = (0..count).map(|k| Lamp {
             beam: LampBeam::Luminaire { cos_ends: -0.2, cos_full: 0.6 },
-            at: Vec3::new(0.5 * self.depth + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1),
+            at: Vec3::new(0.5 * self.depth_m + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1),
             ahead: -Vec3::Z,
             left: Vec3::Y,
             intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CD_PER_INTENSITY)),
@@ -180,7 +180,7 @@ impl CityDesign {
     /// Draws the house.
     pub fn mesh(&self, detail: Detail) -> Mesh {
         let mut b = MeshBuilder::new();
-        let sides = plan::sides(self.kind, self.depth, self.width, self.cut);
+        let sides = plan::sides(self.kind, self.depth_m, self.width_m, self.cut_m);
         for (i, side) in sides.iter().enumerate() {
             let (plane, width) = (side.plane(), side.width());
             match side.face {
@@ -192,7 +192,7 @@ impl CityDesign {
         }
         self.foot(&mut b, &sides);
         self.top(&mut b, &sides, detail);
-        b.build(self.kind.name(), CREASE_RAD)
+        b.build(self.kind.as_ref(), CREASE_RAD)
     }
 
     /// The foundation, its edge flush with the sidewalk.
@@ -225,7 +225,7 @@ impl CityDesign {
         }
         let mut s = Stream::from_seed("chimneys", self.seed);
         for k in 0..2 {
-            let y = self.width * (range(&mut s, 0.2, 0.45) * if k == 0 { -1.0 } else { 1.0 });
+            let y = self.width_m * (range(&mut s, 0.2, 0.45) * if k == 0 { -1.0 } else { 1.0 });
             let (low, high) = (self.height() - 2.2, self.height() + 0.7);
             let middle = Vec3::new(range(&mut s, -1.6, -0.4), y, (low + high) / 2.0);
             b.block(middle, Vec3::new(0.6, 1.1, high - low), slot::CHIMNEY);

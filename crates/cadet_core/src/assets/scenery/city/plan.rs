@@ -41,9 +41,9 @@ impl Side {
 }
 
 /// The sides of a house; x is its depth with the street at +x, y its width. The corner of a corner house is cut by
-/// `cut` along both streets.
-pub(super) fn sides(kind: CityKind, depth: f32, width: f32, cut: f32) -> Vec<Side> {
-    let (x, y) = (depth / 2.0, width / 2.0);
+/// `cut_m` along both streets.
+pub(super) fn sides(kind: CityKind, depth_m: f32, width_m: f32, cut_m: f32) -> Vec<Side> {
+    let (x, y) = (depth_m / 2.0, width_m / 2.0);
     let at = Vec2::new;
     let outline = match kind {
         CityKind::Row => vec![
@@ -54,17 +54,17 @@ pub(super) fn sides(kind: CityKind, depth: f32, width: f32, cut: f32) -> Vec<Sid
         ],
         CityKind::FirstCorner => vec![
             (at(x, -y), Face::Street),
-            (at(x, y - cut), Face::Crossing),
-            (at(x - cut, y), Face::Street),
+            (at(x, y - cut_m), Face::Crossing),
+            (at(x - cut_m, y), Face::Street),
             (at(-x, y), Face::Neighbor),
             (at(-x, -y), Face::Neighbor),
         ],
         CityKind::LastCorner => vec![
-            (at(x, cut - y), Face::Street),
+            (at(x, cut_m - y), Face::Street),
             (at(x, y), Face::Neighbor),
             (at(-x, y), Face::Neighbor),
             (at(-x, -y), Face::Street),
-            (at(x - cut, -y), Face::Crossing),
+            (at(x - cut_m, -y), Face::Crossing),
         ],
     };
     let n = outline.len();

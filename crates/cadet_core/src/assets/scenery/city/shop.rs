@@ -23,7 +23,7 @@ pub(in super::super) struct Shop {
     /// Height of the wall below the panes.
     pub sill_m: f32,
     /// Where its door begins, from 0 at the left to 1 at the right end of what is left beside it.
-    pub door: f32,
+    pub door_share: f32,
     pub has_awning: bool,
     pub has_hanging_sign: bool,
     pub seed: u64,
@@ -34,7 +34,7 @@ impl Shop {
     pub fn draw(s: &mut Stream) -> Self {
         Self {
             sill_m: [0.35, 0.5, 0.7][s.below(3)],
-            door: [0.0, 1.0, 0.5][s.weighted(&[0.4, 0.4, 0.2])],
+            door_share: [0.0, 1.0, 0.5][s.weighted(&[0.4, 0.4, 0.2])],
             has_awning: s.chance(0.4),
             has_hanging_sign: s.chance(0.4),
             seed: s.next_u64(),
@@ -43,7 +43,7 @@ impl Shop {
 
     /// Where its door is in the hole from `u0` to `u1`.
     pub fn doorway(&self, [u0, u1]: [f32; 2]) -> [f32; 2] {
-        let door_u = u0 + (u1 - u0 - DOOR_M) * self.door;
+        let door_u = u0 + (u1 - u0 - DOOR_M) * self.door_share;
         [door_u, door_u + DOOR_M]
     }
 

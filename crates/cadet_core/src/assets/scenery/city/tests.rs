@@ -1,5 +1,7 @@
 //! Properties of houses of closed rows, checked with plain ray casts.
 
+use strum::VariantArray;
+
 use super::super::materials::house_slot;
 use super::super::tests::hits;
 use super::super::{HouseKind, SceneryModel, city_house, house, num_variants};
@@ -7,7 +9,7 @@ use super::*;
 use crate::math::{cosf, sinf};
 
 fn every_house() -> impl Iterator<Item = (CityKind, SceneryModel, Option<CityCorner>)> {
-    CityKind::ALL.into_iter().flat_map(|kind| {
+    CityKind::VARIANTS.iter().flat_map(|&kind| {
         (0..NUM_CITY_HOUSES[kind as usize]).map(move |variant| {
             let house = city_house(kind, variant);
             let corner = house.corner();
@@ -110,7 +112,7 @@ fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
 
 #[test]
 fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
-    let rows = CityKind::ALL.into_iter().flat_map(|kind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |v| (kind, v)));
+    let rows = CityKind::VARIANTS.iter().flat_map(|&kind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |v| (kind, v)));
     for (kind, variant) in rows {
         let house = city_house(kind, variant);
         let (model, doorways) = (&house.model, house.doorways_m());
@@ -130,9 +132,9 @@ fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
 
 #[test]
 fn doorways_are_where_doors_are_drawn_at_the_front() {
-    let rows = CityKind::ALL.into_iter().flat_map(|k| (0..NUM_CITY_HOUSES[k as usize]).map(move |v| city_house(k, v)));
+    let rows = CityKind::VARIANTS.iter().flat_map(|&k| (0..NUM_CITY_HOUSES[k as usize]).map(move |v| city_house(k, v)));
     let [variants, ..] = num_variants();
-    let in_gardens = HouseKind::ALL.into_iter().flat_map(|k| (0..variants).map(move |v| house(k, v)));
+    let in_gardens = HouseKind::VARIANTS.iter().flat_map(|&k| (0..variants).map(move |v| house(k, v)));
     for house in rows.chain(in_gardens) {
         let (model, doorways) = (&house.model, house.doorways_m());
         let mesh: &Mesh = &model.shape.levels[0].1;

@@ -30,32 +30,32 @@ pub(super) fn draw(
     b: &mut MeshBuilder,
     d: &HallDesign,
     plane: &WallPlane,
-    (width, rise): (f32, f32),
+    (width_m, rise_m): (f32, f32),
     side: usize,
     detail: Detail,
 ) {
     // The same stream for every level of detail: the same openings.
     let mut s = Stream::from_seed("hall front", d.seed ^ side as u64);
     let openings = match d.kind {
-        HallKind::Market => market(d, width, side, &mut s),
-        HallKind::Works => works(d, width, side, &mut s),
-        HallKind::Office | HallKind::Institute => floors(d, width, side, &mut s),
+        HallKind::Market => market(d, width_m, side, &mut s),
+        HallKind::Works => works(d, width_m, side, &mut s),
+        HallKind::Office | HallKind::Institute => floors(d, width_m, side, &mut s),
     };
-    let apex = d.eaves + rise;
-    let shape = WallShape { width, bottom: FOOT_M, eaves: d.eaves, apex, face: d.faces() };
+    let apex_m = d.eaves_m + rise_m;
+    let shape = WallShape { width_m, bottom_m: FOOT_M, eaves_m: d.eaves_m, apex_m, face: d.faces() };
     wall(b, plane, &shape, &openings, detail);
     if detail != Detail::Far {
-        clad(b, d, plane, width, &openings, detail);
+        clad(b, d, plane, width_m, &openings, detail);
         if side != 0 || d.kind != HallKind::Market {
-            plane.block(b, [0.0, width, FOOT_M, 0.12], -0.03, 0.0, slot::PLINTH);
+            plane.block(b, [0.0, width_m, FOOT_M, 0.12], -0.03, 0.0, slot::PLINTH);
         }
-        for end in [0.12, width - 0.12] {
+        for end in [0.12, width_m - 0.12] {
             let foot = plane.at(end, -0.3, -0.1);
-            b.tube(&[(foot, 0.06), (foot + Vec3::Z * (d.eaves + 0.2), 0.06)], 5, slot::METAL);
+            b.tube(&[(foot, 0.06), (foot + Vec3::Z * (d.eaves_m + 0.2), 0.06)], 5, slot::METAL);
         }
     }
     if side == 0 {
-        sign(b, d, plane, width, &mut s, detail);
+        sign(b, d, plane, width_m, &mut s, detail);
     }
     let docks = openings.iter().filter(|o| o.rect[2] > 0.5 && o.filling == Filling::RollerGate);
     docks.for_each(|o| parts::dock(b, plane, o.rect));
@@ -84,7 +84,7 @@ fn market(d: &HallDesign, width: f32, side: usize, s: &mut Stream) -> Vec<Openin
             let count = (width / 6.0) as usize;
             for k in 0..count {
                 let u = 6.0 * (k as f32 + 0.4);
-                openings.push(window([u, u + 2.2, d.eaves - 2.6, d.eaves - 1.7], 2));
+                openings.push(window([u, u + 2.2, d.eaves_m - 2.6, d.eaves_m - 1.7], 2));
             }
         }
     }
@@ -96,7 +96,7 @@ fn works(d: &HallDesign, width: f32, side: usize, s: &mut Stream) -> Vec<Opening
     let has_gates = side != 2 && (side == 0 || s.chance(0.5));
     if has_gates {
         let has_docks = s.chance(0.35);
-        let size = if has_docks { DOCK_M } else { (GATE_M.0, GATE_M.1.min(d.eaves - 1.8)) };
+        let size = if has_docks { DOCK_M } else { (GATE_M.0, GATE_M.1.min(d.eaves_m - 1.8)) };
         let most = ((width - 3.0) / (size.0 + 2.2)) as usize;
         let count = (1 + s.below(4)).min(most);
         let from = range(s, 1.2, (width - (size.0 + 2.2) * count as f32).max(1.3));
@@ -110,8 +110,8 @@ fn works(d: &HallDesign, width: f32, side: usize, s: &mut Stream) -> Vec<Opening
         }
     }
     // A band of windows below the eaves.
-    if s.chance(0.75) && d.eaves > 6.6 {
-        let (low, high) = (d.eaves - 1.75, d.eaves - 0.65);
+    if s.chance(0.75) && d.eaves_m > 6.6 {
+        let (low, high) = (d.eaves_m - 1.75, d.eaves_m - 0.65);
         let count = ((width - 1.6) / 2.5) as usize;
         let from = (width - 2.5 * count as f32) / 2.0;
         for k in 0..count {
@@ -157,7 +157,7 @@ fn floors(d: &HallDesign, width: f32, side: usize, s: &mut Stream) -> Vec<Openin
     }
     if let Some(at) = stair {
         let u = from + pitch * at as f32;
-        let step = (d.eaves - 0.7) / (2 * d.floors) as f32;
+        let step = (d.eaves_m - 0.7) / (2 * d.floors) as f32;
         for k in 0..2 * d.floors {
             let low = 0.15 + step * k as f32;
             openings.push(window([u + 0.1, u + 2.0 * pitch - 0.1, low, low + step - 0.06], 2));
@@ -186,13 +186,13 @@ fn clad(b: &mut MeshBuilder, d: &HallDesign, plane: &WallPlane, width: f32, open
             let from = (width - RIB_PITCH_M * count as f32) / 2.0;
             for k in 0..count {
                 let u = from + RIB_PITCH_M * k as f32;
-                for [low, high] in free(openings, [u - 0.05, u + 0.36], [0.14, d.eaves - 0.15], 1) {
+                for [low, high] in free(openings, [u - 0.05, u + 0.36], [0.14, d.eaves_m - 0.15], 1) {
                     plane.block(b, [u, u + 0.31, low, high], -RIB_DEPTH_M, 0.0, d.faces());
                 }
             }
         }
         Cladding::Panels => {
-            let rows = ((d.eaves - 0.5) / PANEL_M) as usize;
+            let rows = ((d.eaves_m - 0.5) / PANEL_M) as usize;
             for k in 1..=rows {
                 let v = 0.1 + PANEL_M * k as f32;
                 for [u0, u1] in free(openings, [v - 0.1, v + 0.1], [0.0, width], 0) {
@@ -247,9 +247,9 @@ fn sign(b: &mut MeshBuilder, d: &HallDesign, plane: &WallPlane, width: f32, s: &
             let at = width * range(s, 0.25, 0.75);
             (MARKETS[s.below(MARKETS.len())], [at - 4.0, at + 4.0, 3.7, 4.4])
         }
-        HallKind::Works if d.eaves > 7.4 => {
+        HallKind::Works if d.eaves_m > 7.4 => {
             let (half, at) = (range(s, 2.5, 5.0), width * range(s, 0.3, 0.7));
-            let top = d.eaves - 1.95;
+            let top = d.eaves_m - 1.95;
             (WORKS[s.below(WORKS.len())], [at - half, at + half, top - 1.0, top])
         }
         _ => return,

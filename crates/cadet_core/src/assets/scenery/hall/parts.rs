@@ -28,8 +28,8 @@ pub(super) fn on_roof(b: &mut MeshBuilder, d: &HallDesign) {
     let s = &mut Stream::from_seed("hall roof", d.seed);
     for _ in 0..2 + s.below(4) {
         let size = Vec3::new(range(s, 1.0, 2.6), range(s, 1.0, 3.2), range(s, 0.7, 1.8));
-        let (x, y) = (0.32 * d.depth, 0.4 * d.width);
-        let middle = Vec3::new(range(s, -x, x), range(s, -y, y), d.eaves + size.z / 2.0);
+        let (x, y) = (0.32 * d.depth_m, 0.4 * d.width_m);
+        let middle = Vec3::new(range(s, -x, x), range(s, -y, y), d.eaves_m + size.z / 2.0);
         b.block(middle, size, slot::METAL);
     }
 }

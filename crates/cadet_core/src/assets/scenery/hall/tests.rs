@@ -1,11 +1,13 @@
 //! Large buildings are closed, of their size, and open at their gates.
 
+use strum::VariantArray;
+
 use super::super::{SceneryModel, hall};
 use super::*;
 use crate::math::{cosf, sinf};
 
 fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
-    HallKind::ALL.into_iter().flat_map(|kind| (0..HALL_VARIANTS).map(move |k| (kind, hall(kind, k))))
+    HallKind::VARIANTS.iter().flat_map(|&kind| (0..HALL_VARIANTS).map(move |k| (kind, hall(kind, k))))
 }
 
 /// Distance to the nearest face along a ray, whether it looks back, and its slot (Moeller and Trumbore).

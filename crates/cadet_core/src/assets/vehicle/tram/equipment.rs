@@ -20,12 +20,12 @@ fn ends(p: &CarPlan) -> [(f32, End); 2] {
 /// Half of the bellows at each joint, folded.
 pub(super) fn add_bellows(surface: &mut Surface, p: &CarPlan, level: usize) {
     let folds = [5, 4, 2, 1][level];
-    let (low, high) = (p.floor.min(0.5), roof(p) - 0.12);
+    let (low, high) = (p.floor_z.min(0.5), roof(p) - 0.12);
     for (sign, _) in ends(p).into_iter().filter(|(_, end)| *end == End::Joint) {
         // From inside of the shell, which draws in toward the roof.
-        let from = p.length / 2.0 - BELLOWS_M - INTO_SHELL_M;
+        let from = p.length_m / 2.0 - BELLOWS_M - INTO_SHELL_M;
         let ring = |t: f32, inset: f32| {
-            let (x, y) = (sign * (from + (BELLOWS_M + INTO_SHELL_M) * t), p.width / 2.0 - 0.10 - inset);
+            let (x, y) = (sign * (from + (BELLOWS_M + INTO_SHELL_M) * t), p.width_m / 2.0 - 0.10 - inset);
             let corner = 0.16;
             let points =
                 [(y, low), (y, high - corner), (y - corner, high), (corner - y, high), (-y, high - corner), (-y, low)];
@@ -40,14 +40,14 @@ pub(super) fn add_bellows(surface: &mut Surface, p: &CarPlan, level: usize) {
 
 /// The boxes on the roof, up to the height of the label.
 pub(super) fn add_roof_boxes(surface: &mut Surface, p: &CarPlan, level: usize) {
-    let (base, half) = (roof(p) - 0.03, p.length / 2.0);
-    let w = 0.62 * p.width / 2.0;
-    let count = if p.length < 5.0 { 1 } else { 2 + usize::from(p.length > 14.0 && !p.has_pantograph) };
-    let room = p.length - 3.6;
+    let (base, half) = (roof(p) - 0.03, p.length_m / 2.0);
+    let w = 0.62 * p.width_m / 2.0;
+    let count = if p.length_m < 5.0 { 1 } else { 2 + usize::from(p.length_m > 14.0 && !p.has_pantograph) };
+    let room = p.length_m - 3.6;
     for k in 0..count {
         let at = if count == 1 { 0.0 } else { half - 1.8 - room * (k as f32 + 0.5) / count as f32 };
         let long = if count == 1 { 1.1 } else { (0.26 + 0.1 * p.detail[k]) * room / count as f32 * 1.6 };
-        let top = if k == 0 { p.height } else { p.height - 0.05 * p.detail[2] };
+        let top = if k == 0 { p.height_m } else { p.height_m - 0.05 * p.detail[2] };
         let (min, max) = (Vec3::new(at - long, -w, base), Vec3::new(at + long, w, top));
         surface.builder.cuboid(min, max, work_slot::LOAD);
         if level < 2 {
@@ -64,11 +64,11 @@ pub(super) fn add_roof_boxes(surface: &mut Surface, p: &CarPlan, level: usize) {
 
 /// Frames and wheels, seen below the skirt and between.
 pub(super) fn add_bogies(surface: &mut Surface, p: &CarPlan, level: usize) {
-    let half = p.length / 2.0;
+    let half = p.length_m / 2.0;
     let [front, rear] = p.ends.map(|e| half - if e == End::Cab { 0.9 } else { 0.4 });
     surface.builder.cuboid(
-        Vec3::new(-rear, -0.44 * p.width, 0.34),
-        Vec3::new(front, 0.44 * p.width, 0.52_f32.min(p.floor - 0.02).max(0.36)),
+        Vec3::new(-rear, -0.44 * p.width_m, 0.34),
+        Vec3::new(front, 0.44 * p.width_m, 0.52_f32.min(p.floor_z - 0.02).max(0.36)),
         slot::LINER,
     );
     for x in &p.bogies {
@@ -90,7 +90,7 @@ pub(super) fn add_bogies(surface: &mut Surface, p: &CarPlan, level: usize) {
 
 /// Lamps, the letters of the destination, the coupling's flap and the bumper at each cab.
 pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
-    let (half, w) = (p.length / 2.0, p.width / 2.0);
+    let (half, w) = (p.length_m / 2.0, p.width_m / 2.0);
     for (sign, _) in ends(p).into_iter().filter(|(_, end)| *end == End::Cab) {
         let span = |x0: f32, x1: f32| if sign > 0.0 { (x0, x1) } else { (-x1, -x0) };
         let mut both = |(x0, x1): (f32, f32), y: (f32, f32), z: (f32, f32), s: u8| {
@@ -106,16 +106,16 @@ pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
         }
         if level < 2 {
             // Over the screen it leans back.
-            let lean = if sign > 0.0 { p.lean } else { 0.8 * p.lean };
-            let x = half - lean * (p.header + 0.14 - p.sill + 0.25);
+            let lean = if sign > 0.0 { p.lean_tangent } else { 0.8 * p.lean_tangent };
+            let x = half - lean * (p.header_z + 0.14 - p.sill_z + 0.25);
             let letters = 7 + (4.0 * p.detail[3]) as usize;
             for k in 0..letters {
                 let y = (k as f32 - letters as f32 / 2.0) * 0.085;
                 let (a, b) = span(x - 0.14, x - 0.045);
                 let tall = 0.06 + 0.02 * ((k * 7) % 3) as f32 / 2.0;
                 surface.builder.cuboid(
-                    Vec3::new(a, y, p.header + 0.14 - tall),
-                    Vec3::new(b, y + 0.055, p.header + 0.14 + tall),
+                    Vec3::new(a, y, p.header_z + 0.14 - tall),
+                    Vec3::new(b, y + 0.055, p.header_z + 0.14 + tall),
                     work_slot::AMBER,
                 );
             }
@@ -125,9 +125,9 @@ pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
 
 /// Mirrors and the pantograph, beyond the label's box.
 pub(super) fn add_what_sticks_out(surface: &mut Surface, p: &CarPlan, level: usize) {
-    let (half, w) = (p.length / 2.0, p.width / 2.0);
+    let (half, w) = (p.length_m / 2.0, p.width_m / 2.0);
     if p.ends[0] == End::Cab && level < 3 {
-        let at = Vec3::new(half - 0.75, w + 0.10, p.header - 0.35);
+        let at = Vec3::new(half - 0.75, w + 0.10, p.header_z - 0.35);
         surface.block_pair(at, Vec3::new(0.05, 0.09, 0.17), Mat3::IDENTITY, [8, 6, 4][level], slot::PLASTIC);
     }
     if !p.has_pantograph {

@@ -57,7 +57,7 @@ pub(crate) fn train_of_traffic(seed: u64) -> Vec<Arc<VehicleModel>> {
 
 fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
     let palette = work_paint::palette(ObjectClass::Tram, Livery::Tram, s);
-    let size = Vec3::new(p.length, p.width, p.height);
+    let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     let shell = Shell::new(p);
     let mut fits = Vec::with_capacity(LEVELS);
     let body = levels_of(

@@ -19,29 +19,29 @@ pub(super) enum End {
 #[derive(Debug, Clone)]
 pub(super) struct CarPlan {
     pub name: &'static str,
-    pub length: f32,
-    pub width: f32,
-    pub height: f32,
+    pub length_m: f32,
+    pub width_m: f32,
+    pub height_m: f32,
     /// At the front and at the rear.
     pub ends: [End; 2],
     /// Height of the floor, and of the lower and the upper edge of the windows.
-    pub floor: f32,
-    pub sill: f32,
-    pub header: f32,
+    pub floor_z: f32,
+    pub sill_z: f32,
+    pub header_z: f32,
     /// The tangent by which the windscreen leans back.
-    pub lean: f32,
+    pub lean_tangent: f32,
     /// How far the plan is rounded at a cab.
-    pub nose_radius: f32,
+    pub nose_radius_m: f32,
     /// x of the middles of the doors, and their width.
     pub doors: Vec<f32>,
-    pub door_width: f32,
+    pub door_width_m: f32,
     /// Doors on the left, too.
     pub has_left_doors: bool,
     /// x of the middles of the bogies.
     pub bogies: Vec<f32>,
     pub has_pantograph: bool,
     /// Number of seats that are taken, 0 to 1, and what the details are drawn from.
-    pub fullness: f32,
+    pub taken_share: f32,
     pub detail: [f32; 4],
 }
 
@@ -50,9 +50,9 @@ struct Kind {
     name: &'static str,
     share: f64,
     /// Lengths of the cars, without the spread.
-    lengths: &'static [f64],
-    width: (f64, f64),
-    height: (f64, f64),
+    lengths_m: &'static [f64],
+    width_m: (f64, f64),
+    height_m: (f64, f64),
     is_low: bool,
     has_left_doors: bool,
 }
@@ -62,45 +62,45 @@ const KINDS: [Kind; 5] = [
     Kind {
         name: "light-rail",
         share: 0.36,
-        lengths: &[14.7, 10.0, 12.8],
-        width: (2.32, 2.62),
-        height: (3.55, 3.66),
+        lengths_m: &[14.7, 10.0, 12.8],
+        width_m: (2.32, 2.62),
+        height_m: (3.55, 3.66),
         is_low: false,
         has_left_doors: true,
     },
     Kind {
         name: "low-floor",
         share: 0.18,
-        lengths: &[12.7, 3.2, 12.9],
-        width: (2.58, 2.80),
-        height: (3.50, 3.70),
+        lengths_m: &[12.7, 3.2, 12.9],
+        width_m: (2.58, 2.80),
+        height_m: (3.50, 3.70),
         is_low: true,
         has_left_doors: false,
     },
     Kind {
         name: "high-floor",
         share: 0.20,
-        lengths: &[15.2, 15.0],
-        width: (2.40, 2.65),
-        height: (3.30, 3.50),
+        lengths_m: &[15.2, 15.0],
+        width_m: (2.40, 2.65),
+        height_m: (3.30, 3.50),
         is_low: false,
         has_left_doors: false,
     },
     Kind {
         name: "two-car",
         share: 0.12,
-        lengths: &[17.0, 18.1],
-        width: (2.50, 2.67),
-        height: (3.19, 3.45),
+        lengths_m: &[17.0, 18.1],
+        width_m: (2.50, 2.67),
+        height_m: (3.19, 3.45),
         is_low: false,
         has_left_doors: true,
     },
     Kind {
         name: "long",
         share: 0.14,
-        lengths: &[23.3],
-        width: (2.37, 2.50),
-        height: (3.33, 3.50),
+        lengths_m: &[23.3],
+        width_m: (2.37, 2.50),
+        height_m: (3.33, 3.50),
         is_low: true,
         has_left_doors: false,
     },
@@ -110,12 +110,12 @@ const LENGTH_SPREAD_M: f64 = 0.15;
 /// The cars of the tram of a number, the first ahead.
 pub(super) fn train(s: &mut Stream) -> Vec<CarPlan> {
     let kind = &KINDS[s.weighted(&KINDS.map(|k| k.share))];
-    let (width, height) = (s.range(kind.width.0, kind.width.1), s.range(kind.height.0, kind.height.1));
+    let (width, height) = (s.range(kind.width_m.0, kind.width_m.1), s.range(kind.height_m.0, kind.height_m.1));
     let fullness = s.range(0.1, 0.6) as f32;
-    let last = kind.lengths.len() - 1;
+    let last = kind.lengths_m.len() - 1;
     let lifted = s.below(last + 1);
     let lean = s.range(0.22, 0.42) as f32;
-    let lengths: Vec<f64> = kind.lengths.iter().map(|l| s.clipped_normal(*l, LENGTH_SPREAD_M)).collect();
+    let lengths: Vec<f64> = kind.lengths_m.iter().map(|l| s.clipped_normal(*l, LENGTH_SPREAD_M)).collect();
     lengths
         .iter()
         .enumerate()
@@ -139,45 +139,45 @@ pub(super) fn single(s: &mut Stream) -> CarPlan {
 
 fn car(
     kind: &Kind,
-    [length, width, height]: [f64; 3],
+    [length_m, width_m, height_m]: [f64; 3],
     ends: [End; 2],
     has_pantograph: bool,
-    fullness: f32,
-    lean: f32,
+    taken_share: f32,
+    lean_tangent: f32,
     s: &mut Stream,
 ) -> CarPlan {
-    let (length, half) = (length as f32, length as f32 / 2.0);
-    let door_width = if kind.is_low { 1.30 } else { 1.15 };
+    let (length_m, half) = (length_m as f32, length_m as f32 / 2.0);
+    let door_width_m = if kind.is_low { 1.30 } else { 1.15 };
     // Clear of cabs and joints.
     let reach = ends.map(|e| half - if e == End::Cab { 2.9 } else { 1.3 });
     let room = reach[0] + reach[1];
     let count = if room < 2.0 { 0 } else { (room / 4.6).round().max(1.0) as usize };
     let doors = (0..count).map(|k| reach[0] - room * (k as f32 + 0.5) / count as f32).collect();
     // Of a car between two others a bogie stands in the middle, or under each joint; under a cab it stands back.
-    let bogies = if length < 5.0 {
+    let bogies = if length_m < 5.0 {
         vec![0.0]
     } else {
         let at = |end: End| half - if end == End::Cab { 2.4 } else { 1.6 };
         vec![at(ends[0]), -at(ends[1])]
     };
-    let (floor, sill) = if kind.is_low { (0.36, 1.05) } else { (0.90, 1.55) };
+    let (floor_z, sill_z) = if kind.is_low { (0.36, 1.05) } else { (0.90, 1.55) };
     CarPlan {
         name: kind.name,
-        length,
-        width: width as f32,
-        height: height as f32,
+        length_m,
+        width_m: width_m as f32,
+        height_m: height_m as f32,
         ends,
-        floor,
-        sill,
-        header: (height as f32 - 0.95).min(2.62),
-        lean,
-        nose_radius: s.range(0.35, 0.6) as f32,
+        floor_z,
+        sill_z,
+        header_z: (height_m as f32 - 0.95).min(2.62),
+        lean_tangent,
+        nose_radius_m: s.range(0.35, 0.6) as f32,
         doors,
-        door_width,
+        door_width_m,
         has_left_doors: kind.has_left_doors,
         bogies,
         has_pantograph,
-        fullness,
+        taken_share,
         detail: std::array::from_fn(|_| s.unit() as f32),
     }
 }

@@ -6,15 +6,15 @@ use crate::math::Vec3;
 /// The room that a load takes.
 #[derive(Clone, Copy)]
 pub(super) struct Room {
-    pub front: f32,
-    pub rear: f32,
-    pub half_w: f32,
-    pub floor: f32,
-    pub top: f32,
+    pub front_x: f32,
+    pub rear_x: f32,
+    pub half_y: f32,
+    pub floor_z: f32,
+    pub top_z: f32,
 }
 
 /// A block between two x, as wide as the room less an inset.
-pub(super) fn block(surface: &mut Surface, r: &Room, x: (f32, f32), inset: f32, z: (f32, f32), slot: u8) {
-    let w = r.half_w - inset;
+pub(super) fn block(surface: &mut Surface, r: &Room, x: (f32, f32), inset_m: f32, z: (f32, f32), slot: u8) {
+    let w = r.half_y - inset_m;
     surface.builder.cuboid(Vec3::new(x.0, -w, z.0), Vec3::new(x.1, w, z.1), slot);
 }

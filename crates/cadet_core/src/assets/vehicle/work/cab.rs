@@ -24,12 +24,12 @@ pub(super) struct Cab {
 
 impl Cab {
     pub fn new(p: &Plan) -> Self {
-        let is_small = p.wheel_radius < 0.43;
-        let (front, rear) = (p.front_x(), p.front_x() - p.cab_length);
-        let arch_radius = p.wheel_radius * 1.14;
-        let arch_top = p.wheel_radius + arch_radius + 0.06;
+        let is_small = p.wheel_radius_m < 0.43;
+        let (front_x, rear_x) = (p.front_x(), p.front_x() - p.cab_length_m);
+        let radius_m = p.wheel_radius_m * 1.14;
+        let arch_top = p.wheel_radius_m + radius_m + 0.06;
         let floor = arch_top.max(if is_small { 0.85 } else { 1.16 });
-        let head = (p.cab_top - floor).min(1.95);
+        let head = (p.cab_top_z - floor).min(1.95);
         let sill = floor + 0.36 * head.min(1.6);
         let header = sill + (0.47 * head).min(0.80);
         let bumper_top = if is_small { 0.62 } else { 0.76 };
@@ -43,30 +43,30 @@ impl Cab {
             (sill - 0.12, 0.0),
             (sill, 0.005),
             (header, 0.03),
-            (p.cab_top - 0.10, 0.06),
-            (p.cab_top, 0.16),
+            (p.cab_top_z - 0.10, 0.06),
+            (p.cab_top_z, 0.16),
         ];
         let hull = Hull {
-            front_x: front,
-            rear_x: rear,
-            half_w: p.cab_half_w,
-            front_radius: 0.20,
-            rear_radius: 0.04,
-            bow: 0.06,
-            lean_from: sill - 0.12,
-            lean: 0.10 + 0.10 * p.detail[5],
-            rear_lean: 0.0,
+            front_x,
+            rear_x,
+            half_y: p.cab_half_y,
+            front_radius_m: 0.20,
+            rear_radius_m: 0.04,
+            bow_m: 0.06,
+            lean_from_z: sill - 0.12,
+            lean_tangent: 0.10 + 0.10 * p.detail[5],
+            rear_lean_tangent: 0.0,
             rows,
         };
         let (flank, _) = hull.flank();
-        let window_x = (flank - 0.10, (rear + if p.cab_length > 2.0 { 0.85 } else { 0.28 }).min(flank - 0.75));
+        let window_x = (flank - 0.10, (rear_x + if p.cab_length_m > 2.0 { 0.85 } else { 0.28 }).min(flank - 0.75));
         let arch = Arch {
             axle_x: p.axles_x[0],
-            wheel_radius: p.wheel_radius,
-            radius: arch_radius,
-            y: p.cab_half_w,
-            depth: 0.50,
-            top: floor,
+            wheel_radius_m: p.wheel_radius_m,
+            radius_m,
+            y: p.cab_half_y,
+            depth_m: 0.50,
+            top_z: floor,
         };
         Self {
             hull,
@@ -89,7 +89,7 @@ impl Cab {
             [&[0.0, 0.2, 0.42, 0.62, 0.80][..], &[0.0, 0.42, 0.62, 0.80], &[0.0, 0.62, 0.8], &[0.0, 0.62]][level];
         let (flank, rear) = h.flank();
         let edges = [flank, self.window_x.0, self.window_x.1, rear];
-        let arch_edges = [self.arch.axle_x + self.arch.radius, self.arch.axle_x - self.arch.radius];
+        let arch_edges = [self.arch.axle_x + self.arch.radius_m, self.arch.axle_x - self.arch.radius_m];
         let side_x: Vec<f32> =
             edges.into_iter().chain(arch_edges.into_iter().filter(|x| *x < flank && *x > rear)).collect();
         let columns = h.columns(ends, &side_x, [4, 3, 2, 1][level]);
@@ -107,11 +107,19 @@ impl Cab {
         let bumper = if self.black_bumper { slot::PLASTIC } else { slot::PAINT };
         match c.part {
             Part::Front | Part::FrontCorner => Some(if c.z < self.bumper_top {
-                if c.part == Part::Front && c.f > 0.50 && c.f < 0.82 && !self.is_small { slot::LAMP } else { bumper }
-            } else if c.z < self.floor {
-                if self.is_small && c.part == Part::Front && c.f > 0.50 && c.z < 0.5 * (self.bumper_top + self.floor) {
+                if c.part == Part::Front && c.fraction > 0.50 && c.fraction < 0.82 && !self.is_small {
                     slot::LAMP
-                } else if c.part == Part::Front && c.f < 0.66 {
+                } else {
+                    bumper
+                }
+            } else if c.z < self.floor {
+                if self.is_small
+                    && c.part == Part::Front
+                    && c.fraction > 0.50
+                    && c.z < 0.5 * (self.bumper_top + self.floor)
+                {
+                    slot::LAMP
+                } else if c.part == Part::Front && c.fraction < 0.66 {
                     slot::GRILLE
                 } else {
                     slot::PAINT
@@ -139,7 +147,7 @@ impl Cab {
     fn add_inside(&self, surface: &mut Surface, level: usize) {
         let h = &self.hull;
         let (front, rear) = (h.front_x - 0.30, h.rear_x + 0.08);
-        let w = h.half_w - 0.07;
+        let w = h.half_y - 0.07;
         let z = self.floor + 0.02;
         let ceiling = self.hull.rows[7].0 - 0.02;
         let wall = [Vec3::new(front, w, z), Vec3::new(rear, w, z)];
@@ -181,7 +189,7 @@ impl Cab {
     }
 
     fn hip(&self) -> Vec3 {
-        Vec3::new(self.hull.front_x - 1.18, 0.48 * self.hull.half_w, self.sill - 0.24)
+        Vec3::new(self.hull.front_x - 1.18, 0.48 * self.hull.half_y, self.sill - 0.24)
     }
 
     fn steering(&self) -> (Vec3, Mat3) {
@@ -206,17 +214,17 @@ impl Cab {
         let h = &self.hull;
         let front = h.front_x;
         // Turn signals in the corners beside the lamps, and their repeaters behind the doors' hinges.
-        let edge = h.half_w - h.front_radius;
+        let edge = h.half_y - h.front_radius_m;
         surface.cuboid_pair(
             Vec3::new(front - 0.20, edge - 0.05, self.bumper_top - 0.15),
-            Vec3::new(front - h.bow + 0.004, edge + 0.08, self.bumper_top - 0.03),
+            Vec3::new(front - h.bow_m + 0.004, edge + 0.08, self.bumper_top - 0.03),
             slot::LEFT_SIGNAL,
         );
         if level < 2 {
             let x = self.window_x.0 + 0.12;
             surface.cuboid_pair(
-                Vec3::new(x - 0.05, h.half_w - 0.02, self.floor - 0.04),
-                Vec3::new(x + 0.05, h.half_w + 0.004, self.floor),
+                Vec3::new(x - 0.05, h.half_y - 0.02, self.floor - 0.04),
+                Vec3::new(x + 0.05, h.half_y + 0.004, self.floor),
                 slot::LEFT_SIGNAL,
             );
         }
@@ -225,7 +233,7 @@ impl Cab {
             let n = if level == 0 { 4 } else { 2 };
             for k in 0..n {
                 let z = self.bumper_top + (self.floor - self.bumper_top) * (k as f32 + 0.7) / (n as f32 + 0.4);
-                let w = 0.60 * h.half_w;
+                let w = 0.60 * h.half_y;
                 surface.builder.cuboid(
                     Vec3::new(front - 0.06, -w, z - 0.016),
                     Vec3::new(front - 0.003, w, z + 0.016),
@@ -242,17 +250,17 @@ impl Cab {
         if level < 2 {
             // Steps below the doors, door gaps, handles, wipers.
             let (flank, _) = h.flank();
-            let ahead = self.arch.axle_x + self.arch.radius;
+            let ahead = self.arch.axle_x + self.arch.radius_m;
             if flank - ahead > 0.12 {
                 for z in [0.46, 0.80] {
                     surface.cuboid_pair(
-                        Vec3::new(ahead + 0.03, h.half_w - 0.02, z),
-                        Vec3::new(flank - 0.02, h.half_w + 0.003, z + 0.07),
+                        Vec3::new(ahead + 0.03, h.half_y - 0.02, z),
+                        Vec3::new(flank - 0.02, h.half_y + 0.003, z + 0.07),
                         slot::GRILLE,
                     );
                 }
             }
-            let y = h.half_w + 0.002;
+            let y = h.half_y + 0.002;
             for x in [self.window_x.0 + 0.05, self.window_x.1 - 0.05] {
                 surface.cuboid_pair(
                     Vec3::new(x - 0.006, y - 0.02, self.floor + 0.02),
@@ -271,7 +279,7 @@ impl Cab {
             }
         }
         if self.has_visor && level < 3 {
-            let (x, z, w) = (front - 0.05 - h.lean * 0.7, self.header + 0.10, 0.90 * h.half_w);
+            let (x, z, w) = (front - 0.05 - h.lean_tangent * 0.7, self.header + 0.10, 0.90 * h.half_y);
             let visor = [
                 vec![Vec3::new(x - 0.06, 0.0, z), Vec3::new(x - 0.10, w, z)],
                 vec![Vec3::new(x + 0.04, 0.0, z - 0.20), Vec3::new(x, w, z - 0.20)],
@@ -284,14 +292,14 @@ impl Cab {
             Vec3::new(front - 0.35, 0.42, self.floor - 0.05),
             slot::LINER,
         );
-        if p.cab_top + 0.25 < p.height
+        if p.cab_top_z + 0.25 < p.height_m
             && matches!(p.kind, WorkKind::Box | WorkKind::Curtain | WorkKind::Semi)
             && p.detail[6] > 0.3
         {
             // The deflector on the roof.
-            let (x0, x1) = (front - 0.55 - h.lean, h.rear_x + 0.05);
-            let (z0, z1) = (p.cab_top - 0.02, p.cab_top + 0.85 * (p.height - p.cab_top));
-            let w = h.half_w - 0.16;
+            let (x0, x1) = (front - 0.55 - h.lean_tangent, h.rear_x + 0.05);
+            let (z0, z1) = (p.cab_top_z - 0.02, p.cab_top_z + 0.85 * (p.height_m - p.cab_top_z));
+            let w = h.half_y - 0.16;
             let ramp: Vec<Vec<Vec3>> =
                 [(x0, z0, 0.8), (0.6 * x0 + 0.4 * x1, 0.35 * z0 + 0.65 * z1, 0.93), (x1, z1, 1.0)]
                     .iter()
@@ -310,7 +318,7 @@ impl Cab {
     pub fn add_mirrors(&self, surface: &mut Surface, level: usize) {
         let h = &self.hull;
         let scale = if self.is_small { 0.75 } else { 1.0 };
-        let at = Vec3::new(h.front_x - 0.16, h.half_w + 0.14 * scale, self.sill + 0.30 * scale);
+        let at = Vec3::new(h.front_x - 0.16, h.half_y + 0.14 * scale, self.sill + 0.30 * scale);
         let half = Vec3::new(0.06, 0.10, 0.24) * scale;
         surface.block_pair(at, half, Mat3::IDENTITY, [10, 6, 4, 4][level], slot::PLASTIC);
         if level < 2 {
@@ -320,7 +328,7 @@ impl Cab {
             surface.pair(&glass, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::CHROME));
             for z in [-0.7, 0.7] {
                 let out = at + Vec3::new(0.0, 0.0, z * half.z);
-                let foot = Vec3::new(at.x - 0.12, h.half_w - 0.04, out.z);
+                let foot = Vec3::new(at.x - 0.12, h.half_y - 0.04, out.z);
                 for side in [1.0, -1.0] {
                     let turn = |p: Vec3| Vec3::new(p.x, side * p.y, p.z);
                     limb(surface, turn(foot), turn(out), 0.015, 0.015, 4, slot::PLASTIC);
@@ -330,17 +338,18 @@ impl Cab {
     }
 }
 
-/// A number plate on an upright face that looks along `out` times x.
-pub(super) fn plate(surface: &mut Surface, x: f32, z: f32, half_w: f32, out: f32) {
-    let half_h = if half_w < 0.2 { 0.09 } else { 0.055 };
+/// A number plate on an upright face that looks along `direction` times x.
+pub(super) fn plate(surface: &mut Surface, x: f32, z: f32, half_y: f32, direction: f32) {
+    let half_h = if half_y < 0.2 { 0.09 } else { 0.055 };
     let sheet = |y0: f32, y1: f32, h: f32, x: f32| {
         [vec![Vec3::new(x, y0, z - h), Vec3::new(x, y1, z - h)], vec![Vec3::new(x, y0, z + h), Vec3::new(x, y1, z + h)]]
     };
-    let facing = Outward::Along(Vec3::X * out);
-    surface.sheet(&sheet(-half_w, half_w, half_h, x), facing, |_, _| Some(slot::PLATE));
+    let facing = Outward::Along(Vec3::X * direction);
+    surface.sheet(&sheet(-half_y, half_y, half_h, x), facing, |_, _| Some(slot::PLATE));
     for k in 0..7 {
-        let y = half_w * (0.72 - 0.24 * k as f32);
-        surface
-            .sheet(&sheet(y - 0.013, y + 0.013, 0.55 * half_h, x + 0.0006 * out), facing, |_, _| Some(slot::LETTERS));
+        let y = half_y * (0.72 - 0.24 * k as f32);
+        surface.sheet(&sheet(y - 0.013, y + 0.013, 0.55 * half_h, x + 0.0006 * direction), facing, |_, _| {
+            Some(slot::LETTERS)
+        });
     }
 }

@@ -8,20 +8,20 @@ use crate::math::Vec3;
 
 impl TowedPlan {
     /// Adds a caravan's shell.
-    pub(super) fn add_caravan(&self, surface: &mut Surface, (rear, front): (f32, f32), level: usize) {
-        let (low, top) = (0.40, self.height);
+    pub(super) fn add_caravan(&self, surface: &mut Surface, (rear_x, front_x): (f32, f32), level: usize) {
+        let (low, top) = (0.40, self.height_m);
         let high = top - low;
         let (sill, header) = (low + 0.42 * high, low + 0.74 * high);
         let hull = Hull {
-            front_x: front,
-            rear_x: rear,
-            half_w: self.width / 2.0,
-            front_radius: 0.14,
-            rear_radius: 0.12,
-            bow: 0.12,
-            lean_from: low + 0.30 * high,
-            lean: 0.22 + 0.15 * self.detail[4],
-            rear_lean: 0.08,
+            front_x,
+            rear_x,
+            half_y: self.width_m / 2.0,
+            front_radius_m: 0.14,
+            rear_radius_m: 0.12,
+            bow_m: 0.12,
+            lean_from_z: low + 0.30 * high,
+            lean_tangent: 0.22 + 0.15 * self.detail[4],
+            rear_lean_tangent: 0.08,
             rows: vec![
                 (low, 0.02),
                 (low + 0.28 * high, 0.0),
@@ -46,7 +46,7 @@ impl TowedPlan {
             |c| {
                 let is_window = c.z > sill && c.z < header;
                 Some(match c.part {
-                    Part::Front | Part::Rear if is_window && c.f < 0.75 => slot::DARK_GLASS,
+                    Part::Front | Part::Rear if is_window && c.fraction < 0.75 => slot::DARK_GLASS,
                     Part::Side if is_window && windows.iter().any(|(a, b)| c.x < *a && c.x > *b) => slot::DARK_GLASS,
                     _ if stripe && c.z > low + 0.28 * high && c.z < sill => work_slot::STRIPE,
                     _ => slot::PAINT,
@@ -57,7 +57,7 @@ impl TowedPlan {
         if level < 3 {
             // The door on the right, a skylight, the gas box on the drawbar.
             let x = 0.5 * (from + to);
-            let y = -self.width / 2.0 - 0.002;
+            let y = -self.width_m / 2.0 - 0.002;
             for (x0, x1) in [(x - 0.31, x - 0.295), (x + 0.295, x + 0.31)] {
                 surface.builder.cuboid(
                     Vec3::new(x0, y, low + 0.06),
@@ -71,22 +71,22 @@ impl TowedPlan {
                 slot::LINER,
             );
             surface.builder.cuboid(
-                Vec3::new(front + 0.02, -0.38, 0.48),
-                Vec3::new((front + 0.45).min(self.length / 2.0 - 0.2), 0.38, 0.95),
+                Vec3::new(front_x + 0.02, -0.38, 0.48),
+                Vec3::new((front_x + 0.45).min(self.length_m / 2.0 - 0.2), 0.38, 0.95),
                 slot::PAINT,
             );
             surface.cuboid_pair(
-                Vec3::new(rear + 0.005, self.width / 2.0 - 0.30, low + 0.16),
-                Vec3::new(rear + 0.08, self.width / 2.0 - 0.14, low + 0.42),
+                Vec3::new(rear_x + 0.005, self.width_m / 2.0 - 0.30, low + 0.16),
+                Vec3::new(rear_x + 0.08, self.width_m / 2.0 - 0.14, low + 0.42),
                 slot::TAIL_LAMP,
             );
         }
         // The arch's dark over the wheel.
         let (x, r) = (self.stand().wheels_x, self.wheel_radius());
-        let reach = if self.length > 4.6 && self.detail[1] > 0.4 { 2.2 * r } else { 1.15 * r };
+        let reach = if self.length_m > 4.6 && self.detail[1] > 0.4 { 2.2 * r } else { 1.15 * r };
         surface.cuboid_pair(
-            Vec3::new(x - reach, self.width / 2.0 - 0.25, low - 0.01),
-            Vec3::new(x + reach, self.width / 2.0 + 0.002, 2.0 * r + 0.06),
+            Vec3::new(x - reach, self.width_m / 2.0 - 0.25, low - 0.01),
+            Vec3::new(x + reach, self.width_m / 2.0 + 0.002, 2.0 * r + 0.06),
             slot::LINER,
         );
     }

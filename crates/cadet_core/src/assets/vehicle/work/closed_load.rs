@@ -8,23 +8,27 @@ use crate::math::Vec3;
 
 /// Bars and hinges of doors in the rear wall.
 fn add_rear_doors(surface: &mut Surface, r: &Room, level: usize) {
-    let (x, w) = (r.rear, r.half_w - 0.05);
-    surface.builder.cuboid(Vec3::new(x + 0.001, -0.008, r.floor), Vec3::new(x + 0.02, 0.008, r.top - 0.1), slot::LINER);
+    let (x, w) = (r.rear_x, r.half_y - 0.05);
+    surface.builder.cuboid(
+        Vec3::new(x + 0.001, -0.008, r.floor_z),
+        Vec3::new(x + 0.02, 0.008, r.top_z - 0.1),
+        slot::LINER,
+    );
     for y in [0.18, 0.62 * w] {
         surface.cuboid_pair(
-            Vec3::new(x, y - 0.018, r.floor + 0.05),
-            Vec3::new(x + 0.03, y + 0.018, r.top - 0.12),
+            Vec3::new(x, y - 0.018, r.floor_z + 0.05),
+            Vec3::new(x + 0.03, y + 0.018, r.top_z - 0.12),
             work_slot::ALU,
         );
     }
     if level < 2 {
         for k in 0..4 {
-            let z = r.floor + (r.top - r.floor) * (0.12 + 0.24 * k as f32);
+            let z = r.floor_z + (r.top_z - r.floor_z) * (0.12 + 0.24 * k as f32);
             surface.cuboid_pair(Vec3::new(x, w - 0.20, z), Vec3::new(x + 0.03, w, z + 0.06), work_slot::ALU);
         }
         surface.cuboid_pair(
-            Vec3::new(x, 0.10, r.floor + 0.45),
-            Vec3::new(x + 0.04, 0.40, r.floor + 0.49),
+            Vec3::new(x, 0.10, r.floor_z + 0.45),
+            Vec3::new(x + 0.04, 0.40, r.floor_z + 0.49),
             slot::PLASTIC,
         );
     }
@@ -33,15 +37,19 @@ fn add_rear_doors(surface: &mut Surface, r: &Room, level: usize) {
 /// Profiles along the edges of a closed body.
 fn add_edges(surface: &mut Surface, r: &Room, level: usize) {
     let e = if level < 2 { 0.06 } else { 0.09 };
-    let side = |z0: f32, z1: f32| (Vec3::new(r.rear, r.half_w - 0.05, z0), Vec3::new(r.front, r.half_w, z1));
-    for (low, high) in [side(r.floor - 0.12, r.floor + e), side(r.top - 1.6 * e, r.top)] {
+    let side = |z0: f32, z1: f32| (Vec3::new(r.rear_x, r.half_y - 0.05, z0), Vec3::new(r.front_x, r.half_y, z1));
+    for (low, high) in [side(r.floor_z - 0.12, r.floor_z + e), side(r.top_z - 1.6 * e, r.top_z)] {
         surface.cuboid_pair(low, high, work_slot::ALU);
     }
-    for x in [r.rear, r.front - e] {
-        surface.cuboid_pair(Vec3::new(x, r.half_w - 0.06, r.floor), Vec3::new(x + e, r.half_w, r.top), work_slot::ALU);
+    for x in [r.rear_x, r.front_x - e] {
+        surface.cuboid_pair(
+            Vec3::new(x, r.half_y - 0.06, r.floor_z),
+            Vec3::new(x + e, r.half_y, r.top_z),
+            work_slot::ALU,
+        );
         surface.builder.cuboid(
-            Vec3::new(x, -r.half_w, r.top - 1.6 * e),
-            Vec3::new(x + e, r.half_w, r.top),
+            Vec3::new(x, -r.half_y, r.top_z - 1.6 * e),
+            Vec3::new(x + e, r.half_y, r.top_z),
             work_slot::ALU,
         );
     }
@@ -49,28 +57,28 @@ fn add_edges(surface: &mut Surface, r: &Room, level: usize) {
 
 /// Colored fields on the flanks: who owns the truck.
 fn add_lettering(surface: &mut Surface, p: &Plan, r: &Room) {
-    let length = r.front - r.rear;
+    let length = r.front_x - r.rear_x;
     let field = |surface: &mut Surface, x: (f32, f32), z: (f32, f32), slot: u8| {
-        let y = r.half_w - 0.018;
+        let y = r.half_y - 0.018;
         let sheet = [
             vec![Vec3::new(x.0, y, z.0), Vec3::new(x.1, y, z.0)],
             vec![Vec3::new(x.0, y, z.1), Vec3::new(x.1, y, z.1)],
         ];
         surface.pair(&sheet, Outward::Along(Vec3::Y), |_, _| Some(slot));
     };
-    let high = r.top - r.floor;
-    let z = |t: f32| r.floor + t * high;
+    let high = r.top_z - r.floor_z;
+    let z = |t: f32| r.floor_z + t * high;
     if p.detail[0] > 0.5 {
-        field(surface, (r.rear + 0.1, r.front - 0.1), (z(0.16), z(0.24 + 0.1 * p.detail[1])), work_slot::STRIPE);
+        field(surface, (r.rear_x + 0.1, r.front_x - 0.1), (z(0.16), z(0.24 + 0.1 * p.detail[1])), work_slot::STRIPE);
     }
     if p.detail[2] > 0.25 {
         // Words: a row of blocks.
-        let (n, from) = (5 + (p.detail[3] * 6.0) as usize, r.front - (0.12 + 0.2 * p.detail[4]) * length);
+        let (n, from) = (5 + (p.detail[3] * 6.0) as usize, r.front_x - (0.12 + 0.2 * p.detail[4]) * length);
         let (wide, tall) = (0.045 * length, (0.12 + 0.14 * p.detail[5]) * high);
         for k in 0..n {
             let x = from - 1.12 * wide * k as f32;
             let narrow = 0.55 + 0.45 * ((k * 7 + 3) % 5) as f32 / 4.0;
-            if x - wide > r.rear + 0.2 {
+            if x - wide > r.rear_x + 0.2 {
                 field(surface, (x - wide * narrow, x), (z(0.56), z(0.56) + tall), work_slot::STRIPE);
             }
         }
@@ -79,19 +87,19 @@ fn add_lettering(surface: &mut Surface, p: &Plan, r: &Room) {
 
 /// A box of panels.
 pub(super) fn add_box(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
-    block(surface, r, (r.rear + 0.02, r.front - 0.01), 0.02, (r.floor - 0.08, r.top - 0.012), work_slot::LOAD);
+    block(surface, r, (r.rear_x + 0.02, r.front_x - 0.01), 0.02, (r.floor_z - 0.08, r.top_z - 0.012), work_slot::LOAD);
     add_edges(surface, r, level);
     add_rear_doors(surface, r, level);
     if level < 3 {
         add_lettering(surface, p, r);
     }
-    if p.detail[6] < 0.3 && r.top - r.floor > 1.6 {
+    if p.detail[6] < 0.3 && r.top_z - r.floor_z > 1.6 {
         // A cooler on the front wall.
-        let (w, z) = (0.7 * r.half_w, r.top - 0.25);
-        surface.builder.cuboid(Vec3::new(r.front, -w, z - 0.75), Vec3::new(r.front + 0.34, w, z), work_slot::LOAD);
+        let (w, z) = (0.7 * r.half_y, r.top_z - 0.25);
+        surface.builder.cuboid(Vec3::new(r.front_x, -w, z - 0.75), Vec3::new(r.front_x + 0.34, w, z), work_slot::LOAD);
         surface.builder.cuboid(
-            Vec3::new(r.front + 0.33, -0.8 * w, z - 0.6),
-            Vec3::new(r.front + 0.35, 0.8 * w, z - 0.15),
+            Vec3::new(r.front_x + 0.33, -0.8 * w, z - 0.6),
+            Vec3::new(r.front_x + 0.35, 0.8 * w, z - 0.15),
             slot::GRILLE,
         );
     }
@@ -100,9 +108,9 @@ pub(super) fn add_box(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
         block(
             surface,
             r,
-            (r.rear, r.rear + 0.05),
+            (r.rear_x, r.rear_x + 0.05),
             0.12,
-            (r.floor - 0.1, r.floor + 0.45 * (r.top - r.floor)),
+            (r.floor_z - 0.1, r.floor_z + 0.45 * (r.top_z - r.floor_z)),
             work_slot::ALU,
         );
     }
@@ -110,16 +118,19 @@ pub(super) fn add_box(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
 
 /// A frame with curtains at its sides.
 pub(super) fn add_curtain(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
-    let x = (r.rear + 0.03, r.front - 0.03);
-    block(surface, r, x, 0.06, (r.floor - 0.1, r.floor), work_slot::FRAME);
+    let x = (r.rear_x + 0.03, r.front_x - 0.03);
+    block(surface, r, x, 0.06, (r.floor_z - 0.1, r.floor_z), work_slot::FRAME);
     // Front wall, roof, and the fabric of the flanks in soft folds.
-    block(surface, r, (r.front - 0.06, r.front - 0.01), 0.02, (r.floor, r.top - 0.02), work_slot::LOAD);
-    block(surface, r, x, 0.03, (r.top - 0.06, r.top - 0.01), work_slot::CANVAS);
+    block(surface, r, (r.front_x - 0.06, r.front_x - 0.01), 0.02, (r.floor_z, r.top_z - 0.02), work_slot::LOAD);
+    block(surface, r, x, 0.03, (r.top_z - 0.06, r.top_z - 0.01), work_slot::CANVAS);
     let rear = [
-        vec![Vec3::new(r.rear + 0.02, -r.half_w + 0.03, r.floor), Vec3::new(r.rear + 0.02, r.half_w - 0.03, r.floor)],
         vec![
-            Vec3::new(r.rear + 0.02, -r.half_w + 0.03, r.top),
-            Vec3::new(r.rear + 0.02, r.half_w - 0.03, r.top - 0.02),
+            Vec3::new(r.rear_x + 0.02, -r.half_y + 0.03, r.floor_z),
+            Vec3::new(r.rear_x + 0.02, r.half_y - 0.03, r.floor_z),
+        ],
+        vec![
+            Vec3::new(r.rear_x + 0.02, -r.half_y + 0.03, r.top_z),
+            Vec3::new(r.rear_x + 0.02, r.half_y - 0.03, r.top_z - 0.02),
         ],
     ];
     surface.sheet(&rear, Outward::Along(Vec3::NEG_X), |_, _| Some(work_slot::LOAD));
@@ -128,24 +139,24 @@ pub(super) fn add_curtain(surface: &mut Surface, p: &Plan, r: &Room, level: usiz
     let folds: Vec<Vec<Vec3>> = (0..=n)
         .map(|k| {
             let at = x.0 + (x.1 - x.0) * k as f32 / n as f32;
-            let y = r.half_w - 0.03 + if n > 1 && k % 2 == 1 { 0.018 } else { 0.0 };
+            let y = r.half_y - 0.03 + if n > 1 && k % 2 == 1 { 0.018 } else { 0.0 };
             vec![
-                Vec3::new(at, y - 0.01, r.floor - 0.12),
-                Vec3::new(at, y, r.floor + 0.1),
-                Vec3::new(at, y, r.top - 0.06),
+                Vec3::new(at, y - 0.01, r.floor_z - 0.12),
+                Vec3::new(at, y, r.floor_z + 0.1),
+                Vec3::new(at, y, r.top_z - 0.06),
             ]
         })
         .collect();
     surface.pair(&folds, Outward::Along(Vec3::Y), |_, _| Some(work_slot::CANVAS));
-    add_edges(surface, &Room { floor: r.floor - 0.1, ..*r }, level);
+    add_edges(surface, &Room { floor_z: r.floor_z - 0.1, ..*r }, level);
     add_rear_doors(surface, r, level);
     if level == 0 {
         let straps = ((x.1 - x.0) / pitch) as usize;
         for k in 1..straps {
             let at = x.0 + pitch * k as f32;
             surface.cuboid_pair(
-                Vec3::new(at - 0.022, r.half_w - 0.03, r.floor - 0.16),
-                Vec3::new(at + 0.022, r.half_w - 0.006, r.floor + 0.22),
+                Vec3::new(at - 0.022, r.half_y - 0.03, r.floor_z - 0.16),
+                Vec3::new(at + 0.022, r.half_y - 0.006, r.floor_z + 0.22),
                 slot::DARK,
             );
         }

@@ -27,12 +27,12 @@ pub(super) struct Coach {
 
 impl Coach {
     pub fn new(p: &Plan) -> Self {
-        let half = p.length / 2.0;
-        let high = p.height - 0.03;
+        let half = p.length_m / 2.0;
+        let high = p.height_m - 0.03;
         let header = (high - 0.42).min(2.35);
         let skirt = 0.62;
-        let arch_radius = p.wheel_radius * 1.13;
-        let arch_top = p.wheel_radius + arch_radius + 0.04;
+        let radius_m = p.wheel_radius_m * 1.13;
+        let arch_top = p.wheel_radius_m + radius_m + 0.04;
         let sill = SILL_M.max(arch_top + 0.02);
         let rows = vec![
             (0.26, 0.03),
@@ -47,22 +47,22 @@ impl Coach {
         let hull = Hull {
             front_x: half,
             rear_x: -half,
-            half_w: p.width / 2.0,
-            front_radius: 0.28,
-            rear_radius: 0.16,
-            bow: 0.10,
-            lean_from: 1.1,
-            lean: 0.10,
-            rear_lean: 0.03,
+            half_y: p.width_m / 2.0,
+            front_radius_m: 0.28,
+            rear_radius_m: 0.16,
+            bow_m: 0.10,
+            lean_from_z: 1.1,
+            lean_tangent: 0.10,
+            rear_lean_tangent: 0.03,
             rows,
         };
         let arch = |axle_x| Arch {
             axle_x,
-            wheel_radius: p.wheel_radius,
-            radius: arch_radius,
-            y: p.width / 2.0,
-            depth: 0.45,
-            top: arch_top,
+            wheel_radius_m: p.wheel_radius_m,
+            radius_m,
+            y: p.width_m / 2.0,
+            depth_m: 0.45,
+            top_z: arch_top,
         };
         let (from, to) = hull.flank();
         let middle = 0.5 * (p.axles_x[0] + p.axles_x[1]);
@@ -104,7 +104,7 @@ impl Coach {
                 .iter()
                 .flat_map(|(a, b)| [*a, *b, a - 0.06, b + 0.06, 0.5 * (a + b) + 0.03, 0.5 * (a + b) - 0.03]),
         );
-        xs.extend(self.arches.iter().flat_map(|a| [a.axle_x + a.radius, a.axle_x - a.radius]));
+        xs.extend(self.arches.iter().flat_map(|a| [a.axle_x + a.radius_m, a.axle_x - a.radius_m]));
         xs.retain(|x| *x <= from && *x >= to);
         let columns = h.columns(ends, &xs, [5, 3, 2, 2][level]);
         h.add(surface, &columns, |c| self.slot(c, level), slot::PAINT);
@@ -122,9 +122,9 @@ impl Coach {
         let pane = |slot: u8| Some(if is_glazed { slot } else { slot::DARK_GLASS });
         let (sill, header) = (self.sill(), self.header);
         match c.part {
-            Part::Front => Some(if c.z > sill && c.z < header && c.f < 0.85 {
+            Part::Front => Some(if c.z > sill && c.z < header && c.fraction < 0.85 {
                 return pane(slot::SCREEN);
-            } else if c.z > header && c.z < header + 0.30 && c.f < 0.8 && self.has_sign {
+            } else if c.z > header && c.z < header + 0.30 && c.fraction < 0.8 && self.has_sign {
                 slot::DARK_GLASS
             } else if c.z < self.skirt {
                 slot::PLASTIC
@@ -162,7 +162,7 @@ impl Coach {
                 Some(if c.z < self.skirt && self.detail[6] > 0.5 { work_slot::STRIPE } else { slot::PAINT })
             }
             Part::RearCorner | Part::Rear => {
-                Some(if c.part == Part::Rear && c.z > sill + 0.2 && c.z < header && c.f < 0.85 {
+                Some(if c.part == Part::Rear && c.z > sill + 0.2 && c.z < header && c.fraction < 0.85 {
                     slot::DARK_GLASS
                 } else if c.z < self.skirt {
                     slot::PLASTIC
@@ -175,7 +175,7 @@ impl Coach {
 
     fn add_inside(&self, surface: &mut Surface, level: usize) {
         let h = &self.hull;
-        let (a, b, w) = (h.front_x - 0.35, h.rear_x + 0.35, h.half_w - 0.06);
+        let (a, b, w) = (h.front_x - 0.35, h.rear_x + 0.35, h.half_y - 0.06);
         let plane =
             |z: f32| [vec![Vec3::new(a, 0.0, z), Vec3::new(a, w, z)], vec![Vec3::new(b, 0.0, z), Vec3::new(b, w, z)]];
         surface.pair(&plane(FLOOR_M), Outward::Along(Vec3::Z), |_, _| Some(slot::DARK));
@@ -226,11 +226,11 @@ impl Coach {
     fn seats(&self) -> Vec<Vec3> {
         let (from, to) = self.hull.flank();
         let n = ((from - to - 3.6) / 0.80) as usize;
-        (0..n).map(|k| Vec3::new(from - 2.4 - 0.80 * k as f32, 0.62 * self.hull.half_w, FLOOR_M + 0.55)).collect()
+        (0..n).map(|k| Vec3::new(from - 2.4 - 0.80 * k as f32, 0.62 * self.hull.half_y, FLOOR_M + 0.55)).collect()
     }
 
     fn hip(&self) -> Vec3 {
-        Vec3::new(self.hull.front_x - 1.35, 0.46 * self.hull.half_w, 1.02)
+        Vec3::new(self.hull.front_x - 1.35, 0.46 * self.hull.half_y, 1.02)
     }
 
     fn steering(&self) -> (Vec3, Mat3) {
@@ -260,7 +260,7 @@ impl Coach {
         let h = &self.hull;
         let (front, rear) = (h.front_x, h.rear_x);
         // Lamps in the corners of nose and tail, the destination, the air conditioner on the roof.
-        let w = h.half_w;
+        let w = h.half_y;
         surface.cuboid_pair(
             Vec3::new(front - 0.36, 0.56 * w, 0.66),
             Vec3::new(front - 0.075, 0.80 * w, 0.86),
@@ -327,7 +327,7 @@ impl Coach {
     /// Adds what sticks out of the label's box: mirrors like ears.
     pub fn add_mirrors(&self, surface: &mut Surface, level: usize) {
         let h = &self.hull;
-        let at = Vec3::new(h.front_x - 0.09, h.half_w + 0.06, self.header - 0.30);
+        let at = Vec3::new(h.front_x - 0.09, h.half_y + 0.06, self.header - 0.30);
         let half = Vec3::new(0.06, 0.10, 0.20);
         surface.block_pair(at, half, Mat3::IDENTITY, [8, 6, 4, 4][level], slot::PLASTIC);
         if level < 2 {
@@ -335,7 +335,7 @@ impl Coach {
                 let turn = |p: Vec3| Vec3::new(p.x, side * p.y, p.z);
                 limb(
                     surface,
-                    turn(Vec3::new(h.front_x - 0.25, h.half_w - 0.12, self.header + 0.08)),
+                    turn(Vec3::new(h.front_x - 0.25, h.half_y - 0.12, self.header + 0.08)),
                     turn(at + Vec3::Z * 0.18),
                     0.03,
                     0.03,

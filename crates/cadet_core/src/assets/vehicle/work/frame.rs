@@ -9,12 +9,12 @@ use super::plan::{Plan, WorkKind};
 use crate::math::{Mat3, Vec3, cosf, sinf};
 use std::f32::consts::PI;
 
-pub(super) const RIM: Rim = Rim { spokes: 10, fill: 0.72 };
+pub(super) const RIM: Rim = Rim { spokes: 10, spoke_share: 0.72 };
 
 /// Adds the frame behind the cab and what hangs on it.
 pub(super) fn add_frame(surface: &mut Surface, p: &Plan, level: usize) {
-    let (rear, ahead) = (-p.length / 2.0 + 0.04, p.front_x() - 0.5);
-    let rail_top = p.deck - 0.04;
+    let (rear, ahead) = (-p.length_m / 2.0 + 0.04, p.front_x() - 0.5);
+    let rail_top = p.deck_z - 0.04;
     surface.cuboid_pair(Vec3::new(rear, 0.36, rail_top - 0.26), Vec3::new(ahead, 0.44, rail_top), work_slot::FRAME);
     if level < 2 {
         let n = ((ahead - rear) / 1.25) as usize;
@@ -31,8 +31,8 @@ pub(super) fn add_frame(surface: &mut Surface, p: &Plan, level: usize) {
         let y = p.hub_y();
         limb(
             surface,
-            Vec3::new(*x, -y, p.wheel_radius),
-            Vec3::new(*x, y, p.wheel_radius),
+            Vec3::new(*x, -y, p.wheel_radius_m),
+            Vec3::new(*x, y, p.wheel_radius_m),
             0.08,
             0.08,
             [8, 6, 4, 4][level],
@@ -40,7 +40,7 @@ pub(super) fn add_frame(surface: &mut Surface, p: &Plan, level: usize) {
         );
         if level < 2 {
             surface.block(
-                Vec3::new(*x, 0.0, p.wheel_radius),
+                Vec3::new(*x, 0.0, p.wheel_radius_m),
                 Vec3::new(0.22, 0.2, 0.18),
                 Mat3::IDENTITY,
                 8,
@@ -57,18 +57,18 @@ pub(super) fn add_frame(surface: &mut Surface, p: &Plan, level: usize) {
 
 /// Tanks, boxes and side guards between the axles.
 fn add_sides(surface: &mut Surface, p: &Plan, level: usize) {
-    let side = p.width.min(2.5) / 2.0 - 0.05;
-    let gap = 1.15 * p.wheel_radius;
+    let side = p.width_m.min(2.5) / 2.0 - 0.05;
+    let gap = 1.15 * p.wheel_radius_m;
     let mut xs = p.axles_x.clone();
     xs.sort_by(|a, b| b.total_cmp(a));
     for pair in xs.windows(2) {
-        let (from, to) = ((pair[0] - gap).min(p.front_x() - p.cab_length - 0.1), pair[1] + gap);
+        let (from, to) = ((pair[0] - gap).min(p.front_x() - p.cab_length_m - 0.1), pair[1] + gap);
         if from - to < 0.7 {
             continue;
         }
-        let r = if p.wheel_radius < 0.43 { 0.2 } else { 0.29 };
+        let r = if p.wheel_radius_m < 0.43 { 0.2 } else { 0.29 };
         let tank = (from - 0.15, (from - 1.3).max(to + 0.1));
-        let z = p.deck - 0.12 - r;
+        let z = p.deck_z - 0.12 - r;
         limb(
             surface,
             Vec3::new(tank.0, side - r - 0.04, z),
@@ -97,7 +97,7 @@ fn add_sides(surface: &mut Surface, p: &Plan, level: usize) {
                 );
             }
         }
-        if p.length > 6.9 && level < 3 {
+        if p.length_m > 6.9 && level < 3 {
             let from = tank.1 - 0.1;
             for z in [0.50, 0.82] {
                 if from - to > 0.5 {
@@ -108,7 +108,7 @@ fn add_sides(surface: &mut Surface, p: &Plan, level: usize) {
                 for x in [from - 0.2, 0.5 * (from + to), to + 0.2] {
                     surface.cuboid_pair(
                         Vec3::new(x - 0.03, side - 0.07, 0.5),
-                        Vec3::new(x + 0.03, side - 0.03, p.deck),
+                        Vec3::new(x + 0.03, side - 0.03, p.deck_z),
                         work_slot::FRAME,
                     );
                 }
@@ -118,9 +118,9 @@ fn add_sides(surface: &mut Surface, p: &Plan, level: usize) {
 }
 
 fn add_rear(surface: &mut Surface, p: &Plan, level: usize) {
-    let rear = -p.length / 2.0;
-    let side = p.width.min(2.5) / 2.0 - 0.06;
-    let bar_z = if p.wheel_radius < 0.43 { 0.42 } else { 0.50 };
+    let rear = -p.length_m / 2.0;
+    let side = p.width_m.min(2.5) / 2.0 - 0.06;
+    let bar_z = if p.wheel_radius_m < 0.43 { 0.42 } else { 0.50 };
     // The bar that keeps cars from running under, with the lamps above it.
     surface.builder.cuboid(
         Vec3::new(rear + 0.10, -side, bar_z - 0.06),
@@ -130,7 +130,7 @@ fn add_rear(surface: &mut Surface, p: &Plan, level: usize) {
     if level < 3 {
         surface.cuboid_pair(
             Vec3::new(rear + 0.10, 0.36, bar_z),
-            Vec3::new(rear + 0.16, 0.44, p.deck - 0.1),
+            Vec3::new(rear + 0.16, 0.44, p.deck_z - 0.1),
             work_slot::FRAME,
         );
     }
@@ -148,14 +148,14 @@ fn add_rear(surface: &mut Surface, p: &Plan, level: usize) {
         );
         plate(surface, rear + 0.029, lamp_z, 0.26, -1.0);
     }
-    if level < 2 && p.length > 6.9 {
+    if level < 2 && p.length_m > 6.9 {
         // Amber reflectors along the sides.
-        let n = (p.length / 2.6) as usize;
+        let n = (p.length_m / 2.6) as usize;
         for k in 0..n {
             let x = rear + 1.0 + (p.load_front() - rear - 1.6) * k as f32 / n.max(2) as f32;
             surface.cuboid_pair(
-                Vec3::new(x - 0.05, p.width / 2.0 - 0.05, p.deck - 0.03),
-                Vec3::new(x + 0.05, p.width / 2.0 - 0.025, p.deck + 0.02),
+                Vec3::new(x - 0.05, p.width_m / 2.0 - 0.05, p.deck_z - 0.03),
+                Vec3::new(x + 0.05, p.width_m / 2.0 - 0.025, p.deck_z + 0.02),
                 work_slot::AMBER,
             );
         }
@@ -164,18 +164,18 @@ fn add_rear(surface: &mut Surface, p: &Plan, level: usize) {
 
 fn add_mudguards(surface: &mut Surface, p: &Plan, level: usize) {
     let n = [8, 5, 3][level];
-    let outer = p.hub_y() + p.tyre_width / 2.0 + 0.01;
+    let outer = p.hub_y() + p.tyre_width_m / 2.0 + 0.01;
     for x in &p.axles_x[1..] {
-        let r = p.wheel_radius + 0.09;
+        let r = p.wheel_radius_m + 0.09;
         let arc: Vec<Vec<Vec3>> = (0..=n)
             .map(|k| PI * (0.06 + 0.88 * k as f32 / n as f32))
-            .map(|a| (x + r * cosf(a), (p.wheel_radius + r * sinf(a)).min(p.deck - 0.03)))
+            .map(|a| (x + r * cosf(a), (p.wheel_radius_m + r * sinf(a)).min(p.deck_z - 0.03)))
             .map(|(x, z)| vec![Vec3::new(x, outer - 0.55, z), Vec3::new(x, outer, z)])
             .collect();
-        surface.pair(&arc, Outward::From(Vec3::new(*x, outer - 0.3, p.wheel_radius)), |_, _| Some(slot::PLASTIC));
+        surface.pair(&arc, Outward::From(Vec3::new(*x, outer - 0.3, p.wheel_radius_m)), |_, _| Some(slot::PLASTIC));
     }
-    let last = p.axles_x.iter().copied().fold(f32::INFINITY, f32::min) - p.wheel_radius - 0.14;
-    if last > -p.length / 2.0 + 0.25 {
+    let last = p.axles_x.iter().copied().fold(f32::INFINITY, f32::min) - p.wheel_radius_m - 0.14;
+    if last > -p.length_m / 2.0 + 0.25 {
         surface.cuboid_pair(Vec3::new(last - 0.01, outer - 0.5, 0.22), Vec3::new(last, outer, 0.75), slot::PLASTIC);
     }
 }
@@ -184,17 +184,19 @@ fn add_mudguards(surface: &mut Surface, p: &Plan, level: usize) {
 pub(super) fn add_fixed_wheels(surface: &mut Surface, p: &Plan, level: usize) {
     let mut put = |x: f32, y: f32, made: &Surface| {
         let turn = Mat3::from_diagonal(Vec3::new(-1.0, -1.0, 1.0));
-        surface.builder.append(&made.builder, Mat3::IDENTITY, Vec3::new(x, y, p.wheel_radius));
-        surface.builder.append(&made.builder, turn, Vec3::new(x, -y, p.wheel_radius));
+        surface.builder.append(&made.builder, Mat3::IDENTITY, Vec3::new(x, y, p.wheel_radius_m));
+        surface.builder.append(&made.builder, turn, Vec3::new(x, -y, p.wheel_radius_m));
     };
-    let (outer, inner) =
-        (wheel(p.wheel_radius, p.tyre_width, RIM, level), wheel(p.wheel_radius, p.tyre_width, RIM, (level + 2).min(3)));
+    let (outer, inner) = (
+        wheel(p.wheel_radius_m, p.tyre_width_m, RIM, level),
+        wheel(p.wheel_radius_m, p.tyre_width_m, RIM, (level + 2).min(3)),
+    );
     for (k, x) in p.axles_x.iter().enumerate() {
         if k > 1 {
             put(*x, p.hub_y(), &outer);
         }
         if p.twin[k] {
-            put(*x, p.hub_y() - p.tyre_width - 0.05, &inner);
+            put(*x, p.hub_y() - p.tyre_width_m - 0.05, &inner);
         }
     }
 }
@@ -205,11 +207,11 @@ pub(super) fn add_coupling(surface: &mut Surface, p: &Plan, level: usize) {
         return;
     }
     let x = p.axles_x[4] - 1.9;
-    surface.cuboid_pair(Vec3::new(x - 0.06, 0.62, 0.35), Vec3::new(x + 0.06, 0.74, p.deck), work_slot::FRAME);
+    surface.cuboid_pair(Vec3::new(x - 0.06, 0.62, 0.35), Vec3::new(x + 0.06, 0.74, p.deck_z), work_slot::FRAME);
     if level < 2 {
         surface.cuboid_pair(Vec3::new(x - 0.14, 0.55, 0.33), Vec3::new(x + 0.14, 0.80, 0.36), work_slot::FRAME);
         // Air lines between cab and trailer.
-        let (a, b) = (p.front_x() - p.cab_length, p.load_front());
+        let (a, b) = (p.front_x() - p.cab_length_m, p.load_front());
         for y in [-0.3, 0.0, 0.3] {
             limb(surface, Vec3::new(a, y, 1.5), Vec3::new(b, y * 0.6, 1.35), 0.02, 0.02, 4, slot::LAMP);
         }

@@ -20,17 +20,17 @@ pub(in super::super) enum Part {
 pub(in super::super) struct Hull {
     pub front_x: f32,
     pub rear_x: f32,
-    pub half_w: f32,
+    pub half_y: f32,
     /// Radii of the corners in the plan.
-    pub front_radius: f32,
-    pub rear_radius: f32,
+    pub front_radius_m: f32,
+    pub rear_radius_m: f32,
     /// How far the front's middle stands before its corners.
-    pub bow: f32,
+    pub bow_m: f32,
     /// Above this height the front leans back by this tangent.
-    pub lean_from: f32,
-    pub lean: f32,
-    /// Above `lean_from` the rear leans forward by this tangent.
-    pub rear_lean: f32,
+    pub lean_from_z: f32,
+    pub lean_tangent: f32,
+    /// Above `lean_from_z` the rear leans forward by this tangent.
+    pub rear_lean_tangent: f32,
     /// Heights, and how far the shell draws in there.
     pub rows: Vec<(f32, f32)>,
 }
@@ -49,7 +49,7 @@ pub(in super::super) struct Cell {
     pub part: Part,
     pub x: f32,
     /// Lateral fraction, 0 in the middle of front or rear.
-    pub f: f32,
+    pub fraction: f32,
     pub z: f32,
     /// +1 left, -1 right.
     pub side: f32,
@@ -60,12 +60,12 @@ impl Hull {
     /// segments of a corner.
     pub fn columns(&self, ends: &[f32], side_x: &[f32], arc: usize) -> Vec<Column> {
         let mut columns = Vec::new();
-        for (is_front, radius) in [(true, self.front_radius), (false, self.rear_radius)] {
-            let edge = self.half_w - radius;
+        for (is_front, radius) in [(true, self.front_radius_m), (false, self.rear_radius_m)] {
+            let edge = self.half_y - radius;
             let tip = if is_front { self.front_x } else { self.rear_x };
             let sign = if is_front { -1.0 } else { 1.0 };
             let part = if is_front { Part::Front } else { Part::Rear };
-            let bow = if is_front { self.bow } else { 0.4 * self.bow };
+            let bow = if is_front { self.bow_m } else { 0.4 * self.bow_m };
             let x_at = |y: f32| tip + sign * bow * (y / edge) * (y / edge);
             let mut end: Vec<Column> = ends.iter().map(|f| Column { x: x_at(f * edge), y: f * edge, part }).collect();
             end.push(Column { x: x_at(edge), y: edge, part });
@@ -79,7 +79,7 @@ impl Hull {
                 columns.extend(end);
                 let mut xs = side_x.to_vec();
                 xs.sort_by(|a, b| b.total_cmp(a));
-                columns.extend(xs.into_iter().map(|x| Column { x, y: self.half_w, part: Part::Side }));
+                columns.extend(xs.into_iter().map(|x| Column { x, y: self.half_y, part: Part::Side }));
             } else {
                 columns.extend(end.into_iter().rev());
             }
@@ -89,26 +89,26 @@ impl Hull {
 
     /// Where the flank begins behind the front corner, and ends before the rear one.
     pub fn flank(&self) -> (f32, f32) {
-        (self.front_x - self.bow - self.front_radius, self.rear_x + 0.4 * self.bow + self.rear_radius)
+        (self.front_x - self.bow_m - self.front_radius_m, self.rear_x + 0.4 * self.bow_m + self.rear_radius_m)
     }
 
     pub fn point(&self, column: &Column, (z, inset): (f32, f32)) -> Vec3 {
-        let up = (z - self.lean_from).max(0.0);
+        let up = (z - self.lean_from_z).max(0.0);
         let middle = 0.5 * (self.front_x + self.rear_x);
         let lean = match column.part {
             Part::Front | Part::FrontCorner => {
                 let (from, _) = self.flank();
                 let reach = ((column.x - from) / (self.front_x - from)).clamp(0.0, 1.0);
-                -self.lean * up * reach.max(0.35)
+                -self.lean_tangent * up * reach.max(0.35)
             }
-            Part::Rear | Part::RearCorner => self.rear_lean * up,
+            Part::Rear | Part::RearCorner => self.rear_lean_tangent * up,
             Part::Side => 0.0,
         };
         let inwards = match column.part {
             Part::Side => 0.0,
             _ => inset * (middle - column.x).signum(),
         };
-        let y = column.y * (1.0 - inset / self.half_w);
+        let y = column.y * (1.0 - inset / self.half_y);
         Vec3::new(column.x + lean + inwards, y, z)
     }
 
@@ -140,7 +140,7 @@ impl Hull {
                 slot(&Cell {
                     part,
                     x: 0.5 * (a.x + b.x),
-                    f: 0.5 * (a.y + b.y) / self.half_w,
+                    fraction: 0.5 * (a.y + b.y) / self.half_y,
                     z: 0.5 * (self.rows[j].0 + self.rows[j + 1].0),
                     side,
                 })
@@ -161,19 +161,19 @@ impl Hull {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arch {
     pub axle_x: f32,
-    pub wheel_radius: f32,
-    pub radius: f32,
+    pub wheel_radius_m: f32,
+    pub radius_m: f32,
     /// y of the flank, and how deep the arch is.
     pub y: f32,
-    pub depth: f32,
+    pub depth_m: f32,
     /// Upper edge of the panel that the arch is cut from, above the arch's crown.
-    pub top: f32,
+    pub top_z: f32,
 }
 
 impl Arch {
     /// Whether a cell of the flank belongs to the arch's panel.
     pub fn covers(&self, x: f32, z: f32) -> bool {
-        (x - self.axle_x).abs() < self.radius && z < self.top
+        (x - self.axle_x).abs() < self.radius_m && z < self.top_z
     }
 
     /// Adds panel and lining on both sides.
@@ -181,19 +181,19 @@ impl Arch {
         let n = [12, 8, 6, 4][level];
         let at = |k: usize| {
             let a = PI * k as f32 / n as f32;
-            (self.axle_x + self.radius * cosf(a), self.wheel_radius + self.radius * sinf(a))
+            (self.axle_x + self.radius_m * cosf(a), self.wheel_radius_m + self.radius_m * sinf(a))
         };
         let strip: Vec<Vec<Vec3>> =
-            (0..=n).map(at).map(|(x, z)| vec![Vec3::new(x, self.y, z), Vec3::new(x, self.y, self.top)]).collect();
+            (0..=n).map(at).map(|(x, z)| vec![Vec3::new(x, self.y, z), Vec3::new(x, self.y, self.top_z)]).collect();
         surface.pair(&strip, Outward::Along(Vec3::Y), |_, _| Some(panel));
-        let inner_y = self.y - self.depth;
-        let low = 0.45 * self.wheel_radius;
+        let inner_y = self.y - self.depth_m;
+        let low = 0.45 * self.wheel_radius_m;
         let mut rim: Vec<(f32, f32)> = (0..=n).map(at).collect();
-        rim.insert(0, (self.axle_x + self.radius, low));
-        rim.push((self.axle_x - self.radius, low));
+        rim.insert(0, (self.axle_x + self.radius_m, low));
+        rim.push((self.axle_x - self.radius_m, low));
         let lining: Vec<Vec<Vec3>> =
             rim.iter().map(|(x, z)| vec![Vec3::new(*x, self.y, *z), Vec3::new(*x, inner_y, *z)]).collect();
-        let hub = Vec3::new(self.axle_x, self.y - 0.5 * self.depth, self.wheel_radius);
+        let hub = Vec3::new(self.axle_x, self.y - 0.5 * self.depth_m, self.wheel_radius_m);
         surface.pair(&lining, Outward::Towards(hub), |_, _| Some(slot::LINER));
         let wall: Vec<Vec<Vec3>> =
             rim.iter().map(|(x, z)| vec![Vec3::new(*x, inner_y, *z), Vec3::new(*x, inner_y, low)]).collect();

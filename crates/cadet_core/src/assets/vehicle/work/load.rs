@@ -12,8 +12,13 @@ use std::f32::consts::TAU;
 
 /// Adds the load behind the cab.
 pub(super) fn add_load(surface: &mut Surface, p: &Plan, level: usize) {
-    let room =
-        Room { front: p.load_front(), rear: -p.length / 2.0, half_w: p.width / 2.0, floor: p.deck, top: p.height };
+    let room = Room {
+        front_x: p.load_front(),
+        rear_x: -p.length_m / 2.0,
+        half_y: p.width_m / 2.0,
+        floor_z: p.deck_z,
+        top_z: p.height_m,
+    };
     match p.kind {
         WorkKind::Box => add_box(surface, p, &room, level),
         WorkKind::Curtain => add_curtain(surface, p, &room, level),
@@ -29,40 +34,41 @@ pub(super) fn add_load(surface: &mut Surface, p: &Plan, level: usize) {
 }
 
 fn add_tipper(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
-    let is_small = p.wheel_radius < 0.43;
-    let wall = (if is_small { 0.42 } else { 0.45 * (r.top - r.floor) + 0.4 * p.detail[7] }).min(r.top - r.floor - 0.3);
-    let (low, high) = (r.floor + 0.12, r.floor + 0.12 + wall);
+    let is_small = p.wheel_radius_m < 0.43;
+    let wall =
+        (if is_small { 0.42 } else { 0.45 * (r.top_z - r.floor_z) + 0.4 * p.detail[7] }).min(r.top_z - r.floor_z - 0.3);
+    let (low, high) = (r.floor_z + 0.12, r.floor_z + 0.12 + wall);
     let t = 0.05;
-    block(surface, r, (r.rear + 0.02, r.front), 0.03, (r.floor + 0.02, low), work_slot::LOAD);
+    block(surface, r, (r.rear_x + 0.02, r.front_x), 0.03, (r.floor_z + 0.02, low), work_slot::LOAD);
     surface.cuboid_pair(
-        Vec3::new(r.rear, r.half_w - t - 0.05, low),
-        Vec3::new(r.front, r.half_w - 0.05, high),
+        Vec3::new(r.rear_x, r.half_y - t - 0.05, low),
+        Vec3::new(r.front_x, r.half_y - 0.05, high),
         work_slot::LOAD,
     );
-    block(surface, r, (r.rear, r.rear + t), 0.0, (low, high - 0.04), work_slot::LOAD);
-    block(surface, r, (r.front - t, r.front), 0.05, (low, r.top), work_slot::LOAD);
+    block(surface, r, (r.rear_x, r.rear_x + t), 0.0, (low, high - 0.04), work_slot::LOAD);
+    block(surface, r, (r.front_x - t, r.front_x), 0.05, (low, r.top_z), work_slot::LOAD);
     if !is_small {
         // The shield over the cab.
-        let z = r.top;
+        let z = r.top_z;
         surface.builder.cuboid(
-            Vec3::new(r.front - t, -0.85 * r.half_w, z - 0.05),
-            Vec3::new(r.front + 0.5, 0.85 * r.half_w, z),
+            Vec3::new(r.front_x - t, -0.85 * r.half_y, z - 0.05),
+            Vec3::new(r.front_x + 0.5, 0.85 * r.half_y, z),
             work_slot::LOAD,
         );
     }
     if level < 3 {
-        let n = ((r.front - r.rear) / 0.62) as usize;
+        let n = ((r.front_x - r.rear_x) / 0.62) as usize;
         for k in 0..=n {
-            let x = r.rear + 0.03 + (r.front - r.rear - 0.12) * k as f32 / n as f32;
+            let x = r.rear_x + 0.03 + (r.front_x - r.rear_x - 0.12) * k as f32 / n as f32;
             surface.cuboid_pair(
-                Vec3::new(x, r.half_w - 0.06, low - 0.08),
-                Vec3::new(x + 0.07, r.half_w, high - 0.02),
+                Vec3::new(x, r.half_y - 0.06, low - 0.08),
+                Vec3::new(x + 0.07, r.half_y, high - 0.02),
                 work_slot::LOAD,
             );
         }
         surface.cuboid_pair(
-            Vec3::new(r.rear, r.half_w - 0.07, high - 0.09),
-            Vec3::new(r.front, r.half_w, high),
+            Vec3::new(r.rear_x, r.half_y - 0.07, high - 0.09),
+            Vec3::new(r.front_x, r.half_y, high),
             work_slot::LOAD,
         );
     }
@@ -77,9 +83,9 @@ fn add_tipper(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
                     let v = j as f32 / ny as f32;
                     let swell = sinf(u * 0.5 * TAU) * sinf(v * 0.5 * TAU)
                         + 0.10 * sinf(11.0 * u + 17.0 * v + 9.0 * p.detail[6]);
-                    let x = r.rear + t + (r.front - r.rear - 2.0 * t) * u;
-                    let y = (r.half_w - t - 0.05) * (2.0 * v - 1.0);
-                    Vec3::new(x, y, (low + wall * fill * (0.55 + 0.6 * swell)).clamp(low, r.top - 0.1))
+                    let x = r.rear_x + t + (r.front_x - r.rear_x - 2.0 * t) * u;
+                    let y = (r.half_y - t - 0.05) * (2.0 * v - 1.0);
+                    Vec3::new(x, y, (low + wall * fill * (0.55 + 0.6 * swell)).clamp(low, r.top_z - 0.1))
                 })
                 .collect()
         })
@@ -88,44 +94,44 @@ fn add_tipper(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
 }
 
 fn add_flatbed(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
-    block(surface, r, (r.rear + 0.02, r.front), 0.02, (r.floor, r.floor + 0.09), work_slot::BOARD);
-    let (low, high) = (r.floor + 0.06, r.floor + 0.48);
+    block(surface, r, (r.rear_x + 0.02, r.front_x), 0.02, (r.floor_z, r.floor_z + 0.09), work_slot::BOARD);
+    let (low, high) = (r.floor_z + 0.06, r.floor_z + 0.48);
     surface.cuboid_pair(
-        Vec3::new(r.rear, r.half_w - 0.035, low),
-        Vec3::new(r.front, r.half_w - 0.005, high),
+        Vec3::new(r.rear_x, r.half_y - 0.035, low),
+        Vec3::new(r.front_x, r.half_y - 0.005, high),
         work_slot::ALU,
     );
-    block(surface, r, (r.rear, r.rear + 0.03), 0.0, (low, high), work_slot::ALU);
-    let posts = 1 + ((r.front - r.rear) / 2.2) as usize;
+    block(surface, r, (r.rear_x, r.rear_x + 0.03), 0.0, (low, high), work_slot::ALU);
+    let posts = 1 + ((r.front_x - r.rear_x) / 2.2) as usize;
     for k in 0..=posts {
-        let x = r.rear + (r.front - r.rear - 0.08) * k as f32 / posts as f32;
+        let x = r.rear_x + (r.front_x - r.rear_x - 0.08) * k as f32 / posts as f32;
         surface.cuboid_pair(
-            Vec3::new(x, r.half_w - 0.05, r.floor - 0.06),
-            Vec3::new(x + 0.08, r.half_w, high + 0.02),
+            Vec3::new(x, r.half_y - 0.05, r.floor_z - 0.06),
+            Vec3::new(x + 0.08, r.half_y, high + 0.02),
             work_slot::FRAME,
         );
     }
     if level < 2 {
         for z in [low + 0.13, low + 0.27] {
             surface.cuboid_pair(
-                Vec3::new(r.rear, r.half_w - 0.01, z),
-                Vec3::new(r.front, r.half_w - 0.003, z + 0.012),
+                Vec3::new(r.rear_x, r.half_y - 0.01, z),
+                Vec3::new(r.front_x, r.half_y - 0.003, z + 0.012),
                 slot::LINER,
             );
         }
     }
     // The rack behind the cab.
-    let rack = r.top;
+    let rack = r.top_z;
     surface.cuboid_pair(
-        Vec3::new(r.front - 0.06, r.half_w - 0.12, high),
-        Vec3::new(r.front, r.half_w - 0.06, rack),
+        Vec3::new(r.front_x - 0.06, r.half_y - 0.12, high),
+        Vec3::new(r.front_x, r.half_y - 0.06, rack),
         work_slot::FRAME,
     );
     for k in 0..4 {
         let z = high + (rack - high) * (k as f32 + 0.9) / 4.0;
-        block(surface, r, (r.front - 0.05, r.front - 0.01), 0.07, (z - 0.05, z), work_slot::FRAME);
+        block(surface, r, (r.front_x - 0.05, r.front_x - 0.01), 0.07, (z - 0.05, z), work_slot::FRAME);
     }
-    if p.wheel_radius > 0.43 && p.detail[7] > 0.35 {
+    if p.wheel_radius_m > 0.43 && p.detail[7] > 0.35 {
         add_crane(surface, p, r, level);
     }
     // Pallets, crates, boards: what fits.
@@ -135,19 +141,19 @@ fn add_flatbed(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
             let t = p.detail[5] * 13.0 + m * 3.7 + k as f32 * 2.3;
             t - t.floor()
         };
-        let x = r.rear + 0.5 + (r.front - r.rear - 1.8) * (k as f32 + 0.2 * random(1.0)) / n as f32;
+        let x = r.rear_x + 0.5 + (r.front_x - r.rear_x - 1.8) * (k as f32 + 0.2 * random(1.0)) / n as f32;
         let (long, wide) = (0.8 + 0.5 * random(2.0), 0.35 + 0.55 * random(3.0));
-        let top = (r.floor + 0.25 + 1.1 * random(4.0)).min(r.top - 0.1);
-        let y = (r.half_w - 0.1 - wide) * (2.0 * random(5.0) - 1.0);
+        let top = (r.floor_z + 0.25 + 1.1 * random(4.0)).min(r.top_z - 0.1);
+        let y = (r.half_y - 0.1 - wide) * (2.0 * random(5.0) - 1.0);
         let slot = if random(6.0) > 0.5 { work_slot::BOARD } else { work_slot::CARGO };
         surface.builder.cuboid(
-            Vec3::new(x, y - wide, r.floor + 0.2),
-            Vec3::new(x + long, y + wide, top.max(r.floor + 0.4)),
+            Vec3::new(x, y - wide, r.floor_z + 0.2),
+            Vec3::new(x + long, y + wide, top.max(r.floor_z + 0.4)),
             slot,
         );
         surface.builder.cuboid(
-            Vec3::new(x, y - wide, r.floor + 0.09),
-            Vec3::new(x + long, y + wide, r.floor + 0.2),
+            Vec3::new(x, y - wide, r.floor_z + 0.09),
+            Vec3::new(x + long, y + wide, r.floor_z + 0.2),
             work_slot::BOARD,
         );
     }
@@ -156,29 +162,29 @@ fn add_flatbed(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
 /// A loading crane, folded behind the rack.
 fn add_crane(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {
     let n = [8, 6, 4, 4][level];
-    let x = r.front - 0.45;
-    let foot = Vec3::new(x, 0.1, r.floor);
-    let head = Vec3::new(x, 0.1, r.top - 0.45);
+    let x = r.front_x - 0.45;
+    let foot = Vec3::new(x, 0.1, r.floor_z);
+    let head = Vec3::new(x, 0.1, r.top_z - 0.45);
     limb(surface, foot, head, 0.17, 0.13, n, work_slot::STRIPE);
-    let elbow = Vec3::new(x - 0.05, -0.85 * r.half_w, r.top - 0.25);
+    let elbow = Vec3::new(x - 0.05, -0.85 * r.half_y, r.top_z - 0.25);
     limb(surface, head, elbow, 0.11, 0.10, n, work_slot::STRIPE);
     limb(
         surface,
         elbow,
-        Vec3::new(x - 0.15, 0.75 * r.half_w, r.top - 0.62 - 0.2 * p.detail[3]),
+        Vec3::new(x - 0.15, 0.75 * r.half_y, r.top_z - 0.62 - 0.2 * p.detail[3]),
         0.09,
         0.07,
         n,
         work_slot::STRIPE,
     );
     surface.cuboid_pair(
-        Vec3::new(x - 0.14, 0.5 * r.half_w, 0.42),
-        Vec3::new(x + 0.14, r.half_w - 0.06, 0.62),
+        Vec3::new(x - 0.14, 0.5 * r.half_y, 0.42),
+        Vec3::new(x + 0.14, r.half_y - 0.06, 0.62),
         work_slot::FRAME,
     );
     surface.cuboid_pair(
-        Vec3::new(x - 0.08, r.half_w - 0.24, 0.3),
-        Vec3::new(x + 0.08, r.half_w - 0.06, r.floor + 0.1),
+        Vec3::new(x - 0.08, r.half_y - 0.24, 0.3),
+        Vec3::new(x + 0.08, r.half_y - 0.06, r.floor_z + 0.1),
         work_slot::FRAME,
     );
 }

@@ -36,10 +36,10 @@ pub(super) fn size_of_seed(class: ObjectClass, model_seed: u64) -> DVec3 {
     let size = |l: f32, w: f32, h: f32| Vec3::new(l, w, h).as_dvec3();
     if class == ObjectClass::Truck {
         let p = Plan::draw(&mut s);
-        size(p.length, p.width, p.height)
+        size(p.length_m, p.width_m, p.height_m)
     } else {
         let p = TowedPlan::draw(&mut s);
-        size(p.length, p.width, p.height)
+        size(p.length_m, p.width_m, p.height_m)
     }
 }
 
@@ -49,7 +49,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
     let palette = work_paint::palette(ObjectClass::Truck, p.livery(), s);
     let has_passenger = s.chance(0.35);
     let front: Front = if p.kind == WorkKind::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
-    let size = Vec3::new(p.length, p.width, p.height);
+    let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     let mut fits = Vec::with_capacity(LEVELS);
     let body = levels_of(
         p.name(),
@@ -92,13 +92,13 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
     );
     let wheel = levels_of(
         p.name(),
-        &mut |level| wheel(p.wheel_radius, p.tyre_width, frame::RIM, level),
+        &mut |level| wheel(p.wheel_radius_m, p.tyre_width_m, frame::RIM, level),
         CREASE_RAD,
         WHEELS_TO_M,
     );
     let wheel_centers = std::array::from_fn(|k| {
         let y = if k % 2 == 0 { p.hub_y() } else { -p.hub_y() };
-        Vec3 { z: p.wheel_radius, ..fits[0].point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius)) }
+        Vec3 { z: p.wheel_radius_m, ..fits[0].point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius_m)) }
     });
     VehicleModel {
         name: format!("{}/{model_seed}", p.name()),
@@ -109,7 +109,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
         driver: Some(driver),
         wheel: Some(wheel),
         wheel_centers,
-        wheel_radius_m: f64::from(p.wheel_radius),
+        wheel_radius_m: f64::from(p.wheel_radius_m),
         palette: Arc::new(palette),
         has_lenses: true,
         openings: None,
@@ -126,7 +126,7 @@ enum Front {
 pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
     let p = TowedPlan::draw(s);
     let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
-    let size = Vec3::new(p.length, p.width, p.height);
+    let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     let body = levels_of(
         p.name(),
         &mut |level| {
@@ -140,7 +140,7 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
     let stand = p.stand();
     let wheel_centers = std::array::from_fn(|k| {
         let x = if k < 2 { stand.leg_x } else { stand.wheels_x };
-        Vec3::new(x, if k % 2 == 0 { stand.half_track } else { -stand.half_track }, 0.2)
+        Vec3::new(x, if k % 2 == 0 { stand.half_track_m } else { -stand.half_track_m }, 0.2)
     });
     VehicleModel {
         name: format!("{}/{model_seed}", p.name()),

@@ -14,12 +14,12 @@ const SEAT: f32 = 0.62;
 impl TowedPlan {
     /// Adds a motorbike or a scooter.
     pub(super) fn add_motorbike(&self, surface: &mut Surface, level: usize) {
-        let (half, r) = (self.length / 2.0, self.wheel_radius());
+        let (half, r) = (self.length_m / 2.0, self.wheel_radius());
         let (rear, front) = (-half + r, half - r);
-        let high = self.height;
+        let high = self.height_m;
         let bar = high - 0.14;
         let n = [8, 6, 4, 4][level];
-        let made = wheel(r, (0.14 * r / 0.3).max(0.09), Rim { spokes: 6, fill: 0.35 }, level);
+        let made = wheel(r, (0.14 * r / 0.3).max(0.09), Rim { spokes: 6, spoke_share: 0.35 }, level);
         for x in [rear, front] {
             surface.builder.append(&made.builder, Mat3::IDENTITY, Vec3::new(x, 0.0, r));
             let turn = Mat3::from_diagonal(Vec3::new(-1.0, -1.0, 1.0));
@@ -76,7 +76,7 @@ impl TowedPlan {
             slot::TAIL_LAMP,
         );
         // Handlebar with grips, lamp, mirrors up to the box's edges.
-        let w = self.width / 2.0;
+        let w = self.width_m / 2.0;
         limb(
             surface,
             Vec3::new(head.x - 0.08, -w, bar),
@@ -134,7 +134,7 @@ impl TowedPlan {
     }
     /// Adds all between the axles `[rear, front]` and the steering `head` of a motorbike.
     fn add_engine_and_frame(&self, surface: &mut Surface, [rear, front]: [f32; 2], head: Vec3, n: usize) {
-        let (r, seat_z, middle) = (self.wheel_radius(), SEAT * self.height, 0.5 * (rear + front));
+        let (r, seat_z, middle) = (self.wheel_radius(), SEAT * self.height_m, 0.5 * (rear + front));
         // Crank case, cylinders that lean forward, tank, panels below the saddle, front fender.
         let case = Vec3::new(0.27, 0.17, 0.15);
         surface.block(Vec3::new(middle, 0.0, 0.40), case, Mat3::IDENTITY, 2 * n, work_slot::FRAME);

@@ -45,21 +45,21 @@ const LONG: [(WorkKind, f64); 5] = [
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub kind: WorkKind,
-    pub length: f32,
-    pub width: f32,
-    pub height: f32,
-    pub wheel_radius: f32,
-    pub tyre_width: f32,
+    pub length_m: f32,
+    pub width_m: f32,
+    pub height_m: f32,
+    pub wheel_radius_m: f32,
+    pub tyre_width_m: f32,
     /// x of the axles, the front one first, the one that the springs carry second.
     pub axles_x: Vec<f32>,
     /// The rear axles have twin tires, all but a trailer's.
     pub twin: Vec<bool>,
     /// From the front bumper to the cab's rear wall, its half width, and its roof.
-    pub cab_length: f32,
-    pub cab_half_w: f32,
-    pub cab_top: f32,
+    pub cab_length_m: f32,
+    pub cab_half_y: f32,
+    pub cab_top_z: f32,
     /// Upper edge of the frame.
-    pub deck: f32,
+    pub deck_z: f32,
     /// A random number per detail.
     pub detail: [f32; 8],
 }
@@ -85,19 +85,19 @@ impl Plan {
             pick(&SHORT, s)
         };
         let detail = std::array::from_fn(|_| s.unit() as f32);
-        let [length, width, height] = size.as_vec3().to_array();
-        let half = length / 2.0;
-        let is_small = length < 6.9;
-        let wheel_radius = if is_small {
+        let [length_m, width_m, height_m] = size.as_vec3().to_array();
+        let half = length_m / 2.0;
+        let is_small = length_m < 6.9;
+        let wheel_radius_m = if is_small {
             0.36 + 0.05 * detail[0]
         } else if kind == WorkKind::Bus {
             0.48
         } else {
             0.46 + 0.05 * detail[0]
         };
-        let deck = if is_small { 0.72 + 0.1 * detail[1] } else { 0.98 + 0.12 * detail[1] };
-        let has_sleeper = kind == WorkKind::Semi || (length > 8.5 && detail[2] > 0.55);
-        let cab_length = if is_small {
+        let deck_z = if is_small { 0.72 + 0.1 * detail[1] } else { 0.98 + 0.12 * detail[1] };
+        let has_sleeper = kind == WorkKind::Semi || (length_m > 8.5 && detail[2] > 0.55);
+        let cab_length_m = if is_small {
             1.60
         } else if has_sleeper {
             2.20
@@ -113,7 +113,7 @@ impl Plan {
         };
         let is_open = matches!(kind, WorkKind::Tipper | WorkKind::Flatbed);
         // Of small ones that carry no body the cab is the highest.
-        let cab_top = if is_open && is_small { height.min(2.6) } else { cab_height.min(height - 0.12) };
+        let cab_top_z = if is_open && is_small { height_m.min(2.6) } else { cab_height.min(height_m - 0.12) };
         let front = half
             - if kind == WorkKind::Bus {
                 2.7
@@ -128,11 +128,11 @@ impl Plan {
                 let drive = front - 3.65;
                 (vec![front, last + 1.31, last, last + 2.62, drive], vec![false, false, false, false, true])
             }
-            WorkKind::Bus => (vec![front, front - 0.48 * length], vec![false, true]),
+            WorkKind::Bus => (vec![front, front - 0.48 * length_m], vec![false, true]),
             _ => {
-                let overhang = if is_small { 1.25 } else { 1.5 + 0.07 * length };
+                let overhang = if is_small { 1.25 } else { 1.5 + 0.07 * length_m };
                 let rear = -half + overhang;
-                let is_tandem = length > 9.0 || (length > 7.6 && h > 3.2 && detail[4] > 0.6);
+                let is_tandem = length_m > 9.0 || (length_m > 7.6 && h > 3.2 && detail[4] > 0.6);
                 if is_tandem {
                     (vec![front, rear + 1.0, rear - 0.35], vec![false, true, false])
                 } else {
@@ -142,17 +142,17 @@ impl Plan {
         };
         Self {
             kind,
-            length,
-            width,
-            height,
-            wheel_radius,
-            tyre_width: if is_small { 0.20 } else { 0.28 },
+            length_m,
+            width_m,
+            height_m,
+            wheel_radius_m,
+            tyre_width_m: if is_small { 0.20 } else { 0.28 },
             axles_x,
             twin,
-            cab_length,
-            cab_half_w: (width / 2.0 - 0.02).min(if is_small { 1.02 } else { 1.24 }),
-            cab_top,
-            deck,
+            cab_length_m,
+            cab_half_y: (width_m / 2.0 - 0.02).min(if is_small { 1.02 } else { 1.24 }),
+            cab_top_z,
+            deck_z,
             detail,
         }
     }
@@ -181,18 +181,18 @@ impl Plan {
     }
 
     pub fn front_x(&self) -> f32 {
-        self.length / 2.0
+        self.length_m / 2.0
     }
 
     /// Where the load begins behind the cab.
     pub fn load_front(&self) -> f32 {
         let gap = if self.kind == WorkKind::Semi { 0.55 } else { 0.10 };
-        self.front_x() - self.cab_length - gap
+        self.front_x() - self.cab_length_m - gap
     }
 
     /// y of the outer wheels' centers.
     pub fn hub_y(&self) -> f32 {
-        self.width.min(2.56) / 2.0 - self.tyre_width / 2.0 - 0.02
+        self.width_m.min(2.56) / 2.0 - self.tyre_width_m / 2.0 - 0.02
     }
 }
 
@@ -215,9 +215,9 @@ pub(super) enum Towed {
 #[derive(Debug, Clone)]
 pub(super) struct TowedPlan {
     pub kind: Towed,
-    pub length: f32,
-    pub width: f32,
-    pub height: f32,
+    pub length_m: f32,
+    pub width_m: f32,
+    pub height_m: f32,
     pub detail: [f32; 8],
 }
 
@@ -238,8 +238,8 @@ impl TowedPlan {
         } else {
             pick(&[(Towed::Caravan, 0.6), (Towed::Container, 0.3), (Towed::Covered, 0.1)], s)
         };
-        let [length, width, height] = size.as_vec3().to_array();
-        Self { kind, length, width, height, detail: std::array::from_fn(|_| s.unit() as f32) }
+        let [length_m, width_m, height_m] = size.as_vec3().to_array();
+        Self { kind, length_m, width_m, height_m, detail: std::array::from_fn(|_| s.unit() as f32) }
     }
 
     pub fn name(&self) -> &'static str {

@@ -13,42 +13,42 @@ use std::f32::consts::PI;
 pub(super) struct Stand {
     pub wheels_x: f32,
     pub leg_x: f32,
-    pub half_track: f32,
+    pub half_track_m: f32,
 }
 
 impl TowedPlan {
     fn is_heavy(&self) -> bool {
-        self.length > 7.5
+        self.length_m > 7.5
     }
 
     fn drawbar(&self) -> f32 {
         match self.kind {
             Towed::Motorbike => 0.0,
             _ if self.is_heavy() => 0.3,
-            _ => (0.34 * self.length).min(1.15),
+            _ => (0.34 * self.length_m).min(1.15),
         }
     }
 
     pub(super) fn wheel_radius(&self) -> f32 {
         match self.kind {
-            Towed::Motorbike => (0.155 * self.length).clamp(0.2, 0.33),
+            Towed::Motorbike => (0.155 * self.length_m).clamp(0.2, 0.33),
             _ if self.is_heavy() => 0.5,
-            _ if self.length > 4.0 => 0.33,
-            _ => (0.12 * self.length).clamp(0.2, 0.29),
+            _ if self.length_m > 4.0 => 0.33,
+            _ => (0.12 * self.length_m).clamp(0.2, 0.29),
         }
     }
 
     pub fn stand(&self) -> Stand {
-        let half = self.length / 2.0;
+        let half = self.length_m / 2.0;
         if self.kind == Towed::Motorbike {
             let r = self.wheel_radius();
-            return Stand { wheels_x: -half + r, leg_x: half - r, half_track: 0.12 };
+            return Stand { wheels_x: -half + r, leg_x: half - r, half_track_m: 0.12 };
         }
-        let bed = self.length - self.drawbar();
+        let bed = self.length_m - self.drawbar();
         Stand {
             wheels_x: -half + if self.is_heavy() { 2.4 } else { 0.46 * bed },
             leg_x: half - 0.45 * self.drawbar().max(0.6) - if self.is_heavy() { 2.0 } else { 0.0 },
-            half_track: self.width / 2.0 - 0.10,
+            half_track_m: self.width_m / 2.0 - 0.10,
         }
     }
 
@@ -64,14 +64,14 @@ impl TowedPlan {
     }
 
     fn add_trailer(&self, surface: &mut Surface, level: usize) {
-        let (half, r) = (self.length / 2.0, self.wheel_radius());
+        let (half, r) = (self.length_m / 2.0, self.wheel_radius());
         let (rear, front) = (-half, half - self.drawbar());
         let stand = self.stand();
         // Small trailers carry their wheels beside the bed, large ones below it.
         let is_beside =
-            !self.is_heavy() && self.kind != Towed::Platform && self.kind != Towed::Caravan && self.width < 2.0;
+            !self.is_heavy() && self.kind != Towed::Platform && self.kind != Towed::Caravan && self.width_m < 2.0;
         let tyre = if self.is_heavy() { 0.30 } else { 0.165 };
-        let bed_w = if is_beside { self.width / 2.0 - tyre - 0.03 } else { self.width / 2.0 };
+        let bed_w = if is_beside { self.width_m / 2.0 - tyre - 0.03 } else { self.width_m / 2.0 };
         let floor = if self.is_heavy() {
             1.1
         } else if is_beside {
@@ -79,34 +79,34 @@ impl TowedPlan {
         } else {
             2.0 * r + 0.06
         };
-        let floor = floor.min(0.62 * self.height);
+        let floor = floor.min(0.62 * self.height_m);
         match self.kind {
-            Towed::Open => self.add_open(surface, (rear, front), bed_w, floor, self.height, level),
+            Towed::Open => self.add_open(surface, (rear, front), bed_w, floor, self.height_m, level),
             Towed::Covered => self.add_covered(surface, (rear, front), bed_w, floor, level),
             Towed::Caravan => self.add_caravan(surface, (rear, front), level),
             Towed::Platform => {
-                self.add_open(surface, (rear, front), bed_w, floor, (floor + 0.35).min(self.height), level);
+                self.add_open(surface, (rear, front), bed_w, floor, (floor + 0.35).min(self.height_m), level);
                 // The winch's post fills the box.
                 surface.builder.cuboid(
                     Vec3::new(front - 0.12, -0.35, floor),
-                    Vec3::new(front - 0.04, 0.35, self.height),
+                    Vec3::new(front - 0.04, 0.35, self.height_m),
                     work_slot::ALU,
                 );
             }
             Towed::Container | Towed::Motorbike => {
                 surface.builder.cuboid(
                     Vec3::new(rear + 0.01, -bed_w + 0.01, floor),
-                    Vec3::new(front - 0.01, bed_w - 0.01, self.height - 0.01),
+                    Vec3::new(front - 0.01, bed_w - 0.01, self.height_m - 0.01),
                     work_slot::LOAD,
                 );
                 for x in [rear, front - 0.05] {
                     surface.cuboid_pair(
                         Vec3::new(x, bed_w - 0.05, floor),
-                        Vec3::new(x + 0.05, bed_w, self.height),
+                        Vec3::new(x + 0.05, bed_w, self.height_m),
                         work_slot::ALU,
                     );
                 }
-                for z in [floor, self.height - 0.06] {
+                for z in [floor, self.height_m - 0.06] {
                     surface.cuboid_pair(
                         Vec3::new(rear, bed_w - 0.04, z),
                         Vec3::new(front, bed_w, z + 0.06),
@@ -115,17 +115,17 @@ impl TowedPlan {
                 }
                 surface.builder.cuboid(
                     Vec3::new(rear, -0.008, floor),
-                    Vec3::new(rear + 0.02, 0.008, self.height - 0.05),
+                    Vec3::new(rear + 0.02, 0.008, self.height_m - 0.05),
                     slot::LINER,
                 );
                 surface.cuboid_pair(
                     Vec3::new(rear - 0.0, 0.25, floor + 0.05),
-                    Vec3::new(rear + 0.03, 0.28, self.height - 0.1),
+                    Vec3::new(rear + 0.03, 0.28, self.height_m - 0.1),
                     work_slot::ALU,
                 );
-                if level < 3 && self.detail[3] > 0.5 && self.length > 3.0 {
+                if level < 3 && self.detail[3] > 0.5 && self.length_m > 3.0 {
                     let y = bed_w + 0.001;
-                    let field = [floor + 0.35 * (self.height - floor), floor + 0.62 * (self.height - floor)]
+                    let field = [floor + 0.35 * (self.height_m - floor), floor + 0.62 * (self.height_m - floor)]
                         .map(|z| vec![Vec3::new(rear + 0.4, y, z), Vec3::new(front - 0.5, y, z)]);
                     surface.pair(&field, Outward::Along(Vec3::Y), |_, _| Some(work_slot::STRIPE));
                 }
@@ -146,7 +146,7 @@ impl TowedPlan {
         limb(
             surface,
             foot + Vec3::Z * 0.1,
-            foot + Vec3::Z * 0.75_f32.min(self.height - 0.1),
+            foot + Vec3::Z * 0.75_f32.min(self.height_m - 0.1),
             0.025,
             0.025,
             5,
@@ -163,12 +163,12 @@ impl TowedPlan {
     }
 
     fn add_wheels(&self, surface: &mut Surface, stand: &Stand, r: f32, tyre: f32, is_beside: bool, level: usize) {
-        let y = self.width / 2.0 - tyre / 2.0 - if is_beside { 0.012 } else { 0.05 };
-        let made = wheel(r, tyre, Rim { spokes: 8, fill: 0.6 }, level);
+        let y = self.width_m / 2.0 - tyre / 2.0 - if is_beside { 0.012 } else { 0.05 };
+        let made = wheel(r, tyre, Rim { spokes: 8, spoke_share: 0.6 }, level);
         let mut axles = vec![stand.wheels_x];
         if self.is_heavy() {
             axles.extend([stand.wheels_x + 1.3, stand.wheels_x - 1.3]);
-        } else if self.length > 4.6 && self.detail[1] > 0.4 {
+        } else if self.length_m > 4.6 && self.detail[1] > 0.4 {
             axles = vec![stand.wheels_x + 1.06 * r, stand.wheels_x - 1.06 * r];
         }
         let low = axles.iter().copied().fold(f32::INFINITY, f32::min);
@@ -186,7 +186,7 @@ impl TowedPlan {
             let n = [8, 6, 4][level];
             let middle = 0.5 * (low + high);
             let (rx, rz) = (0.5 * (high - low) + r + 0.06, r + 0.06);
-            let outer = self.width / 2.0;
+            let outer = self.width_m / 2.0;
             let arc: Vec<Vec<Vec3>> = (0..=n)
                 .map(|k| PI * k as f32 / n as f32)
                 .map(|a| (middle + rx * cosf(a), r + rz * sinf(a)))
@@ -222,7 +222,7 @@ impl TowedPlan {
     /// Boards round a bed.
     fn add_open(&self, surface: &mut Surface, (rear, front): (f32, f32), w: f32, floor: f32, top: f32, level: usize) {
         let side = if self.detail[0] > 0.45 { work_slot::ALU } else { work_slot::BOARD };
-        let top = top.min(self.height);
+        let top = top.min(self.height_m);
         surface.builder.cuboid(
             Vec3::new(rear + 0.02, -w + 0.02, floor),
             Vec3::new(front - 0.02, w - 0.02, floor + 0.03),
@@ -292,9 +292,9 @@ impl TowedPlan {
 
     /// Boards below, a tarpaulin over hoops above, drawn in by its cord.
     fn add_covered(&self, surface: &mut Surface, (rear, front): (f32, f32), w: f32, floor: f32, level: usize) {
-        let boards = (floor + 0.34).min(floor + 0.4 * (self.height - floor));
+        let boards = (floor + 0.34).min(floor + 0.4 * (self.height_m - floor));
         self.add_open(surface, (rear, front), w, floor, boards, level);
-        let top = self.height;
+        let top = self.height_m;
         let n = if level < 2 { 10 } else { 2 };
         let wave = |k: usize, m: f32| {
             if k % 2 == 1 && level < 2 { m * (0.5 + 0.5 * sinf(k as f32 * 2.1 + 9.0 * self.detail[2])) } else { 0.0 }

@@ -159,7 +159,7 @@ pub(in crate::town) fn street_sections(street: &Street) -> Vec<Section> {
             let bay_m = street.bays.widths_m[usize::from(sign > 0)];
             let widths = vec![
                 Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (bay_m, 0.0)),
-                Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
+                Cubic { s_m: BAY_TAPER_M, ..Cubic::constant(bay_m) },
                 Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
             ];
             lanes.push(LaneRecord::new(bay_id, "parking", widths));
@@ -218,11 +218,11 @@ pub(in crate::town) fn write_lanes(out: &mut String, sections: &[Section]) {
     out.push_str("</lanes>\n");
 }
 
-/// Dashes from `s` on, as they follow each other from the street's beginning.
-fn write_broken_line(out: &mut String, s: f64, dash_m: (f64, f64), width_m: f64) {
+/// Dashes from `s_m` on, as they follow each other from the street's beginning.
+fn write_broken_line(out: &mut String, s_m: f64, dash_m: (f64, f64), width_m: f64) {
     let period_m = dash_m.0 + dash_m.1;
-    let passed = ((s - FIRST_DASH_M) / period_m).ceil().max(0.0);
-    let first_m = FIRST_DASH_M + passed * period_m - s;
+    let passed = ((s_m - FIRST_DASH_M) / period_m).ceil().max(0.0);
+    let first_m = FIRST_DASH_M + passed * period_m - s_m;
     put!(
         out,
         "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{width_m}\">\
@@ -244,7 +244,7 @@ fn write_solid_line(out: &mut String, id: i32, inset_m: f64, width_m: f64) {
     );
 }
 
-fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
+fn write_lane(out: &mut String, s_m: f64, lane: &LaneRecord) {
     put!(out, "<lane id=\"{}\" type=\"{}\" level=\"false\">\n<link>", lane.id, lane.kind);
     for (element, id) in [("predecessor", lane.predecessor), ("successor", lane.successor)] {
         if let Some(id) = id {
@@ -257,14 +257,14 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
     }
     match lane.outer_line {
         OuterLine::None => {}
-        OuterLine::Broken => write_broken_line(out, s, DASH_M, LINE_WIDTH_M),
-        OuterLine::Motorway => write_broken_line(out, s, MOTORWAY_DASH_M, MOTORWAY_LINE_M),
+        OuterLine::Broken => write_broken_line(out, s_m, DASH_M, LINE_WIDTH_M),
+        OuterLine::Motorway => write_broken_line(out, s_m, MOTORWAY_DASH_M, MOTORWAY_LINE_M),
         OuterLine::Edge => write_solid_line(out, lane.id, EDGE_LINE_INSET_M, LINE_WIDTH_M),
         OuterLine::Narrow => write_solid_line(out, lane.id, 0.0, MOTORWAY_LINE_M),
         OuterLine::Wide => write_solid_line(out, lane.id, 0.0, WIDE_LINE_M),
         OuterLine::CycleLane => write_solid_line(out, lane.id, 0.0, CYCLE_LINE_M),
-        OuterLine::Advisory => write_broken_line(out, s, ADVISORY_DASH_M, LINE_WIDTH_M),
-        OuterLine::CycleFord => write_broken_line(out, s, (CYCLE_FORD_M.0, CYCLE_FORD_M.1), CYCLE_FORD_M.2),
+        OuterLine::Advisory => write_broken_line(out, s_m, ADVISORY_DASH_M, LINE_WIDTH_M),
+        OuterLine::CycleFord => write_broken_line(out, s_m, (CYCLE_FORD_M.0, CYCLE_FORD_M.1), CYCLE_FORD_M.2),
         OuterLine::Bays => write_solid_line(out, lane.id, 0.0, LINE_WIDTH_M),
     }
     if let Some(surface) = lane.surface.name() {

@@ -153,7 +153,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedT
         if let Some(ring) = turn.on_ring {
             record.widths = vec![
                 Cubic::hermite(0.0, ring.from_m, (widths_m[0], 0.0), (ring.lane_m, 0.0)),
-                Cubic { s: ring.from_m, ..Cubic::constant(ring.lane_m) },
+                Cubic { s_m: ring.from_m, ..Cubic::constant(ring.lane_m) },
                 Cubic::hermite(ring.to_m, length - ring.to_m, (ring.lane_m, 0.0), (widths_m[1], 0.0)),
             ];
         }
@@ -321,8 +321,8 @@ pub(in crate::town) fn write_shape(
     out.push_str("</lateralProfile>\n");
 }
 
-/// Share of its crossfall that a street has at `s`: none at its ends, all from [`CROSSFALL_RAMP_M`] inside.
-fn crossfall_share(s: f64, length: f64) -> f64 {
-    let t = (s.min(length - s) / CROSSFALL_RAMP_M.min(length / 2.0)).clamp(0.0, 1.0);
+/// Share of its crossfall that a street has at `s_m`: none at its ends, all from [`CROSSFALL_RAMP_M`] inside.
+fn crossfall_share(s_m: f64, length_m: f64) -> f64 {
+    let t = (s_m.min(length_m - s_m) / CROSSFALL_RAMP_M.min(length_m / 2.0)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
