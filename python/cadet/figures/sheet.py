@@ -13,33 +13,17 @@ from cadet._util import style
 from cadet.errors import CadetError
 from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti.calib import points_in_image
-from cadet.formats.kitti.dataset import read_frame
 from cadet.formats.kitti.drawing.bev import bev_figure, height_colors
 from cadet.formats.kitti.drawing.camera import boxes_figure, corners_figure, far_to_near, lidar_figure
 from cadet.formats.kitti.drawing.drawable import enlarged, resized
 from cadet.formats.kitti.drawing.panel import FINE_WIDTH, MARGIN, panel
 from cadet.formats.kitti.drawing.visibility import corner_visibility
-from cadet.formats.kitti.files.folder import check_id
 from cadet.formats.kitti.frame import Frame
 
 SHEET_WIDTH_PX: Final = 1920
 
 _CAPTION: Final = 30
 _LEGEND_COLUMNS: Final = 5
-
-
-def figures(frame: Frame) -> dict[str, style.Image]:
-    """Draw the figures of a frame.
-
-    Returns:
-        "lidar", "boxes" and "corners", (H, W, 3) like the camera image, and "bev", 876 x 960; all uint8 RGB.
-    """
-    return {
-        "lidar": lidar_figure(frame),
-        "boxes": boxes_figure(frame),
-        "corners": corners_figure(frame),
-        "bev": bev_figure(frame),
-    }
 
 
 def sheet(frame: Frame, title: str = "") -> style.Image:
@@ -102,26 +86,6 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
         raise CadetError("overview: no frames")
     gap = style.filled(MARGIN, width)
     page = np.concatenate([part for row in rows for part in (gap, row)] + [gap])
-    return write_picture(path, page)
-
-
-def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> Path:
-    """Read a frame of a KITTI folder, real or generated, and write its sheet.
-
-    Args:
-        root: the folder that holds `training`.
-        frame_id: the name of its files without suffix; a number means six digits.
-        out_path: the PNG or JPEG file to write, in a folder that is there.
-
-    Returns:
-        `out_path`.
-
-    Raises:
-        CadetError: the frame is missing or damaged, or the name ends in no picture's suffix.
-    """
-    frame_id = check_id(frame_id)
-    path = check_picture_path(out_path)
-    page = sheet(read_frame(root, frame_id), title=f"{Path(root).resolve().name} / {frame_id}")
     return write_picture(path, page)
 
 
