@@ -116,8 +116,7 @@ fn a_place_without_a_trailer_or_a_truck_holds_the_same_car() {
     for seed in 2..6 {
         let plain = fill(seed, &[(ObjectClass::Car, 0.9), (ObjectClass::Van, 0.1)]);
         assert!(!plain.iter().any(is_rare));
-        let (rare, others): (Vec<_>, Vec<_>) =
-            fill(seed, &[]).into_iter().partition(is_rare);
+        let (rare, others): (Vec<_>, Vec<_>) = fill(seed, &[]).into_iter().partition(is_rare);
         num_rare += rare.len();
         // But the neighbors of what is large.
         let kept = others.iter().filter(|v| plain.contains(v)).count();
