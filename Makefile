@@ -23,7 +23,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 unexport PYTHONPATH
 unexport PYTHONHOME
 
-.PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
+.PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python test-fast emulator golden \
 	fuzz faults bench bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
@@ -84,14 +84,17 @@ lint: build-dev ## Check formats, clippy, docs, ruff and types
 	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --workspace --no-deps --document-private-items
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/')
+	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/|tools/|support/detector/')
 	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 
 test-rust: check-rust
 	cargo test --release --locked
 
 test-python: build-dev emulator
-	$(BIN)/pytest $(if $(WITHOUT_AVOD),--ignore tests/avod)
+	$(BIN)/pytest --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
+
+test-fast: build-dev ## Run the Python tests that matter while working: minutes less than all of them
+	$(BIN)/pytest -m 'not slow'
 
 # The golden frames are made on other processors too. A developer without the emulator sees a skipped test, CI may not.
 emulator:
@@ -103,13 +106,13 @@ emulator:
 			apt-get -qq install -y --no-install-recommends qemu-user > /dev/null
 
 fuzz: build-dev ## Feed every reader with 100,000 damaged files, half an hour on one core (COUNT=1000 for fewer)
-	PYTHONPATH=tests $(BIN)/python -m fuzz $(or $(COUNT),100000)
+	PYTHONPATH=tests/support $(BIN)/python -m fuzz $(or $(COUNT),100000)
 
 faults: build-dev ## Generate under 1,000 schedules of faults, a quarter of an hour (COUNT=100 for fewer)
-	PYTHONPATH=tests $(BIN)/python tests/faults.py --count $(or $(COUNT),1000)
+	PYTHONPATH=tests/support $(BIN)/python tests/support/faults.py --count $(or $(COUNT),1000)
 
-golden: build ## Renew the digests that tests/generated/test_golden_bytes.py holds
-	$(BIN)/python tests/golden_frames.py --write
+golden: build ## Renew the digests that tests/cadet/generate/test_golden_bytes.py holds
+	$(BIN)/python tests/support/golden_frames.py --write
 
 bench: check-rust ## Measure the core with criterion
 	cargo bench --locked -p cadet_bench

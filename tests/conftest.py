@@ -1,4 +1,4 @@
-"""What all tests share: the compiled core, Ctrl-C that is heard, and CI that skips nothing by chance."""
+"""What all tests share: the compiled core, Ctrl-C that is heard, a mark for slow ones, and no skips in CI."""
 
 from __future__ import annotations
 
@@ -10,8 +10,15 @@ from typing import Any
 import pytest
 
 from in_ci import pytest_make_collect_report, pytest_runtest_makereport
+from slow_tests import pytest_collection_modifyitems
 
-__all__ = ["core", "pytest_make_collect_report", "pytest_report_header", "pytest_runtest_makereport"]
+__all__ = [
+    "core",
+    "pytest_collection_modifyitems",
+    "pytest_make_collect_report",
+    "pytest_report_header",
+    "pytest_runtest_makereport",
+]
 
 try:
     importlib.import_module("cadet._cadet")
@@ -26,9 +33,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def pytest_report_header() -> list[str]:
     """Say what is left out."""
     missing = [name for name in ("torch", "safetensors") if importlib.util.find_spec(name) is None]
-    return (
-        [f"tests/avod is skipped: it needs {' and '.join(missing)} (pip install 'cadet-sim[avod]')"] if missing else []
-    )
+    needed = f"they need {' and '.join(missing)} (pip install 'cadet-sim[avod]')"
+    return [f"tests/avod and tests/tools are skipped: {needed}"] if missing else []
 
 
 @pytest.fixture(scope="session")

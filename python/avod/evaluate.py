@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from avod.config import PathDropConfig
+from avod.data.frames import Data, open_frames
 from avod.detector import Detector
-from avod.predict import Data, opened, predict_all
+from avod.predict import predict_all
 from cadet.errors import CadetError
 from cadet.evaluation import Report
 from cadet.evaluation.analysis import Analysis, analyze
@@ -66,7 +67,7 @@ def analyze_detectors(
 
     Args:
         detectors: one or more, whose inputs are the same.
-        data: a KITTI folder with labels, or shards, open or not.
+        data: a KITTI folder with labels, shards, or "sim:" and a simulation's TOML file; open or not.
         ids: of the frames.
         parts: as for `cadet.analyze`.
         by: as for `cadet.analyze`, without points.
@@ -76,7 +77,7 @@ def analyze_detectors(
         on_frame: called after each frame.
     """
     found: list[dict[str, tuple[Label, ...]]] = [{} for _ in detectors]
-    frames = opened(data)
+    frames = open_frames(data)
     unreadable = Unreadable(frames.folder)
     for frame_id, by_detector in predict_all(detectors, frames, ids, workers=workers, unreadable=unreadable):
         for results, labels in zip(found, by_detector, strict=True):
@@ -120,7 +121,7 @@ def ablation(detector: Detector, data: Data, ids: tuple[str, ...], **settings: A
 
     Args:
         detector: the detector.
-        data: a KITTI folder with labels, or shards, open or not.
+        data: a KITTI folder with labels, shards, or "sim:" and a simulation's TOML file; open or not.
         ids: of the frames.
         settings: as for `analyze_detector`.
 

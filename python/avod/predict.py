@@ -1,28 +1,22 @@
-"""Detection over the frames of a KITTI folder, and its measurement."""
+"""Detection over frames from anywhere, and its measurement."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, TypeAlias
 
 import torch
-from torch.utils.data import DataLoader
 
-from avod.data.dataset import DetectionData, sample_from_frame
+from avod.data.dataset import sample_from_frame
+from avod.data.frames import Data, kept_running, open_frames
+from avod.data.loading import prepared
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, outlive_signals, running
 from avod.detector import Detector
 from avod.results import detections
-from cadet import kitti
 from cadet.errors import CadetError
 from cadet.formats.kitti import Label
 from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
-from cadet.formats.webdataset import ShardDataset, open_dataset
-
-Data: TypeAlias = "str | Path | kitti.Dataset | ShardDataset"
 
 
 def predict(
@@ -33,13 +27,13 @@ def predict(
     workers: int = 0,
     unreadable: Unreadable | None = None,
 ) -> Iterator[tuple[str, tuple[Label, ...]]]:
-    """Detect objects in frames of a folder.
+    """Detect objects in frames.
 
     Args:
         detector: the detector.
-        data: a KITTI folder or shards, open or not.
+        data: a KITTI folder, shards, or "sim:" and a simulation's TOML file; open or not.
         ids: of the frames.
-        workers: processes that read and prepare frames; 0 does so in between.
+        workers: processes that read and prepare frames, or that simulate them; 0 does so in between.
         unreadable: gets the frames that cannot be read, which are left out; None for an error at the first.
 
     Yields:
@@ -64,9 +58,9 @@ def predict_all(
 
     Args:
         detectors: one or more, whose inputs are the same.
-        data: a KITTI folder or shards, open or not.
+        data: a KITTI folder, shards, or "sim:" and a simulation's TOML file; open or not.
         ids: of the frames.
-        workers: processes that read and prepare frames; 0 does so in between.
+        workers: processes that read and prepare frames, or that simulate them; 0 does so in between.
         unreadable: gets the frames that cannot be read, which are left out; None for an error at the first.
 
     Yields:
@@ -79,14 +73,7 @@ def predict_all(
     for name in ("classes", "ground", "bev", "image", "anchors"):
         if any(getattr(detector.config, name) != getattr(config, name) for detector in detectors):
             raise CadetError(f"these detectors need different inputs, their {name!r} differ: run them one by one")
-    loader: DataLoader[Any] = DataLoader(
-        DetectionData(opened(data), ids, config),
-        batch_size=None,
-        num_workers=min(workers, len(ids)),
-        collate_fn=as_it_is,
-        worker_init_fn=outlive_signals,
-    )
-    with running(loader) as items:
+    with prepared(open_frames(data), ids, config, workers) as items:
         for frame_id, item in zip(ids, items, strict=True):
             if isinstance(item, READING_ERRORS):
                 if unreadable is None:
@@ -127,30 +114,26 @@ def measure(detector: Detector, data: Data, ids: tuple[str, ...]) -> Timing:
 
     Args:
         detector: the detector.
-        data: a KITTI folder or shards, open or not.
+        data: a KITTI folder, shards, or "sim:" and a simulation's TOML file; open or not.
         ids: of the frames; the first is run once more beforehand.
     """
-    sums, frames = [0.0] * 4, opened(data)
-    for number, frame_id in enumerate((ids[0], *ids)):
-        marks = [time.perf_counter()]
-        frame = frames.read_frame(frame_id)
-        marks.append(time.perf_counter())
-        sample = sample_from_frame(frame, frame_id, detector.config)
-        marks.append(time.perf_counter())
-        plane = sample.plane.to(detector.device)
-        (outputs,) = detector.run([sample.to(detector.device)])
-        _wait(detector.device)
-        marks.append(time.perf_counter())
-        detections(outputs, plane, frame.calib, sample.image_size, detector.config)
-        marks.append(time.perf_counter())
-        if number > 0:
-            sums = [total + end - start for total, start, end in zip(sums, marks, marks[1:], strict=False)]
+    sums, frames = [0.0] * 4, open_frames(data)
+    with kept_running(frames, 0):
+        for number, frame_id in enumerate((ids[0], *ids)):
+            marks = [time.perf_counter()]
+            frame = frames.read_frame(frame_id)
+            marks.append(time.perf_counter())
+            sample = sample_from_frame(frame, frame_id, detector.config)
+            marks.append(time.perf_counter())
+            plane = sample.plane.to(detector.device)
+            (outputs,) = detector.run([sample.to(detector.device)])
+            _wait(detector.device)
+            marks.append(time.perf_counter())
+            detections(outputs, plane, frame.calib, sample.image_size, detector.config)
+            marks.append(time.perf_counter())
+            if number > 0:
+                sums = [total + end - start for total, start, end in zip(sums, marks, marks[1:], strict=False)]
     return Timing(len(ids), *(1e3 * total / len(ids) for total in sums))
-
-
-def opened(data: Data) -> kitti.Dataset | ShardDataset:
-    """Return the frames of a folder or of shards; what is open already as it is."""
-    return open_dataset(data) if isinstance(data, (str, Path)) else data
 
 
 def _wait(device: torch.device) -> None:

@@ -7,20 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from torch.utils.data import DataLoader
 
 from avod.config import Config
-from avod.data.dataset import DetectionData, readable_labels
+from avod.data.dataset import readable_labels
+from avod.data.loading import prepared
 from avod.data.order import frame_number, torch_generator
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, outlive_signals, running
+from avod.device import Processes
 from avod.evaluate import score
 from avod.losses import frame_losses
 from avod.model.network import AvodNetwork
 from avod.results import detections
 from avod.targets import anchor_targets
-from avod.train.processes import Processes
-from avod.train.validation_log import Validated
+from avod.train.log import Validated
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.evaluation import evaluate
@@ -81,19 +80,11 @@ class Validator:
         """
         network.eval()
         ids = self.ids[processes.rank :: processes.world_size]
-        data = DetectionData(self._frames, ids, self._config)
-        loader: DataLoader[Any] = DataLoader(
-            data,
-            batch_size=None,
-            num_workers=min(self._workers, len(ids)),
-            collate_fn=as_it_is,
-            worker_init_fn=outlive_signals,
-        )
         unreadable = Unreadable(self._frames.folder)
         texts: dict[str, str] = {}
         losses: dict[str, dict[str, float]] = {}
         is_stopped = False
-        with running(loader) as items:
+        with prepared(self._frames, ids, self._config, self._workers) as items:
             for done, (frame_id, item) in enumerate(zip(ids, items, strict=True), start=1):
                 if isinstance(item, READING_ERRORS):
                     unreadable.add(frame_id, item)

@@ -23,7 +23,7 @@ from cadet.evaluation import evaluate
 from cadet.formats.kitti import Calibration, Label
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
-CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+CONFIG = load_config(Path(__file__).parents[1] / "support" / "detector" / "overfit.toml")
 PLANE = torch.tensor([0.0, -1.0, 0.0, 1.65])
 
 

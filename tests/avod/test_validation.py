@@ -14,16 +14,15 @@ from click.testing import CliRunner
 from avod.cli.commands import avod
 from avod.config import Config
 from avod.detector import Detector
+from avod.device import Processes
 from avod.evaluate import evaluate_detector, score
 from avod.figures import _AP_COLOR, loss_figure
 from avod.model.network import AvodNetwork
-from avod.train.log import TERMS
-from avod.train.processes import Processes
-from avod.train.validation_log import Validated, ValidationLog, read_validations
+from avod.train.log import TERMS, Validated, ValidationLog, read_validations
 from avod.validate import Validator
-from avod_runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 from cadet import kitti
 from cadet.errors import CadetError, MissingFileError
+from detector.runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 
 STEPS = 8
 
@@ -83,10 +82,13 @@ def test_the_best_of_equal_ones_is_the_last_and_a_worse_one_is_not_kept(tmp_path
     assert found == [True, True, False, True, False]
     # Rows past the step that training goes on from are made again.
     again = ValidationLog(tmp_path, 1, ("Car",))
-    assert again.steps == [1] and [row["ap"] for row in read_validations(again.path)] == [30.0]
+    assert again.steps == [1] and [row["ap"] for row in read_validations(tmp_path / "val.csv")] == [30.0]
     assert again.add(2, made(31.0))
-    with pytest.raises(CadetError, match=r"expected the columns step, .*, ap, ap_Cyclist$"):
-        ValidationLog(tmp_path, 2, ("Cyclist",))
+    # What has the same digits in the file is as good, in one process and after a stop.
+    assert again.add(3, made(31.00004)) and again.add(4, made(31.00003))
+    assert ValidationLog(tmp_path, 4, ("Car",)).add(5, made(31.00002))
+    with pytest.raises(CadetError, match=r"val.csv:1: expected the columns step, .*, ap, ap_Cyclist$"):
+        ValidationLog(tmp_path, 5, ("Cyclist",))
 
 
 def made(ap: float) -> Validated:

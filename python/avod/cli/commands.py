@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, clusters, paper, bench, view."""
+"""`avod`: train, predict, eval, clusters, bench, view."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ from avod.cli.options import (
     resolve_workers,
     split_option,
 )
-from avod.cli.paper import paper_command
 from avod.cli.train import train_command
+from avod.data.frames import open_frames
 from avod.detector import Detector
 from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score, table
 from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_checkpoint
-from avod.train.log import read_log
-from avod.train.validation_log import read_validations
+from avod.train.log import read_log, read_validations
 from cadet import __version__
 from cadet._util.sink import LocalSink
 from cadet.errors import CadetError, MissingFileError
@@ -42,7 +41,6 @@ from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti import text_from_labels
 from cadet.formats.kitti.files.folder import check_id
 from cadet.formats.kitti.files.unreadable import Unreadable
-from cadet.formats.webdataset import open_dataset
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -53,7 +51,6 @@ def avod() -> None:
 
 avod.add_command(train_command)
 avod.add_command(clusters_command)
-avod.add_command(paper_command)
 
 
 @avod.command(name="predict")
@@ -221,7 +218,7 @@ def bench_command(
 
 @avod.command(name="view")
 @click.option("--checkpoint", metavar="DIR", type=click.Path(path_type=Path), help="Draw this checkpoint's detections.")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="The folder of the frame.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="The data of the frame, as for predict.")
 @click.option("--frame", "frame_id", metavar="ID", help="The frame.")
 @click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this run instead.")
 @click.option("-o", "--output", metavar="FILE", required=True, help="The picture, a .png or .jpg.")
@@ -250,7 +247,7 @@ def view_command(
     if checkpoint is None or data is None or frame_id is None:
         raise CadetError("view needs --checkpoint, --data and --frame, or --log")
     detector = _detector(checkpoint, device, amp)
-    frame = open_dataset(data).read_frame(check_id(frame_id))
+    frame = open_frames(data).read_frame(check_id(frame_id))
     found = detector.detect_frame(frame)
     click.echo(f"wrote {write_picture(output, detection_figure(frame, found))}")
 

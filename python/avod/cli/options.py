@@ -9,18 +9,17 @@ from typing import Any, TypeVar
 
 import click
 import torch
+from click.core import ParameterSource
 from rich.console import Console
 
 from avod import device
-from avod.data.simulated import is_simulation
-from cadet import kitti
+from avod.data.frames import Frames, SimulatedFrames, is_simulation, open_frames
 from cadet._util.operating_system import num_processors
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import sample_folder, set_root
 from cadet.formats.kitti.files.unreadable import Unreadable, frames_with_files
 from cadet.formats.kitti.image_sets import LISTS, check_not_empty, list_paths
-from cadet.formats.webdataset import ShardDataset, open_dataset
 from cadet.formats.webdataset.dataset import is_pattern, is_shard_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -35,7 +34,11 @@ _USUAL = ("train", "val", "trainval")
 _PRECISIONS = {"bf16": torch.bfloat16}
 
 data_option = click.option(
-    "--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A KITTI folder, real or generated."
+    "--data",
+    metavar="DIR|SHARDS|sim:FILE",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="A KITTI folder, shards ('set/val/{000000..000009}.tar'), or a simulation's TOML file, with --frames.",
 )
 checkpoint_option = click.option(
     "--checkpoint",
@@ -118,18 +121,35 @@ def resolve_precision(name: str | None) -> torch.dtype | None:
     return None if name is None else _PRECISIONS[name]
 
 
-def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[kitti.Dataset | ShardDataset, tuple[str, ...]]:
+def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[Frames, tuple[str, ...]]:
     """Open the frames of a split, those of `root/testing` for "test", and return their ids, the first `limit` of them.
 
     Raises:
         MissingFileError: no folder or split, no frame in it, or none with image, scan, or calibration.
+        CadetError: a split of shards that are named, or of a simulation, or a simulation without a limit.
     """
     name = resolve_split(split)
+    check_no_split(root)
     check_split(root, name)
-    dataset = open_dataset(root, name)
-    check_not_empty(dataset.ids, root, name)
-    frames_with_files(dataset, Unreadable(root), root)
-    return dataset, dataset.ids[:limit]
+    frames = open_frames(root, name)
+    if isinstance(frames, SimulatedFrames):
+        if limit is None:
+            raise CadetError(f"{root}: a simulation has no end: say by --frames how many frames to take")
+        return frames, frames.first(limit)
+    check_not_empty(frames.ids, root, name)
+    frames_with_files(frames, Unreadable(root), root)
+    return frames, frames.ids[:limit]
+
+
+def check_no_split(root: str | Path) -> None:
+    """Refuse a --split in the command of shards that were named one by one, or of a simulation.
+
+    Raises:
+        CadetError: it is there.
+    """
+    is_given = click.get_current_context().get_parameter_source("split") != ParameterSource.DEFAULT
+    if is_given and (is_pattern(root) or is_simulation(root)):
+        raise CadetError("--split: shards that --data names are all read, and a simulation has no splits")
 
 
 def check_split(root: Path, name: str | None) -> None:
@@ -180,27 +200,6 @@ def _folder_and_share(text: str) -> tuple[Path, float | None]:
 def resolve_split(name: str | None) -> str | None:
     """Return the split's name; None, which "all" becomes, for every frame."""
     return None if name == "all" else name
-
-
-def names_of(option: str, text: str, known: Sequence[str]) -> tuple[str, ...]:
-    """Read names that commas separate.
-
-    Args:
-        option: for messages.
-        text: what the user gave.
-        known: the names that may stand there.
-
-    Returns:
-        The names, in the order of `known`.
-
-    Raises:
-        CadetError: an unknown name, or none.
-    """
-    names = [name.strip() for name in text.split(",")]
-    for name in names:
-        if name not in known:
-            raise CadetError(f"{option}: expected some of {','.join(known)}, got {name!r}")
-    return tuple(name for name in known if name in names)
 
 
 @contextmanager

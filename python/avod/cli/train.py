@@ -14,6 +14,7 @@ import click
 from click.core import ParameterSource
 
 from avod.cli.options import (
+    check_no_split,
     check_split,
     device_options,
     parse_data,
@@ -28,16 +29,14 @@ from avod.cli.stopping import Stopping
 from avod.clusters import mean_sizes_of
 from avod.config import Config
 from avod.config_file import config_names, load_config
+from avod.data.frames import is_simulation
 from avod.data.mixture import shares_of
-from avod.data.simulated import is_simulation
-from avod.device import is_first_process
+from avod.device import Processes, is_first_process
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import checkpoints, read_checkpoint
-from avod.train.processes import Processes
-from avod.train.record import Record, read_record
+from avod.train.log import Validated
 from avod.train.run import train, with_steps
-from avod.train.settings import Run
-from avod.train.validation_log import Validated
+from avod.train.settings import Record, Run, read_record
 from avod.validate import Validator
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError, MissingFileError
@@ -178,10 +177,11 @@ def _settings(options: _Options) -> tuple[Config, Run]:
 
     split = resolve_split(recorded("split", "train"))
     for folder, _ in data:
+        check_no_split(folder)
         check_split(folder, split)
     val_every = recorded("val_every", None)
-    if any(is_pattern(folder) for folder, _ in data) or all(is_simulation(folder) for folder, _ in data):
-        _check_no_split(options, val_every)
+    if val_every is not None and any(is_pattern(folder) or is_simulation(folder) for folder, _ in data):
+        raise CadetError("--val-every: shards that --data names, and simulations, have no --val-split to validate on")
     run = Run(
         data=data,
         out=out,
@@ -211,14 +211,6 @@ def _with_sizes(config: Config, folder: Path) -> Config:
     """Return the configuration with the mean sizes of a folder's labels."""
     sizes = mean_sizes_of(folder, config.class_names)
     return replace(config, augmentation=replace(config.augmentation, object_sizes_lwh_m=sizes))
-
-
-def _check_no_split(options: _Options, val_every: int | None) -> None:
-    """Refuse what asks for a split of shards that were named one by one, or of a simulation."""
-    if options.is_given("split"):
-        raise CadetError("--split: shards that --data names are all read, and a simulation has no splits")
-    if val_every is not None:
-        raise CadetError("--val-every: shards that --data names, and simulations, have no --val-split to validate on")
 
 
 def _recorded(out: Path) -> tuple[Record | None, Config]:

@@ -15,6 +15,7 @@ from torch.utils.data import Dataset, get_worker_info
 from avod.config import Config, Size
 from avod.data.augmentation import UNCHANGED, Augmentation
 from avod.data.build import build_sample, ground_plane
+from avod.data.frames import Frames
 from avod.data.mixture import Folders, Mixture, set_seed, shares_of
 from avod.data.object_sizes import size_shifts_m
 from avod.data.order import Order
@@ -234,12 +235,12 @@ class DetectionData(Dataset[Any]):
     """The frames of a folder in order, unchanged. An item is a sample and its calibration, or the error of reading it.
 
     Args:
-        frames: of a KITTI folder or of shards.
+        frames: from anywhere.
         ids: of those that are wanted.
         config: the detector.
     """
 
-    def __init__(self, frames: kitti.Dataset | ShardDataset, ids: tuple[str, ...], config: Config) -> None:
+    def __init__(self, frames: Frames, ids: tuple[str, ...], config: Config) -> None:
         self._frames = frames
         self.ids = ids
         self._maker = _Maker(config)

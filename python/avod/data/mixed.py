@@ -11,12 +11,13 @@ from typing import Final
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
+from avod.data.frames import is_simulation
 from avod.data.mixture import Turns
 from avod.data.order import stream_seed
 from avod.data.packing import PackedSample
 from avod.data.prefetch import prefetched
 from avod.data.sample import Sample
-from avod.data.simulated import SimulatedData, is_simulation
+from avod.data.simulated import SimulatedData
 from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError
 

@@ -8,7 +8,6 @@ import threading
 import zlib
 from collections.abc import Iterator
 from itertools import islice
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from avod.config import Config
 from avod.data.augmentation import Augmentation
 from avod.data.dataset import sample_from_frame
+from avod.data.frames import SimulatedFrames
 from avod.data.order import stream_seed
 from avod.data.paste import check_bank
 from avod.data.prefetch import prefetched
@@ -24,10 +24,7 @@ from avod.data.subset import usable_frames
 from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError
 from cadet.formats.kitti import Frame
-from cadet.simulation.simulation import Simulation
 
-PREFIX: Final = "sim:"
-"""Begins the name of a simulation's file where data are named."""
 BLOCK: Final = 80
 """Frames that are shuffled together: four episodes of the policy `kitti`, some 250 MB."""
 _READY: Final = 4
@@ -57,7 +54,7 @@ class SimulatedData:
         if config.augmentation.object_sizes_lwh_m:
             raise CadetError(f"{name}: augmentation.object_sizes_lwh_m needs the mean sizes of a folder's labels")
         self._bank = bank
-        self.simulation = Simulation.read(name.removeprefix(PREFIX))
+        self.simulation = SimulatedFrames(name).simulation
         self.config = config
         self._name, self._seed = name, seed
 
@@ -133,8 +130,3 @@ class SimulatedData:
             (self._seed, index),
             self.config.augmentation,
         )
-
-
-def is_simulation(data: str | Path) -> bool:
-    """Tell whether a name of data is a simulation's."""
-    return str(data).startswith(PREFIX)

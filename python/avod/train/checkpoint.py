@@ -26,7 +26,7 @@ from avod.config import Config
 from avod.config_file import config_from_table, table_from_config
 from avod.data.order import seeded
 from avod.model.network import AvodNetwork, abstract_network
-from avod.train.made_with import made_with
+from avod.train.settings import made_with
 from cadet._util.plain_text import json_from_text
 from cadet._util.summary import summary
 from cadet._util.user_files import names_file

@@ -1,11 +1,12 @@
-"""The log of a training: `log.csv`, and TensorBoard's files where it is installed and asked for."""
+"""The logs of a training: `log.csv`, `val.csv`, and TensorBoard's files where it is installed and asked for."""
 
 from __future__ import annotations
 
 import importlib.util
 import re
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,10 +23,42 @@ _COUNT: Final = "count"
 _NUMBER: Final = re.compile(r"[+-]?\d{1,40}(\.\d{0,40})?(e[+-]?\d{1,3})?", re.ASCII)
 _STEP: Final = re.compile(r"\d{1,15}", re.ASCII)
 _LARGEST: Final = 3.4028235e38
+_VALIDATION_COLUMNS: Final = ("step", *TERMS, "ap")
+
+
+class _Table:
+    """A file of finite numbers that grows row by row; rows past the step that a training goes on from are cut off.
+
+    Args:
+        path: of the file.
+        columns: of its header, the first of them "step".
+        first_step: where training begins or goes on.
+
+    Attributes:
+        rows: as they stand in the file.
+    """
+
+    def __init__(self, path: Path, columns: tuple[str, ...], first_step: int) -> None:
+        self._path, self._columns = path, columns
+        rows = read_table(path, columns) if path.is_file() else []
+        self.rows = [row for row in rows if row["step"] <= first_step]
+        lines = [",".join(columns) + "\n", *map(self._line, self.rows)]
+        write_whole({path: "".join(lines).encode("ascii")})
+
+    def add(self, row: Mapping[str, float]) -> dict[str, float]:
+        """Write a row, and return it as it stands in the file."""
+        line = self._line(row)
+        with names_file(self._path), self._path.open("a", encoding="ascii") as file:
+            file.write(line)
+        self.rows.append(dict(zip(self._columns, map(float, line.split(",")), strict=True)))
+        return self.rows[-1]
+
+    def _line(self, row: Mapping[str, float]) -> str:
+        return ",".join(f"{row[name]:.6g}" if name != "step" else f"{row[name]:.0f}" for name in self._columns) + "\n"
 
 
 class TrainingLog:
-    """Means of the losses, a row every few steps. Rows past the step that a training goes on from are cut off first.
+    """Means of the losses, a row every few steps.
 
     Args:
         folder: holds `log.csv`.
@@ -47,16 +80,12 @@ class TrainingLog:
         pending: Mapping[str, float] | None = None,
         has_tensorboard: bool = False,
     ) -> None:
-        self.path = folder / "log.csv"
+        self._table = _Table(folder / "log.csv", COLUMNS, first_step)
         self._every = every
         self._sums = {name: value for name, value in (pending or {}).items() if name in TERMS}
         self._count = int((pending or {}).get(_COUNT, 0))
         self._num_timed = 0
         self._start_s = time.monotonic()
-        rows = [row for row in read_log(self.path) if row["step"] <= first_step] if self.path.is_file() else []
-        write_whole(
-            {self.path: "".join([table_line(COLUMNS), *(table_line(_texts(row)) for row in rows)]).encode("ascii")}
-        )
         self._board = _board(folder) if has_tensorboard else None
 
     def on_step(self, step: int, losses: Mapping[str, Tensor], rate: float, *, is_last: bool = False) -> None:
@@ -89,10 +118,51 @@ class TrainingLog:
         values |= {name: total / self._count for name, total in self._sums.items()}
         # Of the steps of this process: those before a stop were timed by another.
         values["seconds_per_step"] = (now_s - self._start_s) / max(self._num_timed, 1)
-        with names_file(self.path), self.path.open("a", encoding="ascii") as file:
-            file.write(table_line(_texts(values)))
+        self._table.add(values)
         self.add_scalars(step, {name: values[name] for name in COLUMNS[1:]})
         self._sums, self._count, self._num_timed, self._start_s = {}, 0, 0, now_s
+
+
+@dataclass(frozen=True)
+class Validated:
+    """What a validation found.
+
+    Attributes:
+        losses: means over the frames, by term, "total" among them.
+        ap: percent: AP 3D of the second level (Moderate), R40, averaged over the classes; 0 for a class that was never
+            found.
+        ap_by_class: percent, likewise, by class.
+    """
+
+    losses: Mapping[str, float]
+    ap: float
+    ap_by_class: Mapping[str, float]
+
+
+class ValidationLog:
+    """How a training does on frames that it does not learn from: `val.csv`, a row for each validation.
+
+    Args:
+        folder: holds `val.csv`.
+        first_step: where training begins or goes on.
+        class_names: of the detector.
+    """
+
+    def __init__(self, folder: Path, first_step: int, class_names: tuple[str, ...]) -> None:
+        columns = (*_VALIDATION_COLUMNS, *(f"ap_{name}" for name in class_names))
+        self._table = _Table(folder / "val.csv", columns, first_step)
+
+    @property
+    def steps(self) -> list[int]:
+        """The steps after which the training was validated."""
+        return [int(row["step"]) for row in self._table.rows]
+
+    def add(self, step: int, found: Validated) -> bool:
+        """Write a row, and say whether no earlier one has a higher AP as the file has it."""
+        before = [row["ap"] for row in self._table.rows]
+        by_class = {f"ap_{name}": value for name, value in found.ap_by_class.items()}
+        row = self._table.add({"step": step, **found.losses, "ap": found.ap, **by_class})
+        return all(row["ap"] >= other for other in before)
 
 
 def read_log(path: Path) -> list[dict[str, float]]:
@@ -103,6 +173,16 @@ def read_log(path: Path) -> list[dict[str, float]]:
         CadetError: another header, another number of fields, or one that is no finite number; the line is named.
     """
     return read_table(path, COLUMNS)
+
+
+def read_validations(path: Path) -> list[dict[str, float]]:
+    """Read a `val.csv`.
+
+    Raises:
+        MissingFileError: no such file.
+        CadetError: another header, another number of fields, or one that is no finite number; the line is named.
+    """
+    return read_table(path, _VALIDATION_COLUMNS, is_longer_allowed=True)
 
 
 def read_table(path: Path, columns: tuple[str, ...], *, is_longer_allowed: bool = False) -> list[dict[str, float]]:
@@ -127,16 +207,6 @@ def read_table(path: Path, columns: tuple[str, ...], *, is_longer_allowed: bool 
     return [_row(names, line, f"{path}:{number}") for number, line in enumerate(lines[:-1], start=2)]
 
 
-def text_of(name: str, value: float) -> str:
-    """Write a number as it stands in a table's column."""
-    return str(int(value)) if name == "step" else f"{value:.6g}"
-
-
-def table_line(fields: Iterable[str]) -> str:
-    """Join a row of a table."""
-    return ",".join(fields) + "\n"
-
-
 def _row(names: tuple[str, ...], line: str, where: str) -> dict[str, float]:
     fields = line.split(",")
     if len(fields) != len(names):
@@ -150,10 +220,6 @@ def _row(names: tuple[str, ...], line: str, where: str) -> dict[str, float]:
             raise CadetError(f"{where}: {name}: expected a finite number, got {text[:40]!r}")
         row[name] = float(text)
     return row
-
-
-def _texts(row: Mapping[str, float]) -> list[str]:
-    return [text_of(name, row[name]) for name in COLUMNS]
 
 
 def _board(folder: Path) -> Any:

@@ -12,21 +12,19 @@ from torch import Tensor, nn
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
+from avod.data.frames import PREFIX, is_simulation
+from avod.data.loading import batches, whole
 from avod.data.mixed import MixedData
 from avod.data.mixture import shares_of
 from avod.data.sample import Sample
-from avod.data.simulated import PREFIX, SimulatedData, is_simulation
-from avod.device import name_of_process, resolve_device
+from avod.data.simulated import SimulatedData
+from avod.device import Processes, name_of_process, resolve_device
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
-from avod.train.loader import batches, whole
-from avod.train.log import TrainingLog
-from avod.train.processes import Processes
-from avod.train.record import Record, check_resumed, with_skipped, write_record
-from avod.train.settings import Run
+from avod.train.log import TrainingLog, Validated, ValidationLog
+from avod.train.settings import Record, Run, check_resumed, with_skipped, write_record
 from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
-from avod.train.validation_log import Validated, ValidationLog
 from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError, CadetWarning
 

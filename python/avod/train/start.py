@@ -12,12 +12,10 @@ import torch
 from avod.config import Config
 from avod.config_file import table_from_config
 from avod.model.network import AvodNetwork
-from avod.train.average import WeightAverage
 from avod.train.checkpoint import Checkpoint, checkpoints, load_network, load_optimizer, read_checkpoint
 from avod.train.log import read_log
-from avod.train.record import Record, differences, read_record
-from avod.train.settings import Run
-from avod.train.step import make_optimizer, new_network
+from avod.train.settings import Record, Run, differences, read_record
+from avod.train.step import WeightAverage, make_optimizer, new_network
 from cadet.errors import CadetError, CadetWarning, MissingFileError
 
 

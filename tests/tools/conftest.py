@@ -1,0 +1,5 @@
+"""The tests of tools that train need torch."""
+
+from needs_torch import collect_ignore_glob, pytest_runtest_setup
+
+__all__ = ["collect_ignore_glob", "pytest_runtest_setup"]

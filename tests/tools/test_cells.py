@@ -1,0 +1,123 @@
+"""The cells of the experiments: which there are, in which order, and how long they train."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from avod.config_file import load_config
+from avod.train.checkpoint import read_checkpoint
+from cadet.errors import CadetError, MissingFileError
+from tools.experiments.plans import few_frame_cells, matrix_cells
+from tools.experiments.scales import CLASSES, MAPS, SCALES
+
+
+def test_the_matrix_has_every_way_of_training_for_each_class_maps_and_seed() -> None:
+    cells = matrix_cells(SCALES["full"], tuple(CLASSES), MAPS, 2)
+    assert len({cell.name for cell in cells}) == len(cells) == 2 * 3 * 3 * 2
+    assert [cell.name for cell in cells[:4]] == [
+        "car-default-sim-seed0",
+        "car-default-real-seed0",
+        "car-default-tuned-seed0",
+        "car-max3_density3-sim-seed0",
+    ]
+    names = [cell.name for cell in cells]
+    for cell in cells:
+        # Sources come first, and are of the same seed, class and maps.
+        source = f"{cell.name.split('-tuned')[0]}-sim-seed{cell.seed}" if cell.trained == "tuned" else None
+        assert cell.source == source and (source is None or names.index(source) < names.index(cell.name))
+        assert cell.tests == {"sim": ("sim", "real"), "real": ("real",), "tuned": ("real", "sim")}[cell.trained]
+        short = {"Car": "car", "Pedestrian": "ped"}[cell.class_name]
+        expected = load_config(f"{short}_{cell.maps}")
+        assert dataclasses.replace(cell.config, training=expected.training) == expected
+
+
+def test_the_full_scale_is_the_papers() -> None:
+    sim, real, tuned = matrix_cells(SCALES["full"], ("Car",), ("default",), 1)
+    assert (sim.stops, real.stops, tuned.stops) == ((90_000, 120_000), (120_000,), (150_000,))
+    assert (tuned.branch_step, tuned.num_steps, tuned.first_step) == (90_000, 60_000, 90_000)
+    assert sim.config == real.config == load_config("car_default")
+    # A tuning of its own begins with the rate that the schedule has come to.
+    training = sim.config.training
+    rate = training.learning_rate * training.decay_factor ** (90_000 // training.decay_steps)
+    assert SCALES["full"].tuning.learning_rate == pytest.approx(rate)
+    assert [cell.last for cell in (sim, real, tuned)] == [20] * 3
+
+
+def test_the_tiny_scale_tunes_as_its_configuration_does() -> None:
+    sim, _, tuned = matrix_cells(SCALES["tiny"], ("Car",), ("default",), 1)
+    assert sim.config == load_config("tiny_car") and sim.stops == (3_000,)
+    assert tuned.config == load_config("tiny_car_tune")
+    assert (tuned.stops, tuned.branch_step, tuned.last) == ((350,), None, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "stops"),
+    [
+        ("full", 1_200, ((900, 1_200), (1_200,), (1_500,))),
+        ("full", 3, ((2, 3), (3,), (4,))),
+        ("full", 1, ((1,), (1,), (2,))),
+        ("tiny", 300, ((300,), (300,), (35,))),
+        ("tiny", 1, ((1,), (1,), (1,))),
+    ],
+)
+def test_fewer_steps_shorten_all_in_proportion(name: str, steps: int, stops: tuple[tuple[int, ...], ...]) -> None:
+    cells = matrix_cells(SCALES[name], ("Car",), ("default",), 1, steps)
+    assert tuple(cell.stops for cell in cells) == stops
+    whole = SCALES[name].config("Car", "default")
+    for cell in cells[:2]:
+        assert cell.config.training.decay_steps == max(
+            1, round(whole.training.decay_steps * steps / whole.training.steps)
+        )
+        share = steps / whole.training.steps
+        assert cell.config.second_stage.truth_steps == round(whole.second_stage.truth_steps * share)
+
+
+@pytest.mark.parametrize("name", ["tiny", "full"])
+def test_scratch_has_the_whole_training_and_tuned_the_scales_tuning(name: str) -> None:
+    scale = SCALES[name]
+    cells = few_frame_cells(scale, ("Car",), ("default",), 2, (10, 40))
+    assert [cell.name for cell in cells[:5]] == [
+        "car-default-sim-seed0",
+        "car-default-real-10frames-seed0",
+        "car-default-tuned-10frames-seed0",
+        "car-default-real-40frames-seed0",
+        "car-default-tuned-40frames-seed0",
+    ]
+    assert len(cells) == 10
+    (pretrained, *rest) = cells[:5]
+    whole = scale.config("Car", "default")
+    assert pretrained == matrix_cells(scale, ("Car",), ("default",), 1)[0]
+    for scratch, tuned in zip(rest[::2], rest[1::2], strict=True):
+        assert (scratch.stops, tuned.stops) == ((whole.training.steps,), (scale.few_steps,))
+        assert (scratch.seed, scratch.frames, scratch.last) == (tuned.seed, tuned.frames, 1)
+        assert (scratch.source, tuned.source) == (None, pretrained.name)
+        assert (scratch.config, tuned.config.training.steps) == (whole, scale.few_steps)
+        # As often as in the scale's tuning, the rate falls.
+        falls = scale.tuning.steps / scale.tuning.decay_steps
+        assert tuned.config.training.steps / tuned.config.training.decay_steps == pytest.approx(falls, rel=0.01)
+        assert tuned.config.training.learning_rate == scale.tuning.learning_rate < whole.training.learning_rate
+
+
+def test_given_weights_take_the_place_of_the_pretraining() -> None:
+    cells = few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 2, (10,), inits=(Path("tiny_car"),))
+    assert [cell.name for cell in cells] == [
+        "car-default-given-seed0",
+        "car-default-real-10frames-seed0",
+        "car-default-tuned-10frames-seed0",
+        "car-default-real-10frames-seed1",
+        "car-default-tuned-10frames-seed1",
+    ]
+    given, scratch, tuned = cells[:3]
+    assert given.stops == () and given.num_steps == 0 and given.tests == ("real",)
+    assert tuned.init == given.init == read_checkpoint("tiny_car").path and scratch.init is None
+    with pytest.raises(CadetError, match="--init: expected one checkpoint, or one for each of 3 seeds, got 2"):
+        few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 3, (10,), inits=(Path("tiny_car"),) * 2)
+    with pytest.raises(CadetError, match="--init: these weights are of one class"):
+        few_frame_cells(SCALES["tiny"], tuple(CLASSES), ("default",), 1, (10,), inits=(Path("tiny_car"),))
+    with pytest.raises(CadetError, match=r"--init \S+tiny_car: its configuration has another 'classes'"):
+        few_frame_cells(SCALES["tiny"], ("Pedestrian",), ("default",), 1, (10,), inits=(Path("tiny_car"),))
+    with pytest.raises(MissingFileError, match="nothing: not a checkpoint"):
+        few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 1, (10,), inits=(Path("nothing"),))
