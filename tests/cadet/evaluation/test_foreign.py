@@ -87,7 +87,7 @@ def test_nuscenes_results_are_scored_by_its_own_rules(tables: Path, off_m: float
         ('{"s": []}', r"not laid out as a detector's results are \(KeyError: 'results'\)"),
         ('{"results": {"other": []}}', "sample 'other': the tables have no such sample"),
         ('{"results": {"s": [{"translation": [1, 2]}]}}', "not laid out as"),
-        ("{", "no JSON"),
+        ("{", "invalid JSON"),
     ],
 )
 def test_what_is_no_nuscenes_result_is_refused_in_one_line(tables: Path, content: str, message: str) -> None:
