@@ -33,13 +33,15 @@ pub enum Facing {
     Along,
 }
 
-/// At the outer edge of sidewalks, looking at the street.
+/// At the outer edge of sidewalks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AtSidewalk {
     /// One every so many meters on average, in a common suburb.
     pub every_m: f64,
     /// In which streets.
     pub streets: Streets,
+    /// Whether it looks at the traffic that comes along on its side, as signs do, not at the street.
+    pub faces_traffic: bool,
 }
 
 /// In parking places along streets, instead of a car.
@@ -89,7 +91,12 @@ impl Place {
             "sidewalk" => {
                 let known = [("all", Streets::All), ("urban", Streets::Urban), ("suburban", Streets::Suburban)];
                 let streets = table.take("streets").map_or(Ok(Streets::All), |v| v.one_of(&known))?;
-                Self::Sidewalk(AtSidewalk { every_m: table.need("every_m")?.number(1.0, 1e5)?, streets })
+                let faces = [("street", false), ("traffic", true)];
+                Self::Sidewalk(AtSidewalk {
+                    every_m: table.need("every_m")?.number(1.0, 1e5)?,
+                    streets,
+                    faces_traffic: table.take("faces").map_or(Ok(false), |v| v.one_of(&faces))?,
+                })
             }
             "bay" => {
                 let stands = [("ahead", true), ("across", false)];

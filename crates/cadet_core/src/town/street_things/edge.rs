@@ -28,7 +28,14 @@ pub(super) fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> E
     EdgePlace { at, facing: -out, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }
 }
 
-/// A model whose x axis runs along the edge.
+/// A model with its left side to the outer edge, looking at the traffic beside it.
+pub(super) fn to_traffic(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
+    let place = along_edge(frontage, model, at_m, false);
+    let off_middle_m = (model.footprint_min.y + model.footprint_max.y) / 2.0;
+    EdgePlace { at: place.at - place.out * off_middle_m, ..place }
+}
+
+/// A model whose x axis runs along the edge, its origin in the middle of its width.
 pub(super) fn along_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64, is_forth: bool) -> EdgePlace {
     let along = frontage.along(at_m);
     let (out, edge) = (right_of(along), frontage.at(at_m));

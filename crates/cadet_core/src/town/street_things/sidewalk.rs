@@ -10,7 +10,7 @@ use crate::town::placement::boundary::Boundary;
 use crate::town::plots::frontage::{Frontage, right_of};
 use crate::town::plots::plot::Plot;
 use crate::town::plots::street_style::StreetStyle;
-use crate::town::street_things::edge::{CORNER_M, along_edge, at_edge};
+use crate::town::street_things::edge::{CORNER_M, along_edge, at_edge, to_traffic};
 use crate::town::street_things::{Furnisher, cafes};
 
 /// Share of the streets where the bins are out for collection, and of their houses that have put some out.
@@ -75,7 +75,11 @@ pub(super) fn furnish_edge(
         let s = &mut stream_of(&format!("{}/{}", prop.name(), rule.every_m));
         for at_m in places(frontage.length_m(), rule.every_m / clutter, s) {
             let drawn = prop.draw(s);
-            f.put_at_edge(&drawn, &at_edge(frontage, &drawn.model, at_m));
+            let place = match rule.faces_traffic {
+                true => to_traffic(frontage, &drawn.model, at_m),
+                false => at_edge(frontage, &drawn.model, at_m),
+            };
+            f.put_at_edge(&drawn, &place);
         }
     }
 }

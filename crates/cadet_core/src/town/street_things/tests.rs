@@ -1,6 +1,6 @@
 //! Things stand apart, off the lanes, before no door, and people get past.
 
-use crate::assets::props::{Prop, shipped};
+use crate::assets::props::{OwnProps, Prop, shipped};
 use crate::plane::OrientedRect;
 use crate::town::placement::occupancy::Site;
 use crate::town::plots::frontage::frontages;
@@ -21,6 +21,10 @@ struct Placed {
 }
 
 fn placed(seed: u64, clutter: f64) -> Placed {
+    with_props(seed, PropConfig { clutter, ..Default::default() })
+}
+
+fn with_props(seed: u64, config: PropConfig) -> Placed {
     let key = StreamKey::scene(seed);
     let main_share = if seed.is_multiple_of(2) { 1.0 } else { 0.0 };
     let suburb = SuburbConfig { blocks: (3, 3), main_share, ..Default::default() };
@@ -33,7 +37,7 @@ fn placed(seed: u64, clutter: f64) -> Placed {
         (&network, &mut Signals::default()),
         &ground,
         (&parking, &walks, &Default::default()),
-        &PropConfig { clutter, ..Default::default() },
+        &config,
     );
     Placed { network, ground, parking, props }
 }
@@ -186,6 +190,36 @@ fn seats_are_over_the_ground_that_their_furniture_stands_on() {
             let z = ground.height_at(at.x, at.y).unwrap();
             assert!((at.z - z).abs() < 0.1, "seed {seed}: {seat:?} over {z}");
             assert!((0.4..0.5).contains(&seat.height_m));
+        }
+    }
+}
+
+#[test]
+fn props_at_sidewalks_look_at_the_street_or_at_the_traffic_beside_them() {
+    let sign = |faces: &str| {
+        let part = "{ of = \"steel\", box = \"-0.02, 0, -0.1, 0.3, 0, 2\" }";
+        let place = format!("where = \"sidewalk\"\nevery_m = 15\nfaces = \"{faces}\"");
+        (format!("{faces}-sign.toml"), format!("levels_m = [20, 40, 90]\nparts = [{part}]\n[[place]]\n{place}\n"))
+    };
+    let own = OwnProps::parse(&[sign("street"), sign("traffic")]).unwrap();
+    let Placed { network, ground, props, .. } = with_props(1, PropConfig { own, ..Default::default() });
+    let edges = frontages(&network, &Site::new(&ground));
+    for (name, facing) in [("street-sign/", DVec2::Y), ("traffic-sign/", -DVec2::X)] {
+        let signs: Vec<OrientedRect> =
+            props.standing.iter().filter(|s| s.name.starts_with(name)).map(|s| s.rect).collect();
+        assert!(signs.len() > 10, "{} of {name}", signs.len());
+        for rect in signs {
+            let beside = |s_m: &(&Frontage, f64)| (s_m.0.at(s_m.1) - rect.center).length();
+            let places = edges.iter().flat_map(|e| (0..e.length_m() as usize * 4).map(move |k| (e, k as f64 / 4.0)));
+            let (edge, s_m) = places.min_by(|a, b| beside(a).total_cmp(&beside(b))).unwrap();
+            // Along the traffic beside it, and to the left of that, where the street is.
+            let along = edge.along(s_m);
+            let seen = DVec2::new(rect.axis.dot(along), rect.axis.dot(along.perp()));
+            assert!((seen - facing).length() < 0.2, "{name}: {seen}");
+            // Its back or its side is at the sidewalk's outer edge.
+            let reach_m = edge.along(s_m).perp().dot(rect.center - edge.at(s_m));
+            let half_m = if facing == DVec2::Y { rect.half.x } else { rect.half.y };
+            assert!((reach_m - half_m - 0.06).abs() < 0.03, "{name}: {reach_m}");
         }
     }
 }
