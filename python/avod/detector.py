@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from avod.config import Config
 from avod.config_file import changed_config, differences, table_from_config
@@ -18,9 +18,10 @@ from avod.device import resolve_device
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.results import detections
 from avod.train.checkpoint import read_checkpoint, trained_network
+from cadet._util.arrays import as_array
 from cadet._util.summary import summary
-from cadet.errors import CadetError
-from cadet.formats.kitti import Calibration, Label
+from cadet.errors import CadetError, ShapeError
+from cadet.formats.kitti import Calibration, Frame, Label
 
 _FREE: Final = ("detection.", "rpn.proposals", "rpn.nms_iou", "ground")
 """Settings that no weight depends on."""
@@ -31,7 +32,7 @@ class Detector:
 
     Args:
         network: its weights are those of a training; it is put into evaluation mode.
-        device: where the network runs.
+        device: where the network runs; None for a CUDA GPU if there is one, else the CPU.
         precision: of the arithmetic of layers, None for float32.
 
     Attributes:
@@ -47,7 +48,7 @@ class Detector:
         self,
         network: AvodNetwork,
         *,
-        device: str | torch.device = "cpu",
+        device: str | torch.device | None = None,
         precision: torch.dtype | None = None,
     ) -> None:
         self.device = resolve_device(device)
@@ -60,14 +61,14 @@ class Detector:
         cls,
         path: str | Path,
         *,
-        device: str | torch.device = "cpu",
+        device: str | torch.device | None = None,
         precision: torch.dtype | None = None,
     ) -> Detector:
         """Load a checkpoint; no code of it is run.
 
         Args:
             path: its folder, a training's folder, whose last checkpoint is meant, or the name of a packaged one.
-            device: where the network runs.
+            device: where the network runs; None for a CUDA GPU if there is one, else the CPU.
             precision: of the arithmetic of layers, None for float32.
 
         Raises:
@@ -98,48 +99,81 @@ class Detector:
 
     def detect(
         self,
-        points_velo: NDArray[np.float32],
+        points_velo: NDArray[Any],
         image: NDArray[np.uint8],
-        calib: Calibration,
+        K: ArrayLike,  # noqa: N803 - by its usual name
+        cam_from_velo: ArrayLike,
+        *,
         plane: NDArray[np.float64] | None = None,
     ) -> tuple[Label, ...]:
-        """Detect objects in a frame.
+        """Detect objects in a point cloud and an image of one pinhole camera.
 
         Args:
-            points_velo: (N, 4) float32 [x, y, z, intensity], meters, velo frame. Without points nothing is found.
-            image: (H, W, 3) uint8 RGB, of any size that fits the calibration.
-            calib: the calibration.
-            plane: (4,) ground plane in the cam frame; it is estimated from the points if None, or if the
-                configuration's `ground` is "estimated" and they show ground.
+            points_velo: (N, 3) or wider, meters, in the LIDAR's frame; columns past the third are not looked at.
+            image: (H, W, 3) uint8 RGB.
+            K: (3, 3) intrinsics of the image, as for `cadet.Calibration.from_pinhole`.
+            cam_from_velo: (4, 4) or (3, 4), from the LIDAR's frame into the camera's, likewise.
+            plane: (4,) ground plane in the camera's frame; it is estimated from the points if None.
 
         Returns:
-            Labels with scores, best first.
+            Labels with scores, best first: boxes in the camera's frame.
 
         Raises:
             ShapeError: an array of another shape or dtype.
             NonFiniteError: NaN or infinity among the points.
-            CadetError: a plane that is no ground, or no ground to be found where it is estimated.
+            CadetError: a camera that is none, or a plane that is no ground.
         """
-        sample = build_sample(points_velo, image, calib, plane, self.config)
-        return self.detect_sample(sample, calib)
+        points = as_array(points_velo, "points_velo", ("N", "C"), finite=True)
+        if points.shape[1] < 3:
+            raise ShapeError(f"points_velo: expected (N, 3) or wider, got {points.shape}")
+        xyz0 = np.zeros((len(points), 4), np.float32)
+        xyz0[:, :3] = points[:, :3]
+        return self.detect_frame(Frame(image, xyz0, (), Calibration.from_pinhole(K, cam_from_velo), plane))
 
-    def detect_sample(self, sample: Sample, calib: Calibration) -> tuple[Label, ...]:
-        """Detect objects in a sample of this detector's configuration.
+    def detect_frame(self, frame: Frame) -> tuple[Label, ...]:
+        """Detect objects in a frame: see `detect_frames`."""
+        return self.detect_frames([frame])[0]
+
+    def detect_frames(self, frames: Sequence[Frame]) -> list[tuple[Label, ...]]:
+        """Detect objects in frames, all in one pass through the network; their labels are not looked at.
+
+        Args:
+            frames: one or more, of any image size that fits their calibration. The ground is that of their plane; it is
+                estimated from the points if that is None, or if the configuration's `ground` is "estimated" and they
+                show ground.
+
+        Returns:
+            Each frame's labels with scores, best first. Without points nothing is found.
+
+        Raises:
+            CadetError: a plane that is no ground, or the network's outputs are no numbers.
+        """
+        if not frames:
+            return []
+        samples = [build_sample(f.points_velo, f.image, f.calib, f.plane, self.config) for f in frames]
+        return self.detect_samples(samples, [frame.calib for frame in frames])
+
+    def detect_samples(self, samples: Sequence[Sample], calibs: Sequence[Calibration]) -> list[tuple[Label, ...]]:
+        """Detect objects in samples of this detector's configuration.
 
         Raises:
             CadetError: the network's outputs are no numbers.
         """
-        outputs = self.run(sample.to(self.device))
-        return detections(outputs, sample.plane.to(self.device), calib, sample.image_size, self.config)
+        samples = [sample.to(self.device) for sample in samples]
+        return [
+            detections(outputs, sample.plane, calib, sample.image_size, self.config)
+            for outputs, sample, calib in zip(self.run(samples), samples, calibs, strict=True)
+        ]
 
-    def run(self, sample: Sample) -> FrameOutputs:
-        """Run the network on a sample that is on its device.
+    def run(self, samples: Sequence[Sample]) -> list[FrameOutputs]:
+        """Run the network on samples that are on its device.
 
         Raises:
             CadetError: the network's outputs are no numbers.
         """
         with torch.inference_mode():
-            outputs: FrameOutputs = self.network([sample], config=self.config)[0]
-            if not bool(torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()):
-                raise CadetError(f"frame {sample.frame_id}: the network's outputs are not finite")
-        return outputs
+            found: list[FrameOutputs] = self.network(samples, config=self.config)
+            for sample, outputs in zip(samples, found, strict=True):
+                if not bool(torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()):
+                    raise CadetError(f"frame {sample.frame_id}: the network's outputs are not finite")
+        return found

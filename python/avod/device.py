@@ -20,15 +20,18 @@ _COUNTED: Final = ("cuda", "xpu")
 _BACKENDS: Final = {"cpu": "gloo", "cuda": "nccl", "xpu": "xccl"}
 
 
-def resolve_device(name: str | torch.device) -> torch.device:
+def resolve_device(name: str | torch.device | None) -> torch.device:
     """Find a device, and try it.
 
     Args:
-        name: "cpu", "cuda", "mps" or "xpu", or one of several, such as "cuda:1".
+        name: "cpu", "cuda", "mps" or "xpu", or one of several, such as "cuda:1"; None for a CUDA GPU if there is one,
+            else the CPU.
 
     Raises:
         CadetError: another kind, such as "meta", or a device that this machine lacks.
     """
+    if name is None:
+        name = "cuda" if torch.cuda.is_available() else "cpu"
     try:
         device = torch.device(name)
         if device.type not in _KINDS:

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avod.train.log import TERMS
+from cadet._util import style
 from cadet.errors import CadetError
 from cadet.formats.kitti import Label
+from cadet.formats.kitti.drawing import bev_figure, boxes_figure
 from cadet.formats.kitti.frame import Frame
-from cadet.view import bev_figure, boxes_figure, style
 
 _MARGIN: Final = 12
 _TITLE: Final = 26

@@ -82,7 +82,7 @@ def predict_all(
                 continue
             sample, calib = item
             sample = on_device(sample, detectors[0].device)
-            yield frame_id, [detector.detect_sample(sample, calib) for detector in detectors]
+            yield frame_id, [detector.detect_samples([sample], [calib])[0] for detector in detectors]
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def measure(detector: Detector, data: Data, ids: tuple[str, ...]) -> Timing:
             sample = sample_from_frame(frame, frame_id, detector.config)
             marks.append(time.perf_counter())
             plane = sample.plane.to(detector.device)
-            outputs = detector.run(sample.to(detector.device))
+            (outputs,) = detector.run([sample.to(detector.device)])
             _wait(detector.device)
             marks.append(time.perf_counter())
             detections(outputs, plane, frame.calib, sample.image_size, detector.config)

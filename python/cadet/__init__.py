@@ -26,10 +26,13 @@ from cadet.evaluation import (
     box_iou_bev,
     evaluate,
     nms_bev,
+    read_detections,
+    read_ground_truth,
 )
 from cadet.evaluation.analysis import Analysis, Comparison, analyze
+from cadet.figures.show import view
 from cadet.formats import kitti
-from cadet.formats.kitti import Calibration, Frame, Label
+from cadet.formats.kitti import Calibration, Frame, FrameObject, Label
 from cadet.sensors.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
 from cadet.sensors.camera import Camera
 from cadet.sensors.extrinsics import Extrinsics
@@ -76,6 +79,7 @@ __all__ = [
     "Extrinsics",
     "Frame",
     "FrameExistsError",
+    "FrameObject",
     "FrameStream",
     "GroundTruth",
     "KittiFormatError",
@@ -117,7 +121,10 @@ __all__ = [
     "generate",
     "kitti",
     "nms_bev",
+    "read_detections",
+    "read_ground_truth",
     "stream",
+    "view",
     "weather_names",
 ]
 

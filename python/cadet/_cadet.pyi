@@ -272,7 +272,7 @@ class SceneConfig:
         cyclist_radius_m: float,
         parking_radius_m: float,
         seat_occupancy: float,
-        vehicle_classes: Sequence[str],
+        vehicle_shares: Sequence[tuple[str, float]],
         suburb: SuburbConfig,
         props: PropConfig,
         sun_elevation_deg: float | None,

@@ -12,6 +12,7 @@ import torch
 
 from avod import Detector
 from avod.config import Config
+from avod.device import resolve_device
 from avod.evaluate import Scored, best, score
 from avod.geometry.encoding import boxes_4c_from_anchors, boxes_4c_from_boxes
 from avod.model.network import FrameOutputs
@@ -81,9 +82,9 @@ def test_what_is_written_and_what_is_left_out() -> None:
 
 def test_a_frame_without_points_has_no_detections(detector: Detector) -> None:
     frame = make_frame()
-    assert detector.detect(np.zeros((0, 4), np.float32), frame.image, frame.calib, frame.plane) == ()
+    assert detector.detect_frame(dataclasses.replace(frame, points_velo=np.zeros((0, 4), np.float32))) == ()
     sky = np.tile(np.array([[20.0, 0.0, 30.0, 0.5]], np.float32), (9, 1))
-    assert detector.detect(sky, frame.image, frame.calib, frame.plane) == ()
+    assert detector.detect_frame(dataclasses.replace(frame, points_velo=sky)) == ()
 
 
 def scaled(calib: Calibration, x: float, y: float) -> Calibration:
@@ -100,7 +101,7 @@ def test_images_of_any_size_give_the_same_boxes_at_their_own_scale(detector: Det
 
     def detect(x: float, y: float) -> tuple[Label, ...]:
         image = np.full((round(height * y), round(width * x), 3), 90, np.uint8)
-        return detector.detect(frame.points_velo, image, scaled(calib, x, y), frame.plane)
+        return detector.detect_frame(dataclasses.replace(frame, image=image, calib=scaled(calib, x, y)))
 
     whole, found = detect(1, 1), detect(x, y)
     assert len(found) == len(whole) > 3
@@ -117,7 +118,7 @@ def test_images_of_any_size_give_the_same_boxes_at_their_own_scale(detector: Det
 def test_a_part_of_an_image_is_a_small_image(detector: Detector) -> None:
     frame = make_frame()
     small = np.full((120, 400, 3), 90, np.uint8)
-    found = detector.detect(frame.points_velo, small, frame.calib, frame.plane)
+    found = detector.detect_frame(dataclasses.replace(frame, image=small))
     assert found
     boxes = np.array([label.bbox for label in found])
     assert (boxes[:, :2] >= 0).all() and (boxes[:, 2] <= 399).all() and (boxes[:, 3] <= 119).all()
@@ -125,29 +126,71 @@ def test_a_part_of_an_image_is_a_small_image(detector: Detector) -> None:
     assert boxes[:, 3].max() == 119
 
 
+INTRINSICS = np.array([[360.0, 0.0, 309.5], [0.0, 360.0, 90.0], [0.0, 0.0, 1.0]])
+POSE = np.vstack([make_calib().cam_from_velo[:3], [0.0, 0.0, 0.0, 1.0]])
+
+
+def test_a_cloud_and_an_image_are_a_frame(detector: Detector) -> None:
+    image = np.full((IMAGE_SIZE[1], IMAGE_SIZE[0], 3), 90, np.uint8)
+    frame = dataclasses.replace(make_frame(), image=image, calib=Calibration.from_pinhole(INTRINSICS, POSE))
+    expected = detector.detect_frame(frame)
+    assert len(expected) > 3
+    assert detector.detect(frame.points_velo, frame.image, INTRINSICS, POSE, plane=frame.plane) == expected
+    # Intensity counts for nothing, nor does the precision of the numbers.
+    points = frame.points_velo[:, :3].astype(np.float64)
+    assert detector.detect(points, frame.image, INTRINSICS.tolist(), POSE[:3].tolist(), plane=frame.plane) == expected
+    estimated = detector.detect_frame(dataclasses.replace(frame, plane=None))
+    assert detector.detect(points, frame.image, INTRINSICS, POSE) == estimated
+
+
+def test_frames_in_one_pass_are_detected_as_one_by_one(detector: Detector) -> None:
+    image = np.full((IMAGE_SIZE[1], IMAGE_SIZE[0], 3), 90, np.uint8)
+    frames = [dataclasses.replace(make_frame(seed=seed), image=image) for seed in range(3)]
+    frames[1] = dataclasses.replace(frames[1], points_velo=np.zeros((0, 4), np.float32))
+    found = detector.detect_frames(frames)
+    assert [len(labels) > 3 for labels in found] == [True, False, True]
+    for labels, frame in zip(found, frames, strict=True):
+        alone = detector.detect_frame(frame)
+        assert [label.type for label in labels] == [label.type for label in alone]
+        for label, other in zip(labels, alone, strict=True):
+            assert label.score == pytest.approx(other.score, abs=1e-4)
+            np.testing.assert_allclose(label.box_cam, other.box_cam, atol=1e-3)
+    assert found[0] != found[2]
+    assert detector.detect_frames([]) == []
+
+
+def test_the_gpu_that_is_there_is_taken(monkeypatch: pytest.MonkeyPatch, detector: Detector) -> None:
+    assert detector.device == resolve_device("cuda" if torch.cuda.is_available() else "cpu")
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(torch, "zeros", lambda *size, device: torch.ones(*size))
+    assert resolve_device(None) == torch.device("cuda")
+
+
 def test_bad_input_is_one_clear_error(detector: Detector) -> None:
     frame = make_frame()
     nan = np.full((5, 4), np.nan, np.float32)
     with pytest.raises(NonFiniteError, match=r"^points_velo: not finite at \[0, 0\]$"):
-        detector.detect(nan, frame.image, frame.calib, frame.plane)
-    with pytest.raises(ShapeError, match=r"convert with \.astype\(np\.float32\)"):
-        detector.detect(frame.points_velo.astype(np.float64), frame.image, frame.calib, frame.plane)
+        detector.detect(nan, frame.image, INTRINSICS, POSE)
+    with pytest.raises(ShapeError, match=r"^points_velo: expected \(N, 3\) or wider, got \(5, 2\)$"):
+        detector.detect(np.zeros((5, 2)), frame.image, INTRINSICS, POSE)
+    with pytest.raises(CadetError, match=r"^cam_from_velo: expected a rotation"):
+        detector.detect(frame.points_velo, frame.image, INTRINSICS, np.diag([2.0, 1.0, 1.0, 1.0]))
     with pytest.raises(CadetError, match="expected at least 2 x 2 pixels"):
-        detector.detect(frame.points_velo, frame.image[:1], frame.calib, frame.plane)
+        detector.detect_frame(dataclasses.replace(frame, image=frame.image[:1]))
 
 
 def test_numbers_beyond_single_precision_are_refused(detector: Detector) -> None:
     frame = make_frame()
     with pytest.raises(CadetError, match=r"^plane: expected numbers that single precision holds, got 1e\+300$"):
-        detector.detect(frame.points_velo, frame.image, frame.calib, np.array([0.0, -1.0, 0.0, 1e300]))
+        detector.detect_frame(dataclasses.replace(frame, plane=np.array([0.0, -1.0, 0.0, 1e300])))
     far = dataclasses.replace(frame.calib, P2=frame.calib.P2 + np.array([[0.0, 0.0, 0.0, 1e300], [0.0] * 4, [0.0] * 4]))
     with pytest.raises(CadetError, match=r"^projection: expected numbers"):
-        detector.detect(frame.points_velo, frame.image, far, frame.plane)
+        detector.detect_frame(dataclasses.replace(frame, calib=far))
 
 
 def test_detection_is_the_same_twice(detector: Detector) -> None:
     frame = make_frame()
-    first, second = (detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane) for _ in range(2))
+    first, second = (detector.detect_frame(frame) for _ in range(2))
     assert first == second
 
 
@@ -206,7 +249,7 @@ def test_settings_of_detection_can_be_changed_for_a_run() -> None:
     detector.configure({"rpn": {"proposals": 7}, "detection": {"min_score": 0.0, "nms_iou": 1.0}})
     assert network.config == Detector(network).config == CONFIG
     frame = make_frame()
-    assert len(detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)) <= 7
+    assert len(detector.detect_frame(frame)) <= 7
     assert detector.config.rpn == dataclasses.replace(CONFIG.rpn, proposals=7)
     detection = dataclasses.replace(CONFIG.detection, min_score=0.0, nms_iou=1.0)
     assert detector.config.detection == detection and detector.config.training == CONFIG.training

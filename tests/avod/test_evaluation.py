@@ -32,7 +32,7 @@ def detector() -> avod.Detector:
 
 
 def detect(detector: avod.Detector, frame: cadet.Frame, image: np.ndarray | None = None) -> tuple[Label, ...]:
-    return detector.detect(frame.points_velo, frame.image if image is None else image, frame.calib, frame.plane)
+    return detector.detect_frame(frame if image is None else replace(frame, image=image))
 
 
 def test_a_masked_image_changes_nothing_whatever_it_shows(detector: avod.Detector, frames: list[cadet.Frame]) -> None:
@@ -55,9 +55,9 @@ def test_masked_lidar_maps_change_nothing_whatever_they_hold(
         sample = build_sample(frame.points_velo, frame.image, frame.calib, frame.plane, detector.config)
         empty = replace(sample, bev=sample.bev * 0.0)
         # What the first stage says of its anchors; how high proposals stand is still measured by the LIDAR.
-        assert torch.equal(deaf.run(sample).anchor_logits, deaf.run(empty).anchor_logits)
-        assert torch.equal(deaf.run(sample).anchor_offsets, deaf.run(empty).anchor_offsets)
-        assert not torch.equal(detector.run(sample).anchor_logits, detector.run(empty).anchor_logits)
+        assert torch.equal(deaf.run([sample])[0].anchor_logits, deaf.run([empty])[0].anchor_logits)
+        assert torch.equal(deaf.run([sample])[0].anchor_offsets, deaf.run([empty])[0].anchor_offsets)
+        assert not torch.equal(detector.run([sample])[0].anchor_logits, detector.run([empty])[0].anchor_logits)
 
 
 def test_masking_leaves_the_detector_as_it_was(detector: avod.Detector, frames: list[cadet.Frame]) -> None:

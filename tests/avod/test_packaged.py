@@ -47,7 +47,7 @@ def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame], name
     detector = avod.Detector.load(name)
     num_plain = num_found = num_wrong = 0
     for frame in frames:
-        found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
+        found = detector.detect_frame(frame)
         sure = [label for label in found if (label.score or 0.0) > 0.5]
         cars = [label for label in frame.labels if label.type in ("Car", "Van")]
         overlap = box_iou_3d(boxes_of(sure), boxes_of(cars))
@@ -67,7 +67,7 @@ def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_p
     arguments = ["predict", "--checkpoint", "tiny_car", "--data", str(tmp_path), "--out", str(tmp_path / "found")]
     result = CliRunner().invoke(command, arguments, catch_exceptions=False)
     assert result.exit_code == 0, result.output
-    detected = avod.Detector.load("tiny_car").detect(frame.points_velo, frame.image, frame.calib, frame.plane)
+    detected = avod.Detector.load("tiny_car").detect_frame(frame)
     written = labels_from_text((tmp_path / "found" / "000007.txt").read_text())
     assert len(written) == len(detected) > 0
 

@@ -121,7 +121,7 @@ def test_a_scripted_car_is_where_it_was_put() -> None:
     scene = Scene.empty(rig=SMALL)
     pose = scene.sensor_poses()["world_from_velo"]
     x, y, _ = (pose @ [15.0, 0.0, 0.0, 1.0])[:3]
-    actor = scene.add("car", x=x, y=y, yaw=float(np.arctan2(pose[1, 0], pose[0, 0])), model_seed=3)
+    actor = scene.add("car", x_m=x, y_m=y, yaw_rad=float(np.arctan2(pose[1, 0], pose[0, 0])), model_seed=3)
     scan = scene.scan(Lidar.hdl64e_uniform(), ideal=True)
     hits = scan.points_velo[scan.actor_id == actor, :3]
     assert len(hits) > 200
@@ -137,7 +137,10 @@ def test_a_scripted_car_is_where_it_was_put() -> None:
 @pytest.mark.parametrize(
     ("use", "pattern"),
     [
-        (lambda: Scene.empty().add("zeppelin", x=0, y=0, yaw=0), r"^unknown class \"zeppelin\"; known: Car, .*$"),
+        (
+            lambda: Scene.empty().add("zeppelin", x_m=0, y_m=0, yaw_rad=0),
+            r"^unknown class \"zeppelin\"; known: Car, .*$",
+        ),
         (lambda: Scene.empty().cast_rays([[0, 0, 9]], [[0, 0, 0]]), r"^.*direction.*$"),
         (lambda: Scene.empty(map=ROOT / "pyproject.toml"), r"^pyproject\.toml:1: .+$"),
     ],

@@ -15,10 +15,10 @@ import pytest
 import cadet
 from cadet import CadetError, kitti
 from cadet.formats.kitti import boxes
+from cadet.formats.kitti.drawing.bev import bev_figure
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.planes import plane_from_text
 from cadet.generate import Settings
-from cadet.view.bev import bev_figure
 from cadet.worlds import weather
 from mesh_files.obj_meshes import car_mesh
 from synthetic import make_frame
@@ -66,6 +66,7 @@ ODD: list[Any] = [
 ]
 
 TINY = cadet.Rig(camera=cadet.Camera.kitti().resized(124, 38), lidar=cadet.Lidar.vlp16())
+KITTI = cadet.Camera.kitti()
 LASER = cadet.Laser(elevation_deg=0.0)
 FIRING = cadet.UniformFiring(columns=10)
 DISTRICT = {"name": "x", "parking_occupancy": (0.1, 0.2), "num_cars": (1, 2), "num_pedestrians": (1, 2)}
@@ -115,8 +116,14 @@ def what_is_wrong(use: Callable[[], Any]) -> str | None:
 
 
 CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
-    "Camera": (lambda **k: cadet.Rig(camera=cadet.Camera(**k))._to_native(), fields(cadet.Camera)),
-    "Camera.resized": (lambda **k: cadet.Camera().resized(**{"width": 100, "height": 50, **k}), ["width", "height"]),
+    "Camera": (
+        lambda **k: cadet.Rig(camera=dataclasses.replace(KITTI, **k))._to_native(),
+        fields(cadet.Camera),
+    ),
+    "Camera.resized": (
+        lambda **k: KITTI.resized(**{"width": 100, "height": 50, **k}),
+        ["width", "height"],
+    ),
     "Extrinsics": (cadet.Extrinsics, fields(cadet.Extrinsics)),
     "Extrinsics.aligned": (cadet.Extrinsics.aligned, ["cam0_in_velo_m"]),
     "Rig": (lambda **k: cadet.Rig(**k).to_dict(), fields(cadet.Rig)),
@@ -254,7 +261,7 @@ def test_a_scene_refuses_what_is_no_place_configuration_or_kind() -> None:
             with pytest.raises((CadetError, OSError)):
                 cadet.Scene.empty(rig=TINY, map=value)
         with pytest.raises(CadetError):
-            scene.add(value, x=0.0, y=0.0, yaw=0.0)
+            scene.add(value, x_m=0.0, y_m=0.0, yaw_rad=0.0)
         if not isinstance(value, bool):
             with pytest.raises(CadetError):
                 scene.scan(ideal=value)
@@ -264,7 +271,7 @@ def test_a_scene_refuses_what_is_no_place_configuration_or_kind() -> None:
     for half in ("\ud800", "car\udfff"):
         for given in ({"kind": half}, {"kind": "car", "model": half}):
             with pytest.raises(CadetError, match=r"^add\.(kind|model): expected a string, got half of a surrogate"):
-                scene.add(**given, x=0.0, y=0.0, yaw=0.0)  # type: ignore[arg-type]
+                scene.add(**given, x_m=0.0, y_m=0.0, yaw_rad=0.0)  # type: ignore[arg-type]
     assert scene.num_actors == 0
 
 
@@ -277,8 +284,9 @@ def test_numpy_numbers_are_numbers_everywhere() -> None:
     assert env.episode == 2
     config = cadet.SceneConfig(num_cars=three, parking_occupancy=half)  # type: ignore[arg-type]
     assert config == cadet.SceneConfig(num_cars=3, parking_occupancy=0.5) and type(config.num_cars) is int
-    camera = cadet.Camera(width=np.int64(640), height=np.int64(480), fx=np.float64(500.0))  # type: ignore[arg-type]
-    assert cadet.Rig(camera=camera).sha256() == cadet.Rig(camera=cadet.Camera(width=640, height=480, fx=500.0)).sha256()
+    camera = dataclasses.replace(KITTI, width=np.int64(640), fx=np.float64(500.0))  # type: ignore[arg-type]
+    plain = dataclasses.replace(KITTI, width=640, fx=500.0)
+    assert cadet.Rig(camera=camera).sha256() == cadet.Rig(camera=plain).sha256()
     assert kitti.files.folder.check_id(np.int64(12)) == "000012"  # type: ignore[arg-type]
     settings = Settings(policy=cadet.ResetPolicy.kitti(), seed=three, num_frames=np.int64(40))  # type: ignore[arg-type]
     assert settings == Settings(policy=cadet.ResetPolicy.kitti(), seed=3, num_frames=40)
@@ -291,8 +299,8 @@ def test_numpy_numbers_are_numbers_everywhere() -> None:
 
 
 def test_numpys_small_numbers_are_not_confined_to_their_bits() -> None:
-    camera = cadet.Camera(width=np.uint8(200), height=np.uint8(100), fx=np.float16(700.0))  # type: ignore[arg-type]
-    assert camera == cadet.Camera(width=200, height=100, fx=700.0)
+    small: dict[str, Any] = {"width": np.uint8(200), "height": np.uint8(100), "fx": np.float16(700.0)}
+    assert dataclasses.replace(KITTI, **small) == dataclasses.replace(KITTI, width=200, height=100, fx=700.0)
     assert cadet.BevConfig(num_slices=np.uint8(200), x_m=(0.0, 8.0)).shape[0] == 201  # type: ignore[arg-type]
     half: Any = np.float16(0.5)
     assert dataclasses.replace(frame().labels[0], truncated=half).truncated == 0.5

@@ -23,7 +23,7 @@ CORE = ROOT / "crates" / "cadet_core" / "src"
 # tomli is the standard library's tomllib for Python 3.10.
 NEEDED = {"cadet", "cv2", "numpy", "tomli"}
 # What a module of its own needs besides, which nothing else imports.
-OPTIONAL = {"simulation/gym.py": {"gymnasium"}, "view/recording.py": {"rerun"}}
+OPTIONAL = {"simulation/gym.py": {"gymnasium"}, "figures/recording.py": {"rerun"}}
 
 
 # No source file is longer; the stub of the compiled module, which cannot be split, is none.

@@ -2,13 +2,14 @@
 
 Fenced `python` and `sh` blocks are run, `toml` blocks parsed. A block that a comment `<!-- not run: REASON -->` stands
 right before is left out. Python blocks of a page share their names. The folder holds what the pages speak of: `out` and
-`set` (KITTI folders), `results` for `out`, `DIR` (own vehicles), `bins` (own props), `run` (a checkpoint) and
-`mine.toml`.
+`set` (KITTI folders), `results` for `out`, `DIR` (own vehicles), `bins` (own props), `run` (a checkpoint), `mine.toml`,
+`town.xodr`, and other programs' `result.pkl`, `results_nusc.json` and `scenes`.
 """
 
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -28,7 +29,9 @@ import pytest
 
 import cadet
 from cadet import kitti
+from foreign_results import nuscenes_result, openpcdet_frames, write_results, write_tables
 from mesh_files.obj_meshes import CAR, assets_folder
+from small_runs import ROAD
 from synthetic import make_frame
 
 ROOT = Path(__file__).parents[2]
@@ -79,6 +82,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (root / "results" / f"{number:06d}.txt").write_text(kitti.text_from_labels(labels))
     assets_folder(root / "DIR", WAGON)
     (root / "mine.toml").write_text(cadet.Lidar.vlp16().to_toml())
+    (root / "town.xodr").write_text(ROAD.xodr)
+    (root / "result.pkl").write_bytes(pickle.dumps(openpcdet_frames()))
+    (root / "scenes" / "v1.0-trainval").mkdir(parents=True)
+    write_tables(root / "scenes" / "v1.0-trainval")
+    write_results(root, nuscenes_result())
     (root / "bins").mkdir()
     (bin_file,) = (block.code for block in blocks_of("docs/props.md") if block.code.startswith("# bins/paper-bin.toml"))
     (root / "bins" / "paper-bin.toml").write_text(bin_file)

@@ -23,7 +23,7 @@ _MODULES: Final[dict[str, str]] = {
     "sensors_agree",
     "cadet/simulation": "benchmark_scenes cyclists ego_commands gym image_size label_limits labels scripted streaming "
     "why_traffic_stands",
-    "cadet/view": "gallery recording",
+    "cadet/figures": "gallery recording",
     "cadet/worlds": "assets_in_frames night paper_policy props_in_frames scene_config trucks",
     "cadet/worlds/meshes": "broken_inputs gltf_assets",
     "repository": "docs docs_site makefile",

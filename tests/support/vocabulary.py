@@ -25,11 +25,11 @@ from cadet.cli.tools import cadet as cadet_command
 from cadet.datasets.lidar_fit import fit_lidar
 from cadet.datasets.object_bank import cut_objects
 from cadet.datasets.report import write_report
+from cadet.figures.gallery import write_gallery
 from cadet.formats.bdd100k import convert_bdd100k
 from cadet.formats.convert import convert
 from cadet.sensors.lidar import HOW
 from cadet.sensors.rig_file import POSE
-from cadet.view.gallery import write_gallery
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "names.md"
 
@@ -66,7 +66,7 @@ COMMAND_ONLY: Mapping[str, str] = {
     "markdown": "prints Markdown",
     "max_minutes": "`should_stop` of `avod.train.run.train`",
     "plot": "`cadet.Report.plot`",
-    "rerun": "`cadet.view.recording.view_episode`",
+    "rerun": "`cadet.figures.recording.view_episode`",
     "set": "any key of a detector's file",
     "sizes_from": "`avod.clusters.mean_sizes_of`",
     "threads": "`torch.set_num_threads`",

@@ -199,7 +199,8 @@ fn what_makes_no_vehicle_is_refused_by_name() {
         refuse(&|a| a.rules = MaterialRules(vec![(Role::Glass, vec!["Fenster*".to_owned()])])),
         "car.obj: materials.glass: no material is named \"Fenster*\"; known: Lack, Window_All, Seats, Wheel"
     );
-    assert_eq!(refuse(&|a| a.class = ObjectClass::Tram), "scene: no vehicle is of class Tram: Car, Van or Truck");
+    let person = "scene: no vehicle is of class Pedestrian: Car, Van, Truck, Tram or Misc";
+    assert_eq!(refuse(&|a| a.class = ObjectClass::Pedestrian), person);
     let flat = "v 0 0 0\nv 4 0 0\nv 4 2 0\nf 1 2 3\n";
     assert_eq!(
         refuse(&|a| (a.source, a.scale) = (mesh_of(flat, &[]), 1.0)),

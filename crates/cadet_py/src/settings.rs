@@ -220,7 +220,7 @@ impl SceneConfig {
     #[pyo3(signature = (
         *, num_cars, num_pedestrians, num_cyclists, num_trams, parking_occupancy, car_radius_m, pedestrian_radius_m,
         cyclist_radius_m, parking_radius_m, seat_occupancy,
-        vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
+        vehicle_shares, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
     ))]
     fn new(
         num_cars: usize,
@@ -233,16 +233,16 @@ impl SceneConfig {
         cyclist_radius_m: f64,
         parking_radius_m: f64,
         seat_occupancy: f64,
-        vehicle_classes: Vec<String>,
+        vehicle_shares: Vec<(String, f64)>,
         suburb: SuburbConfig,
         props: PropConfig,
         sun_elevation_deg: Option<f64>,
         sun_azimuth_deg: Option<f64>,
         label: LabelConfig,
     ) -> Result<Self, BorderError> {
-        let classes = vehicle_classes.iter().map(|name| ObjectClass::from_name(name));
+        let shares = vehicle_shares.iter().map(|(name, weight)| Ok((ObjectClass::from_name(name)?, *weight)));
         let traffic = TrafficConfig {
-            vehicle_classes: classes.collect::<Result<_, _>>()?,
+            vehicle_shares: shares.collect::<cadet_core::Result<_>>()?,
             num_cars,
             num_pedestrians,
             num_cyclists,

@@ -41,10 +41,10 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.analysis import Analysis
 from cadet.evaluation.analysis.result import PARTS
 from cadet.evaluation.limits import MIN_OVERLAP
+from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti import text_from_labels
 from cadet.formats.kitti.files.folder import check_id
 from cadet.formats.kitti.files.unreadable import Unreadable
-from cadet.view.picture import check_picture_path, write_picture
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -255,7 +255,7 @@ def view_command(
         raise CadetError("view needs --checkpoint, --data and --frame-id, or --log")
     detector = _detector(checkpoint, device, precision, detection_settings(settings))
     frame = open_frames(data).read_frame(check_id(frame_id))
-    found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
+    found = detector.detect_frame(frame)
     click.echo(f"wrote {write_picture(out, detection_figure(frame, found))}")
 
 

@@ -237,7 +237,7 @@ def _validation(
             last_s = time.monotonic()
             click.echo(f"validating {done}/{total} frames", err=True)
 
-    folder = shares_of(run.data)[0][0]
+    folder = next(name for name, _ in shares_of(run.data) if not is_simulation(name))
     validator = Validator(folder, run.val_split, config, workers=run.workers, should_stop=stopping, on_frame=on_frame)
 
     def validate(network: AvodNetwork, step: int, processes: Processes) -> Validated | None:

@@ -16,6 +16,7 @@ from torch.utils.data.dataloader import _MultiProcessingDataLoaderIter
 from avod.config import Config, TrainingConfig
 from avod.data.dataset import DetectionData, TrainingData
 from avod.data.frames import Frames, SimulatedFrames, kept_running
+from avod.data.mixed import MixedData
 from avod.data.order import StepSampler
 from avod.data.packing import PackedSample, on_device
 from avod.data.sample import Sample
@@ -66,7 +67,11 @@ def prepared(frames: Frames, ids: tuple[str, ...], config: Config, workers: int)
 
 
 def batches(
-    data: TrainingData | SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+    data: TrainingData | SimulatedData | MixedData,
+    training: TrainingConfig,
+    first_step: int,
+    processes: Processes,
+    workers: int,
 ) -> AbstractContextManager[Iterator[list[Sample | PackedSample | CadetError | OSError]]]:
     """Return what iterates, meanwhile, over the samples of each step, or the errors that reading them raised.
 
@@ -77,7 +82,7 @@ def batches(
         processes: each has frames of its own.
         workers: processes that read samples, or simulate them; 0 does so in between.
     """
-    if isinstance(data, SimulatedData):
+    if not isinstance(data, TrainingData):
         return _simulated(data, training, first_step, processes, workers)
     sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
     num_readers = min(workers, len(sampler) * training.frames_per_step)
@@ -86,7 +91,7 @@ def batches(
 
 @contextmanager
 def _simulated(
-    data: SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+    data: SimulatedData | MixedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
 ) -> Iterator[Iterator[list[Sample | PackedSample | CadetError | OSError]]]:
     count = training.frames_per_step
     with data.samples(first_step * count, processes.rank, processes.world_size, workers) as samples:

@@ -41,10 +41,35 @@ def shares_of(data: Folders) -> tuple[tuple[Path, float], ...]:
     return tuple((as_path("data", folder), share / total) for folder, share in pairs)
 
 
-class Mixture:
-    """An endless order over several sets, each in epochs of its own.
+class Turns:
+    """Which of several sets comes when, without end.
 
     Of every thousand places each set has its share, rounded to whole places; which they are is drawn for each thousand.
+
+    Args:
+        shares: of the sets; they sum to 1.
+        seed: of the draws.
+    """
+
+    def __init__(self, shares: Sequence[float], seed: int) -> None:
+        self._counts = _whole(shares)
+        self._seed = seed
+
+    def turn(self, index: int) -> tuple[int, int]:
+        """Return the set's number at an index, and how often it came before."""
+        block, place = divmod(index, _BLOCK)
+        number = int(_sets(self._seed, block, self._counts)[place])
+        return number, self.before(index, number)
+
+    def before(self, index: int, number: int) -> int:
+        """Return how often a set comes before an index."""
+        block, place = divmod(index, _BLOCK)
+        sets = _sets(self._seed, block, self._counts)
+        return block * self._counts[number] + int(np.count_nonzero(sets[:place] == number))
+
+
+class Mixture:
+    """An endless order over several sets, each in epochs of its own.
 
     Args:
         orders: of the sets.
@@ -54,18 +79,12 @@ class Mixture:
 
     def __init__(self, orders: Sequence[Order], shares: Sequence[float], seed: int) -> None:
         self._orders = tuple(orders)
-        self._counts = _whole(shares)
-        self._seed = seed
+        self._turns = Turns(shares, seed)
 
     def entry(self, index: int) -> tuple[int, Entry]:
         """Return the set's number and what is read of it at an index, counted from the start of training."""
-        if len(self._orders) == 1:
-            return 0, self._orders[0].entry(index)
-        block, place = divmod(index, _BLOCK)
-        sets = _sets(self._seed, block, self._counts)
-        number = int(sets[place])
-        before = int(np.count_nonzero(sets[:place] == number))
-        return number, self._orders[number].entry(block * self._counts[number] + before)
+        number, place = (0, index) if len(self._orders) == 1 else self._turns.turn(index)
+        return number, self._orders[number].entry(place)
 
 
 def set_seed(seed: int, number: int, count: int) -> int:

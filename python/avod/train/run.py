@@ -14,6 +14,7 @@ from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.frames import PREFIX, is_simulation
 from avod.data.loading import batches, whole
+from avod.data.mixed import MixedData
 from avod.data.mixture import shares_of
 from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
@@ -71,16 +72,15 @@ def with_steps(config: Config, steps: int | None) -> Config:
     return config if steps is None else replace(config, training=replace(config.training, steps=steps))
 
 
-def _data(config: Config, run: Run, seed: int, bank: ObjectBank | None) -> TrainingData | SimulatedData:
+def _data(config: Config, run: Run, seed: int, bank: ObjectBank | None) -> TrainingData | SimulatedData | MixedData:
     folders = shares_of(run.data)
-    for name, _ in folders:
-        if is_simulation(name):
-            if len(folders) > 1:
-                raise CadetError(f"{name}: a simulation has no shares: train on it alone")
-            if run.num_frames is not None:
-                raise CadetError(f"--num-frames {run.num_frames}: the frames of a simulation have no end to draw from")
-            return SimulatedData(str(name), config, seed, bank)
-    return TrainingData(run.data, run.split, config, seed, bank, run.num_frames)
+    if not any(is_simulation(name) for name, _ in folders):
+        return TrainingData(run.data, run.split, config, seed, bank, run.num_frames)
+    if run.num_frames is not None:
+        raise CadetError(f"--num-frames {run.num_frames}: the frames of a simulation have no end to draw from")
+    if len(folders) == 1:
+        return SimulatedData(str(folders[0][0]), config, seed, bank)
+    return MixedData(folders, run.split, config, seed, bank)
 
 
 def _full_name(data: Path) -> str:

@@ -43,7 +43,8 @@ class Run:
     Attributes:
         data: a KITTI folder, a folder of shards, a pattern that names shards, such as `set/train/{000..099}.tar`,
             or "sim:CONFIG.toml", frames of a `cadet.Simulation` without a dataset on disk; or several
-            folders, each with its share of the frames: `(("sim", 0.8), ("real", 0.2))`.
+            folders, one of which may be a simulation, each with its share of the frames: `(("sim:town.toml", 0.8),
+            ("real", 0.2))`.
         out: where `run.json`, `log.csv` and `checkpoints` go: a folder without those of another training, unless
             `resume` is set or `resume_from` is this one's last checkpoint; the logs then keep their rows up to there.
         split: a list of `ImageSets`, or a folder of shards; None for every frame. Shards that are named are all read.

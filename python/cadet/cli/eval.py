@@ -21,8 +21,8 @@ from cadet.evaluation.analysis.run import DRAWS, MAX_DRAWS
 from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
 from cadet.evaluation.sources import BOXES_2D
+from cadet.figures.picture import check_picture_path
 from cadet.formats.kitti.label import is_object_type
-from cadet.view.picture import check_picture_path
 
 recall_option = click.option(
     "--recall", type=click.Choice(list(RECALLS)), default="r40", show_default=True, help="Recall positions."

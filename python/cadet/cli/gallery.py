@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cadet.cli.names import names_option
-from cadet.view.gallery import PAGES, write_gallery
+from cadet.figures.gallery import PAGES, write_gallery
 
 
 @click.command(name="gallery")

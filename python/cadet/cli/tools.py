@@ -19,12 +19,13 @@ from cadet.cli.gen import cadet_gen
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
+from cadet.figures.bev_maps import view_bev_maps
+from cadet.figures.picture import check_picture_path, write_picture
+from cadet.figures.sheet import overview, sheet
 from cadet.formats import kitti
 from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
 from cadet.formats.kitti.image_sets import check_not_empty
 from cadet.formats.webdataset import ShardDataset, open_dataset
-from cadet.view import overview, sheet, view_bev_maps
-from cadet.view.picture import check_picture_path, write_picture
 
 _OVERVIEW_ROWS: Final = 4
 _NAMED: Final = 4
@@ -58,7 +59,7 @@ def view(what: Path, out: Path | None, is_rerun: bool, is_bev: bool) -> None:
     if is_rerun:
         if is_bev:
             raise CadetError("--rerun: shows scan, image and boxes; leave out --bev")
-        from cadet.view.recording import view_episode
+        from cadet.figures.recording import view_episode
 
         name = frame_id or what.resolve().name
         click.echo(f"wrote {view_episode(root, frame_id, out or Path(f'{name}.rrd'))}")

@@ -2,6 +2,7 @@
 
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.curve import Curve
+from cadet.evaluation.foreign import read_detections, read_ground_truth
 from cadet.evaluation.levels import LEVELS, Level
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.overlaps import box_iou_3d, box_iou_bev, nms_bev
@@ -22,4 +23,6 @@ __all__ = [
     "box_iou_bev",
     "evaluate",
     "nms_bev",
+    "read_detections",
+    "read_ground_truth",
 ]

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet.errors import CadetError
 from cadet.evaluation.curve import ByLevel, Curve
 from cadet.evaluation.limits import HEADING, METRICS
-from cadet.view import style
-from cadet.view.picture import check_picture_path, write_picture
+from cadet.figures.picture import check_picture_path, write_picture
 
 _WIDTH: Final = 520
 _LEFT, _TOP, _RIGHT, _BOTTOM = 58, 52, 502, 336

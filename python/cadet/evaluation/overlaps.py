@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cadet import _cadet
-from cadet._util.arrays import check_array
+from cadet._util.arrays import as_array
 from cadet._util.checks import check_number
 from cadet.errors import CadetError
 
 _LENGTH, _HEIGHT = 3, 6
 
 
-def box_iou_bev(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
+def box_iou_bev(a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
     """Compute the intersection over union of each pair of boxes, seen from above.
 
     Exact up to rounding in double precision, at any heading: equal boxes give 1, parallel edges are no special case.
 
     Args:
-        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame, meters and radians. May be empty.
+        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame, meters and radians. May be
+            empty, or a list of such rows.
         b: (m, 7) likewise.
 
     Returns:
@@ -35,11 +34,12 @@ def box_iou_bev(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
     return _cadet.box_iou(_boxes(a, "a"), _boxes(b, "b"), False)
 
 
-def box_iou_3d(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
+def box_iou_3d(a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
     """Compute the intersection over union of each pair of boxes' volumes; a box reaches from y - h up to y.
 
     Args:
-        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame, meters and radians. May be empty.
+        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame, meters and radians. May be
+            empty, or a list of such rows.
         b: (m, 7) likewise.
 
     Returns:
@@ -53,7 +53,7 @@ def box_iou_3d(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
     return _cadet.box_iou(_boxes(a, "a"), _boxes(b, "b"), True)
 
 
-def nms_bev(boxes: NDArray[Any], scores: NDArray[Any], threshold: float) -> NDArray[np.int64]:
+def nms_bev(boxes: ArrayLike, scores: ArrayLike, threshold: float) -> NDArray[np.int64]:
     """Keep the boxes that no kept box of higher score overlaps by more than a threshold, seen from above.
 
     Args:
@@ -71,12 +71,12 @@ def nms_bev(boxes: NDArray[Any], scores: NDArray[Any], threshold: float) -> NDAr
     """
     check_number("", "threshold", threshold, 0, 1)
     checked = _boxes(boxes, "boxes")
-    check_array(scores, "scores", (len(checked),), finite=True)
-    return _cadet.nms_bev(checked, scores.astype(np.float64), float(threshold))
+    by_score = as_array(scores, "scores", (len(checked),), finite=True).astype(np.float64)
+    return _cadet.nms_bev(checked, by_score, float(threshold))
 
 
-def _boxes(boxes: NDArray[Any], name: str) -> NDArray[np.float64]:
-    checked = check_array(boxes, name, ("n", 7), finite=True).astype(np.float64)
+def _boxes(boxes: ArrayLike, name: str) -> NDArray[np.float64]:
+    checked = as_array(boxes, name, ("n", 7), finite=True).astype(np.float64)
     sizes = checked[:, _LENGTH:_HEIGHT]
     if (sizes < 0.0).any():
         row = int(np.flatnonzero((sizes < 0.0).any(axis=1))[0])

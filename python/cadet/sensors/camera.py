@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -24,7 +25,7 @@ def _offset_m(calibration: KittiCalibration, column: Row3) -> Row3:
     return (u - cx * z) / focal_px, (v - cy * z) / focal_px, z
 
 
-_DEFAULT = kitti_calibration(MOST_FREQUENT)
+_HERE: Row3 = (0.0, 0.0, 0.0)
 
 MAX_PIXELS = 1 << 24
 """The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
@@ -41,32 +42,32 @@ def _check_side(name: str, size: object) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Camera(TomlFile):
-    """A rectified pinhole camera and the other three of its rig, KITTI's of 26 September 2011 by default.
+    """A pinhole camera by its intrinsics; `kitti` and `from_fov` derive them.
 
-    All four have the same intrinsics. The image is that of camera 2, the left color camera; labels stand in the frame
-    of camera 0.
+    Labels stand in the frame of KITTI's camera 0, and the image is that of camera 2, the left color camera. The four
+    cameras have the same intrinsics, and all are one unless it is told where the others stand.
 
     Raises:
         CadetError: a number outside its range.
     """
 
-    width: int = _DEFAULT.image_size[0]
+    width: int
     """Pixels."""
-    height: int = _DEFAULT.image_size[1]
+    height: int
     """Pixels."""
-    fx: float = _DEFAULT.focal_px
+    fx: float
     """Focal length along the rows, pixels."""
-    fy: float = _DEFAULT.focal_px
+    fy: float
     """Focal length along the columns, pixels."""
-    cx: float = _DEFAULT.center_px[0]
+    cx: float
     """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
-    cy: float = _DEFAULT.center_px[1]
+    cy: float
     """Row of the optical axis."""
-    cam1_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p1_column)
+    cam1_from_cam0_m: Row3 = _HERE
     """Where camera 0 stands in the frame of camera 1, the right gray one: the translation behind P1's fourth column."""
-    cam2_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p2_column)
+    cam2_from_cam0_m: Row3 = _HERE
     """Where camera 0 stands in the frame of camera 2, which takes the image: from P2's fourth column."""
-    cam3_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p3_column)
+    cam3_from_cam0_m: Row3 = _HERE
     """Where camera 0 stands in the frame of camera 3, the right color one: from P3's fourth column."""
     image_scale: tuple[float, float] = (1.0, 1.0)
     """By what the image was scaled along the rows and the columns (`resized`); labels' pixel limits follow."""
@@ -126,45 +127,51 @@ class Camera(TomlFile):
         )
 
     @classmethod
-    def single(
+    def from_fov(
         cls,
         width: int,
         height: int,
         *,
-        fx: float,
-        fy: float,
-        cx: float,
-        cy: float,
+        horizontal_deg: float,
         distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
         rolling_shutter_s: float = 0.0,
     ) -> Camera:
-        """A camera alone: its frame is that of camera 0, and all four projections are its own."""
-        here = (0.0, 0.0, 0.0)
+        """Return a camera with square pixels whose optical axis goes through the middle of the image.
+
+        Args:
+            width: pixels.
+            height: pixels.
+            horizontal_deg: what it sees from the left edge to the right one, lens distortion aside, 1 to 175 degrees.
+            distortion: as in a camera.
+            rolling_shutter_s: as in a camera.
+
+        Raises:
+            CadetError: a number outside its range.
+        """
+        _check_side("width", width)
+        _check_side("height", height)
+        check_number("Camera", "horizontal_deg", horizontal_deg, 1, 175)
+        # Rounded, since the last bit of a tangent differs between machines.
+        focal_px = round(width / 2 / math.tan(math.radians(horizontal_deg) / 2), 9)
         return cls(
             width=width,
             height=height,
-            fx=fx,
-            fy=fy,
-            cx=cx,
-            cy=cy,
-            cam1_from_cam0_m=here,
-            cam2_from_cam0_m=here,
-            cam3_from_cam0_m=here,
+            fx=focal_px,
+            fy=focal_px,
+            cx=(width - 1) / 2,
+            cy=(height - 1) / 2,
             distortion=distortion,
             rolling_shutter_s=rolling_shutter_s,
         )
 
     @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Camera:
-        """Return a camera alone, unless the table says where the other three stand."""
         check_keys(table, tuple(f.name for f in fields(cls)), _INTRINSICS, place)
-        alone = dict.fromkeys(_OFFSETS, (0.0, 0.0, 0.0))
-        return object_of_table(cls, {**alone, **table}, folder, place)
+        return object_of_table(cls, table, folder, place)
 
     def _table(self) -> dict[str, Any]:
-        usual = {**{f.name: f.default for f in fields(self)}, **dict.fromkeys(_OFFSETS, (0.0, 0.0, 0.0))}
-        table = table_of_object(self)
-        return {key: table[key] for key in table if key in _INTRINSICS or getattr(self, key) != usual[key]}
+        usual = {f.name: f.default for f in fields(self)}
+        return {key: value for key, value in table_of_object(self).items() if getattr(self, key) != usual[key]}
 
     def resized(self, width: int, height: int) -> Camera:
         """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it.

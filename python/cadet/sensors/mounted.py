@@ -22,7 +22,7 @@ class MountedCamera:
     name: str
     """Names its images."""
     camera: Camera
-    """Size, focal lengths and lens: of a camera alone (`Camera.single`)."""
+    """Size, focal lengths and lens, of a camera alone."""
     pose: Pose
     """Where its frame (x right, y down, z forward) stands in the ego's (x forward, y left, z up)."""
 

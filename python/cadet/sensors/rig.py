@@ -53,7 +53,7 @@ class Rig(NamedFile):
     """For the metadata."""
     lidar: Lidar = Lidar("hdl64e_kitti")
     """The LIDAR."""
-    camera: Camera = Camera()
+    camera: Camera = Camera.kitti()
     """The camera that renders the image."""
     extrinsics: Extrinsics = Extrinsics()
     """How the camera stands to the LIDAR, rotation included."""
@@ -129,7 +129,7 @@ class Rig(NamedFile):
         return cls(
             name="paper",
             lidar=Lidar("hdl64e_kitti", single_origin=True),
-            camera=Camera.single(seen.width, seen.height, fx=seen.fx, fy=seen.fy, cx=seen.cx, cy=seen.cy),
+            camera=Camera(width=seen.width, height=seen.height, fx=seen.fx, fy=seen.fy, cx=seen.cx, cy=seen.cy),
             extrinsics=Extrinsics.aligned(),
             velo_roll_pitch_yaw_deg=(0.0, 0.0, 0.0),
         )
@@ -137,13 +137,10 @@ class Rig(NamedFile):
     @classmethod
     def cadet(cls) -> Rig:
         """The rig of the CADET tool as it was shipped: 1248 x 384 pixels over 90 degrees, 40 beams, all from 1.6 m."""
-        width, height = 1248, 384
-        # tan 45 degrees is 1.
-        focal_px = width / 2
         return cls(
             name="cadet",
             lidar=Lidar.cadet(),
-            camera=Camera.single(width, height, fx=focal_px, fy=focal_px, cx=(width - 1) / 2, cy=(height - 1) / 2),
+            camera=Camera.from_fov(1248, 384, horizontal_deg=90.0),
             extrinsics=Extrinsics.aligned(),
             velo_in_ego_m=(0.0, 0.0, 1.6),
             velo_roll_pitch_yaw_deg=(0.0, 0.0, 0.0),

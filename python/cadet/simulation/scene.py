@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -183,16 +183,16 @@ class Scene:
         self,
         kind: str,
         *,
-        x: float | None = None,
-        y: float | None = None,
-        yaw: float | None = None,
+        x_m: float | None = None,
+        y_m: float | None = None,
+        yaw_rad: float | None = None,
         model_seed: int = 0,
         model: str | None = None,
-        speed: float | None = None,
+        speed_mps: float | None = None,
         path: Sequence[Sequence[float]] | NDArray[np.float64] | None = None,
         overlap: str = "refuse",
     ) -> int:
-        """Put an actor on the ground: one that stands at (x, y), goes straight on from there, or follows a path.
+        """Put an actor on the ground: one that stands at a place, goes straight on from there, or follows a path.
 
         A moving actor ignores all others; cars brake for it, and people walk around it.
 
@@ -200,12 +200,12 @@ class Scene:
             kind: "car", "van", "truck", "tram" (one car with a cab at both ends), "misc" (a trailer or a motorbike),
                 "pedestrian", "person_sitting" (who sits at a chair's height and does not move), or "cyclist", in any
                 letter case; with `model` that vehicle's class.
-            x: meters, world frame: the middle of its box. Left out with a path, as are `y` and `yaw`.
-            y: meters, world frame.
-            yaw: radians, counter-clockwise from east.
+            x_m: world frame: the middle of its box. Left out with a path, as are the next two.
+            y_m: world frame.
+            yaw_rad: counter-clockwise from east; 0 if None: along the road of an empty scene without a map.
             model_seed: draws its shape and color, for a person who moves one that walks.
             model: the name of one of the scene's own vehicles (`assets`), in place of a drawn shape.
-            speed: m/s along `yaw`, held to the edge of the ground: at most 70, 12 for a person, and 20 for a
+            speed_mps: along `yaw_rad`, held to the edge of the ground: at most 70, 12 for a person, and 20 for a
                 cyclist.
             path: rows of (t, x, y), t in seconds from now and rising. Between two of them it goes straight at a
                 constant speed, heading where it goes; before the first and after the last it stands.
@@ -225,31 +225,35 @@ class Scene:
         check_number("add", "model_seed", model_seed, 0, 2**63 - 1, whole=True)
         place, points = None, None
         if path is None:
-            place = _place(x, y, yaw)
-        elif any(value is not None for value in (x, y, yaw, speed)):
-            raise CadetError("add.path: it says where the actor goes and how fast; leave out x, y, yaw and speed")
+            if x_m is None or y_m is None:
+                raise CadetError("add: expected x_m and y_m, where the actor stands, or a path")
+            place = _place("add", x_m, y_m, 0.0 if yaw_rad is None else yaw_rad)
+        elif any(value is not None for value in (x_m, y_m, yaw_rad, speed_mps)):
+            raise CadetError(
+                "add.path: it says where the actor goes and how fast; leave out x_m, y_m, yaw_rad and speed_mps"
+            )
         else:
             points = _vectors("path", path)
-        if speed is not None:
-            check_number("add", "speed", speed, *_cadet.limits()["speed_mps"])
-            speed = float(speed)
+        if speed_mps is not None:
+            check_number("add", "speed_mps", speed_mps, *_cadet.limits()["speed_mps"])
+            speed_mps = float(speed_mps)
         may_overlap = _may_overlap("add", overlap)
         self._forget_first()
-        return self._native.add(kind, int(model_seed), model, place, speed, points, may_overlap)
+        return self._native.add(kind, int(model_seed), model, place, speed_mps, points, may_overlap)
 
-    def move_ego(self, *, x: float, y: float, yaw: float, overlap: str = "refuse") -> None:
+    def move_ego(self, *, x_m: float, y_m: float, yaw_rad: float = 0.0, overlap: str = "refuse") -> None:
         """Put the ego on the ground at a place, at rest.
 
         Args:
-            x: meters, world frame: the middle of the car.
-            y: meters, world frame.
-            yaw: radians, counter-clockwise from east.
+            x_m: world frame: the middle of the car.
+            y_m: world frame.
+            yaw_rad: counter-clockwise from east.
             overlap: "refuse" a place where an actor stands, or "allow" it.
 
         Raises:
             CadetError: a number that is not finite, or a place off the ground or where an actor stands.
         """
-        place, may_overlap = _place(x, y, yaw), _may_overlap("move_ego", overlap)
+        place, may_overlap = _place("move_ego", x_m, y_m, yaw_rad), _may_overlap("move_ego", overlap)
         self._forget_first()
         self._native.move_ego(*place, may_overlap)
 
@@ -346,10 +350,10 @@ class Scene:
         self._num_moves += 1
 
 
-def _place(x: Any, y: Any, yaw: Any) -> tuple[float, float, float]:
-    for name, value in (("x", x), ("y", y), ("yaw", yaw)):
-        check_number("place", name, value, -_MAX_PLACE_M, _MAX_PLACE_M)
-    return float(x), float(y), float(yaw)
+def _place(owner: str, x_m: float, y_m: float, yaw_rad: float) -> tuple[float, float, float]:
+    for name, value in (("x_m", x_m), ("y_m", y_m), ("yaw_rad", yaw_rad)):
+        check_number(owner, name, value, -_MAX_PLACE_M, _MAX_PLACE_M)
+    return float(x_m), float(y_m), float(yaw_rad)
 
 
 def _may_overlap(owner: str, overlap: object) -> bool:

@@ -34,7 +34,8 @@ from cadet.worlds.props import Props
 
 CONFIG = "assets.toml"
 """The file of a folder of assets that lists them."""
-CLASSES = ("Car", "Van", "Truck")
+CLASSES = ("Car", "Van", "Truck", "Tram", "Misc")
+"""The classes of a user's vehicles; the last two stand where `Scene.add` puts them and join no traffic."""
 ROLES = ("glass", "tyre", "plate", "lamp", "interior")
 LEAVE_OUT = "leave_out"
 """Beside the roles: what is no part of the vehicle."""

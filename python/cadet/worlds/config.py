@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, Literal, TypeVar
 
 from cadet import _cadet
@@ -14,6 +15,7 @@ from cadet.errors import CadetError
 
 VEHICLE_CLASSES = tuple(_cadet.SceneConfig.vehicle_classes())
 """KITTI's classes of vehicles that drive and park."""
+MAX_WEIGHT = 1e9
 
 
 class _Numbers:
@@ -141,16 +143,28 @@ class LabelConfig(_Overrides):
         return _cadet.LabelConfig(**asdict(self))
 
 
-def check_vehicle_classes(owner: str, classes: object) -> None:
-    """Refuse what is no tuple of vehicle classes, "Car" among them.
+def as_vehicle_shares(owner: str, shares: object) -> dict[str, float] | None:
+    """Return weights of vehicle classes in a dictionary of their own; None, for KITTI's mix, stays None.
 
     Raises:
-        CadetError: naming the owner and the classes.
+        CadetError: an unknown class, a weight that is none, or neither cars nor vans, which alone fit everywhere.
     """
-    is_known = isinstance(classes, tuple) and all(is_one_of(name, VEHICLE_CLASSES) for name in classes)
-    if not is_known or "Car" not in classes:  # type: ignore[operator]
-        names = ", ".join(VEHICLE_CLASSES)
-        raise CadetError(f"{owner}.vehicle_classes: expected a tuple of {names}, Car among them, got {shown(classes)}")
+    if shares is None:
+        return None
+    names = ", ".join(VEHICLE_CLASSES)
+    if not isinstance(shares, Mapping) or not all(is_one_of(name, VEHICLE_CLASSES) for name in shares):
+        raise CadetError(
+            f"{owner}.vehicle_shares: expected weights by class ({names}), such as {{'Car': 0.8, 'Van': 0.2}}, "
+            f"got {shown(shares)}"
+        )
+    for name, weight in shares.items():
+        check_number(f"{owner}.vehicle_shares", name, weight, 0, MAX_WEIGHT)
+    if not any(shares.get(name, 0) for name in ("Car", "Van")):
+        raise CadetError(
+            f"{owner}.vehicle_shares: expected a weight above 0 of Car or Van, since the others do not fit everywhere, "
+            f"got {shown(shares)}"
+        )
+    return {name: float(weight) for name, weight in shares.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -247,9 +261,10 @@ class PropConfig(_Overrides):
 
 @dataclass(frozen=True, kw_only=True)
 class SceneConfig(_Overrides):
-    """How full a scene is, what is placed in it, where its sun is, and what gets a label.
+    """How full one scene is, what is placed in it, where its sun is, and what gets a label.
 
-    The core states the limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,
+    Its fields are numbers, since a scene has one of each; the ranges that they are drawn from are a `District`'s. The
+    core states the limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,
     `stream`), only fields that were given count, those of `suburb`, `props`, and `label` one by one; all else is drawn.
 
     Raises:
@@ -257,7 +272,8 @@ class SceneConfig(_Overrides):
     """
 
     num_cars: int = 14
-    """Driving vehicles kept around the ego: cars, one in eleven a van, and trucks where streets are wide.
+    """Driving vehicles kept around the ego, of the classes of `vehicle_shares`: by KITTI's mix one in eleven is a van,
+    and there are trucks where streets are wide.
 
     Where fewer find room than are asked for here, of these or of the next three, a `CadetWarning` says so."""
     num_pedestrians: int = 24
@@ -281,10 +297,11 @@ class SceneConfig(_Overrides):
     seat_occupancy: float = 0.1
     """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits; there are few where
     `PropConfig.clutter` is small."""
-    vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
-    """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
+    vehicle_shares: Mapping[str, float] | None = field(default=None, hash=False)
+    """Weights of the classes of vehicles that drive and park, such as `{"Car": 0.8, "Van": 0.2}`; classes that are not
+    named are left out. None mixes Car, Van, Truck, and Misc as KITTI's streets do.
 
-    "Misc" are trailers and motorbikes, which only park."""
+    Trucks drive only where streets are wide enough, and "Misc", trailers and motorbikes, only park."""
     suburb: SuburbConfig = SuburbConfig()
     """What kind of suburb is generated where there is no map."""
     props: PropConfig = PropConfig()
@@ -303,7 +320,7 @@ class SceneConfig(_Overrides):
 
     def __post_init__(self) -> None:
         _SCENE.check(self)
-        check_vehicle_classes("SceneConfig", self.vehicle_classes)
+        object.__setattr__(self, "vehicle_shares", as_vehicle_shares("SceneConfig", self.vehicle_shares))
         check_kind("SceneConfig", "suburb", self.suburb, SuburbConfig)
         check_kind("SceneConfig", "props", self.props, PropConfig)
         check_kind("SceneConfig", "label", self.label, LabelConfig)
@@ -317,4 +334,5 @@ class SceneConfig(_Overrides):
         """Return the configuration as the core takes it."""
         numbers = {f.name: getattr(self, f.name) for f in fields(self)}
         parts = {name: getattr(self, name)._to_native() for name in ("suburb", "props", "label")}
-        return _cadet.SceneConfig(**{**numbers, **parts})
+        shares = list((self.vehicle_shares or {}).items())
+        return _cadet.SceneConfig(**{**numbers, **parts, "vehicle_shares": shares})

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from typing import Any, Final
 
 from cadet._util.checks import check_kind, check_range, check_text, make_plain
 from cadet._util.toml_file import NamedFile
-from cadet.worlds.config import PropConfig, SuburbConfig, scene_limits
+from cadet.worlds.config import PropConfig, SuburbConfig, as_vehicle_shares, scene_limits
 
 
 @dataclass(frozen=True, kw_only=True)
 class District(NamedFile):
-    """A kind of neighborhood: ranges that a scene's numbers are drawn from, both ends included.
+    """A kind of neighborhood: ranges (low, high) that a scene's numbers are drawn from, both ends included.
+
+    `num_cars=(5, 5)` draws nothing: every scene has five. `SceneConfig` has one scene's own numbers, by the same names.
 
     Raises:
         CadetError: an invalid range.
@@ -36,6 +38,8 @@ class District(NamedFile):
     """Trams kept around the ego where there are tracks."""
     seat_occupancy: tuple[float, float] = (0.0, 0.0)
     """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits."""
+    vehicle_shares: Mapping[str, float] | None = field(default=None, hash=False)
+    """Weights of the classes of vehicles: as `SceneConfig.vehicle_shares`."""
     suburb: SuburbConfig = SuburbConfig()
     """What kind of suburb is generated where there is no map."""
     props: PropConfig = PropConfig()
@@ -47,6 +51,7 @@ class District(NamedFile):
             check_range("District", name, getattr(self, name), *scene_limits(name))
         for name in ("num_cars", "num_pedestrians", "num_cyclists", "num_trams"):
             check_range("District", name, getattr(self, name), *scene_limits(name), whole=True)
+        object.__setattr__(self, "vehicle_shares", as_vehicle_shares("District", self.vehicle_shares))
         check_kind("District", "suburb", self.suburb, SuburbConfig)
         check_kind("District", "props", self.props, PropConfig)
         make_plain(self)
@@ -56,9 +61,9 @@ class District(NamedFile):
         return {name: partial(_BY_NAME.__getitem__, name) for name in DISTRICTS}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the district in plain values, for a manifest: `suburb` and `props` where they are not the default."""
+        """Return the district in plain values, for a manifest: what is not the default of the last three."""
         values = asdict(self)
-        for name, default in (("suburb", SuburbConfig()), ("props", PropConfig())):
+        for name, default in (("vehicle_shares", None), ("suburb", SuburbConfig()), ("props", PropConfig())):
             if getattr(self, name) == default:
                 del values[name]
         return values

@@ -26,11 +26,9 @@ from cadet.errors import CadetError
 from cadet.sensors.rig import Rig
 from cadet.worlds.assets import Assets
 from cadet.worlds.config import (
-    VEHICLE_CLASSES,
     LabelConfig,
     PropConfig,
     SceneConfig,
-    check_vehicle_classes,
     scene_limits,
 )
 from cadet.worlds.districts import KITTI_DISTRICTS, District
@@ -114,8 +112,6 @@ class ResetPolicy(NamedFile):
     """Rigs of different names with their weights, the most usual one first; one is drawn for each episode."""
     car_pitch_sd_deg: float = 0.0
     """How much the ego's pitch differs between episodes, by its load: a standard deviation."""
-    vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
-    """Classes of the vehicles that drive and park."""
     sun_elevation_deg: tuple[float, float] | None = None
     """Range that the sun's height over the horizon is drawn from; the weather's own if None."""
     label: LabelConfig = LabelConfig()
@@ -133,7 +129,6 @@ class ResetPolicy(NamedFile):
             distance_m=self.distance_m,
             districts=[district.name for district, _ in self.districts],
             rigs=[rig.name for rig, _ in self.rigs],
-            vehicle_classes=self.vehicle_classes,
         )
 
     def __post_init__(self) -> None:
@@ -147,7 +142,6 @@ class ResetPolicy(NamedFile):
         check_number("ResetPolicy", "blocked_s", self.blocked_s, 0.1, 600)
         _check_time_step(self.time_step_s)
         check_number("ResetPolicy", "car_pitch_sd_deg", self.car_pitch_sd_deg, 0, 5)
-        check_vehicle_classes("ResetPolicy", self.vehicle_classes)
         _check_sun(self.sun_elevation_deg)
         for name in ("weathers", "districts", "rigs"):
             pairs = as_pairs("ResetPolicy", name, getattr(self, name), "of one of them and its weight")
@@ -206,13 +200,13 @@ class ResetPolicy(NamedFile):
                         parking_occupancy=(0.0, 0.0),
                         num_cars=(4, 19),
                         num_pedestrians=(0, 7),
+                        vehicle_shares={"Car": 1.0},
                         props=PropConfig(clutter=0.0),
                     ),
                     1.0,
                 ),
             ),
             rigs=((Rig.paper(), 1.0),),
-            vehicle_classes=("Car",),
         )
 
     @classmethod
@@ -272,6 +266,10 @@ class ResetPolicy(NamedFile):
         """
         return replace(self, districts=tuple((district, 1.0) for district in districts))
 
+    def with_each_district(self, change: Callable[[District], District]) -> ResetPolicy:
+        """Return the policy with each of its districts changed."""
+        return replace(self, districts=tuple((change(district), weight) for district, weight in self.districts))
+
     def with_weathers(self, *names: str) -> ResetPolicy:
         """Return the policy with these weathers, all equally likely.
 
@@ -312,7 +310,7 @@ class ResetPolicy(NamedFile):
             num_cyclists=Draws(seed, episode, attempt, "cyclists").count(*district.num_cyclists),
             num_trams=Draws(seed, episode, attempt, "trams").count(*district.num_trams),
             seat_occupancy=Draws(seed, episode, attempt, "seats").between(*district.seat_occupancy),
-            vehicle_classes=self.vehicle_classes,
+            vehicle_shares=district.vehicle_shares,
             suburb=district.suburb,
             props=district.props,
             sun_elevation_deg=sun,

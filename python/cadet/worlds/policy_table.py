@@ -90,6 +90,10 @@ def _with_districts(policy: _Policy, key: str, table: Mapping[str, Any], folder:
     return replace(policy, districts=_weighted(District, "district", table[key], folder))
 
 
+def _with_vehicle_shares(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:
+    return policy.with_each_district(lambda district: replace(district, vehicle_shares=table[key]))
+
+
 def _with_rigs(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:
     return replace(policy, rigs=_weighted(Rig, "rig", table[key], folder))
 
@@ -135,6 +139,7 @@ def _as_sequence(policy: _Policy, key: str, table: Mapping[str, Any], folder: Pa
 _CHANGES: Final[dict[str, Callable[[_Policy, str, Mapping[str, Any], Path], _Policy]]] = {
     "weathers": _with_weathers,
     "districts": _with_districts,
+    "vehicle_shares": _with_vehicle_shares,
     "rigs": _with_rigs,
     "rig": _with_rig,
     "lidar": _with_lidar,

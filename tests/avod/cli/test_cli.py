@@ -6,6 +6,7 @@ import dataclasses
 import json
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -142,8 +143,8 @@ def test_each_of_several_detectors_is_evaluated_by_what_it_finds(dataset: Path) 
 
         found: tuple[Label, ...] = ()
 
-        def detect_sample(self, sample: Sample, calib: Calibration) -> tuple[Label, ...]:
-            return self.found
+        def detect_samples(self, samples: Sequence[Sample], calibs: Sequence[Calibration]) -> list[tuple[Label, ...]]:
+            return [self.found] * len(samples)
 
     network = new_network(Config.named(CONFIG), 0)
     detectors = [Sure(network), Sure(network), Sure(network)]

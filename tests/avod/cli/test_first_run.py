@@ -22,10 +22,10 @@ from avod.train import train
 from avod.train.log import COLUMNS, TERMS, read_log
 from avod.train.run import Run, with_steps
 from cadet import __version__
+from cadet._util import style
 from cadet.cli import progress
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti import write_frame
-from cadet.view import style
 from synthetic import make_frame
 
 CONFIG_FILE = Path(__file__).parents[2] / "support" / "detector" / "overfit.toml"

@@ -16,15 +16,17 @@ from click.testing import CliRunner
 from avod.cli.commands import avod
 from avod.config import Config
 from avod.data import simulated
-from avod.data.dataset import sample_from_frame
+from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.frames import SimulatedFrames, open_frames
+from avod.data.mixed import MixedData
+from avod.data.mixture import shares_of
 from avod.data.prefetch import prefetched
 from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from cadet.errors import CadetError
 from cadet.formats.kitti import text_from_labels
 from cadet.simulation.simulation import Simulation
-from detector.runs import StopAfter, assert_same_training, short_run, small_config
+from detector.runs import StopAfter, assert_same_training, short_run, small_config, write_set
 
 BLOCK = 6
 STEPS = 8
@@ -137,9 +139,44 @@ def test_a_block_without_objects_is_an_error(name: str, config: Config) -> None:
         taken(name, picky, 1, workers=1)
 
 
-def test_a_simulation_has_no_shares(name: str, config: Config, folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(CadetError, match=r"town\.toml: a simulation has no shares"):
-        short_run(config, ((name, 0.5), (folder, 0.5)), tmp_path / "run", 1)
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_set(tmp_path_factory.mktemp("recorded"), num_train=5)
+
+
+def test_recorded_frames_and_the_live_simulator_come_in_their_shares(
+    name: str, config: Config, recorded: Path, expected: list[tuple[str, bytes, bytes]]
+) -> None:
+    folders = shares_of(((recorded, 3), (name, 1)))
+    folder = TrainingData(recorded, "train", config, 7)
+
+    def mixed(first: int, count: int, workers: int = 0) -> list[Sample]:
+        with MixedData(folders, "train", config, 7).samples(first, 0, 1, workers) as samples:
+            found = list(itertools.islice(samples, count))
+        assert all(isinstance(sample, Sample) for sample in found)
+        return found  # type: ignore[return-value]
+
+    whole = mixed(0, 32)
+    is_live = [sample.image_size == (310, 94) for sample in whole]
+    assert 3 <= sum(is_live) <= 13 and sum(is_live) <= len(expected)
+    # Each is what it is without the other.
+    assert described([s for s, live in zip(whole, is_live, strict=True) if live]) == expected[: sum(is_live)]
+    others = [s for s, live in zip(whole, is_live, strict=True) if not live]
+    assert described(others) == described([folder[k] for k in range(len(others))])  # type: ignore[misc]
+    for first, workers in ((9, 0), (20, 1)):
+        assert described(mixed(first, 4, workers)) == described(whole[first : first + 4])
+
+
+def test_a_mixed_training_that_stops_and_goes_on_equals_one_that_never_stopped(
+    name: str, config: Config, recorded: Path, tmp_path: Path
+) -> None:
+    data = ((name, 0.5), (recorded, 0.5))
+    short_run(config, data, tmp_path / "unbroken", STEPS)
+    short_run(config, data, tmp_path / "run", STEPS, workers=1, should_stop=StopAfter(3))
+    short_run(config, data, tmp_path / "run", STEPS, workers=1, resume=True)
+    assert_same_training(tmp_path / "run", tmp_path / "unbroken")
+    with pytest.raises(CadetError, match=r"town\.toml: a training has one simulation"):
+        short_run(config, (*data, (name, 0.5)), tmp_path / "other", 1)
 
 
 def test_sizes_of_objects_that_nobody_knows_are_not_changed(name: str, config: Config) -> None:

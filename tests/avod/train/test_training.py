@@ -106,7 +106,7 @@ def test_one_frame_is_learnt_by_heart(sample: Sample) -> None:
     assert np.mean(totals[-20:]) < 0.2 * np.mean(totals[:20])
     frame = make_frame()
     detector = Detector(network)
-    found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
+    found = detector.detect_frame(frame)
     truths = [label for label in frame.labels if not label.is_dont_care]
     overlap = box_iou_3d(np.stack([x.box_cam for x in found]), np.stack([x.box_cam for x in truths]))
     for column, truth in enumerate(truths):

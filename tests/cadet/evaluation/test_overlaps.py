@@ -67,6 +67,9 @@ def test_empty_and_single_precision_arrays_are_fine() -> None:
     assert nms_bev(none, np.zeros(0), 0.5).shape == (0,)
     single = some.astype(np.float32)
     assert (box_iou_bev(single, single) == box_iou_bev(single.astype(np.float64), single)).all()
+    assert (box_iou_3d(some.tolist(), list(some)) == box_iou_3d(some, some)).all()
+    scores = [0.1, 0.9, 0.5]
+    assert nms_bev(some.tolist(), scores, 0.1).tolist() == nms_bev(some, np.array(scores), 0.1).tolist()
     assert (box_iou_bev(np.asfortranarray(some), some[::-1]) == box_iou_bev(some, some)[:, ::-1]).all()
 
 

@@ -27,10 +27,10 @@ def test_gray_images_are_seen_from_where_the_gray_cameras_stand(name: str, offse
         ego_from_cam[:3, 3] -= ego_from_cam[:3, :3] @ rig.camera.cam1_from_cam0_m
     kept = {key: getattr(rig.camera, key) for key in ("fx", "fy", "cx", "cy")}
     mine = cadet.MountedCamera(
-        name="mine", camera=cadet.Camera.single(310, 94, **kept), pose=cadet.Pose.from_matrix(ego_from_cam)
+        name="mine", camera=cadet.Camera(width=310, height=94, **kept), pose=cadet.Pose.from_matrix(ego_from_cam)
     )
     scene = cadet.Scene.empty(rig=replace(rig, more=(mine,)))
-    scene.add("car", x=9.0, y=-1.0, yaw=0.4)
+    scene.add("car", x_m=9.0, y_m=-1.0, yaw_rad=0.4)
     sample = scene.capture(sensors=(name, "mine")).sample
     assert sample is not None
     seen, expected, left = (sample.maps(camera) for camera in (name, "mine", None))

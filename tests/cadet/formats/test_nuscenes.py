@@ -236,7 +236,7 @@ def test_categories_follow_the_models_of_the_core() -> None:
     for number, kind in enumerate(kinds):
         for seed in range(120):
             x, y = seed % 12 * 14.0 - 80.0, seed // 12 * 14.0 - 70.0 + number
-            scene.add(kind, x=x, y=y, yaw=0.0, model_seed=seed, overlap="allow")
+            scene.add(kind, x_m=x, y_m=y, yaw_rad=0.0, model_seed=seed, overlap="allow")
     found: dict[str, set[str]] = {}
     for agent in scene.agents:
         found.setdefault(category(agent.type, agent.model), set()).add(agent.model.rpartition("/")[0])

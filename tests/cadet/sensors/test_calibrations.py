@@ -13,7 +13,6 @@ import cadet
 from cadet import ResetPolicy, Rig
 from cadet.formats.kitti.from_sample import calibration_of
 from cadet.generate import Settings, generate
-from cadet.view.sheet import overview, view_frame
 
 NUM_EPISODES = 6
 
@@ -34,8 +33,8 @@ def test_frames_of_all_sizes_are_whole_and_can_be_drawn(root: Path, tmp_path: Pa
     assert len(rigs) >= 3, "the draws of this seed show too few"
     assert len({frame.image_size for frame in frames}) == len(rigs)
     assert cadet.kitti.lint(root, strict=True) == []
-    overview(frames, tmp_path / "overview.png")
-    view_frame(root, 1, tmp_path / "sheet.png")
+    cadet.view(frames, tmp_path / "overview.png")
+    cadet.view(frames[1], tmp_path / "sheet.png")
 
 
 def test_files_say_what_the_manifest_and_the_rig_say(root: Path) -> None:

@@ -135,7 +135,7 @@ def test_windows_swallow_beams_and_interiors_return_some() -> None:
     fates = np.zeros((2, 4))
     for design in range(24):
         scene = cadet.Scene.empty(weather="clear_noon")
-        car = scene.add("Car", x=9.0 + 0.3 * design, y=0.2 * design - 2.0, yaw=0.3 * design, model_seed=design)
+        car = scene.add("Car", x_m=9.0 + 0.3 * design, y_m=0.2 * design - 2.0, yaw_rad=0.3 * design, model_seed=design)
         scan, ideal = scene.scan(lidar), scene.scan(lidar, ideal=True)
         reported_m = np.full(len(origins), np.nan)
         reported_m[scan.ring * columns + scan.column] = scan.range_m - offsets_m[scan.ring]

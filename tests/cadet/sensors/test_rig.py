@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,6 +16,8 @@ from cadet.sensors.lidar import LIDAR_PRESETS
 from cadet.sensors.rig import RIG_PRESETS
 
 SHARED = Path(__file__).parents[4] / "shared"
+
+KITTI = Camera.kitti()
 
 # The published calibration of 26 September 2011.
 KITTI_P2 = [[721.5377, 0.0, 609.5593, 44.85728], [0.0, 721.5377, 172.854, 0.2163791], [0.0, 0.0, 1.0, 0.002745884]]
@@ -144,13 +147,36 @@ def test_a_resized_camera_sees_what_a_resized_image_shows() -> None:
     assert camera.resized(1242, 375) == camera
 
 
+def test_a_field_of_view_reaches_from_edge_to_edge() -> None:
+    camera = Camera.from_fov(640, 360, horizontal_deg=100.0, rolling_shutter_s=0.02)
+    left, right = ((column - camera.cx) / camera.fx for column in (-0.5, 639.5))
+    assert np.rad2deg(np.arctan([left, right])) == pytest.approx([-50.0, 50.0], abs=1e-8)
+    assert camera.fx == camera.fy and (camera.cx, camera.cy) == (319.5, 179.5)
+    assert camera.rolling_shutter_s == 0.02
+    assert all((p == camera.projections()["P0"]).all() for p in camera.projections().values()), "it is alone"
+    # The principal point of a camera without intrinsics of its own would be KITTI's.
+    with pytest.raises(TypeError, match="missing 4 required keyword-only arguments: 'fx', 'fy', 'cx', and 'cy'"):
+        Camera(width=100, height=100)  # type: ignore[call-arg]
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Camera(width=0), "Camera.width: expected a whole number from 16 to 8192, got 0"),
-        (lambda: Camera(fx=-1.0), "Camera.fx: expected a number from 1 to 1e+06, got -1.0"),
-        (lambda: Camera(cx=float("nan")), "Camera.cx: expected a number from -1e+06 to 1e+06, got nan"),
-        (lambda: Camera().resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
+        (lambda: replace(KITTI, width=0), "Camera.width: expected a whole number from 16 to 8192, got 0"),
+        (lambda: replace(KITTI, fx=-1.0), "Camera.fx: expected a number from 1 to 1e+06, got -1.0"),
+        (
+            lambda: replace(KITTI, cx=float("nan")),
+            "Camera.cx: expected a number from -1e+06 to 1e+06, got nan",
+        ),
+        (
+            lambda: Camera.from_fov(640, 480, horizontal_deg=180.0),
+            "Camera.horizontal_deg: expected a number from 1 to 175, got 180.0",
+        ),
+        (
+            lambda: Camera.from_fov(640, 4, horizontal_deg=90.0),
+            "Camera.height: expected a whole number from 16 to 8192, got 4",
+        ),
+        (lambda: KITTI.resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
         (
             lambda: Lidar("vlp-16"),
             f"unknown lidar 'vlp-16'; known: {', '.join(LIDAR_PRESETS)}",

@@ -28,10 +28,10 @@ def street() -> cadet.Scene:
 
 def test_where_nothing_moves_a_turn_is_the_scan_of_an_instant() -> None:
     scene = cadet.Scene.empty()
-    scene.move_ego(x=0.0, y=0.0, yaw=0.3)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.3)
     for k in range(6):
-        scene.add("car", x=8.0 + 7.0 * k, y=4.0 - 2.0 * k, yaw=0.2 * k, model_seed=k)
-    scene.add("pedestrian", x=6.0, y=-3.0, yaw=1.0)
+        scene.add("car", x_m=8.0 + 7.0 * k, y_m=4.0 - 2.0 * k, yaw_rad=0.2 * k, model_seed=k)
+    scene.add("pedestrian", x_m=6.0, y_m=-3.0, yaw_rad=1.0)
     still, turned = scene.scan(), scene.scan(cadet.Lidar(rolling=True))
     both, i, j = np.intersect1d(beams(still), beams(turned), return_indices=True)
     assert len(both) > 0.999 * max(len(still.ring), len(turned.ring)) > 20_000

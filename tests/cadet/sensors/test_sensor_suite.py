@@ -19,7 +19,7 @@ from cadet import Camera, Lidar, MountedCamera, MountedLidar, Pose, Rig, Scene
 
 
 def fronto(width: int = 400, height: int = 200, **lens: Any) -> Camera:
-    return Camera.single(width, height, fx=300.0, fy=300.0, cx=(width - 1) / 2, cy=(height - 1) / 2, **lens)
+    return Camera(width=width, height=height, fx=300.0, fy=300.0, cx=(width - 1) / 2, cy=(height - 1) / 2, **lens)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_what_is_not_asked_for_is_not_rendered() -> None:
     rig = Rig(camera=fronto(), lidar=Lidar.vlp16()).with_sensors(
         *(
             MountedCamera(
-                name=f"big{k}", camera=Camera.single(1600, 900, fx=1200, fy=1200, cx=799.5, cy=449.5), pose=at
+                name=f"big{k}", camera=Camera(width=1600, height=900, fx=1200, fy=1200, cx=799.5, cy=449.5), pose=at
             )
             for k, at in enumerate([Pose.of_camera((0.0, 0.0, 1.6), yaw_deg=yaw) for yaw in (0, 90, 180)])
         )
@@ -109,9 +109,9 @@ def test_what_is_not_asked_for_is_not_rendered() -> None:
 def square_scene(rig: Rig, left_m: float = 1.0) -> Scene:
     """A plain square with one car 12 m ahead, turned a little, and one behind."""
     scene = Scene.empty(rig=rig, config=cadet.SceneConfig(label=cadet.LabelConfig(boxes="exact")))
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-    scene.add("car", x=12.0, y=left_m, yaw=0.4, model_seed=1)
-    scene.add("car", x=-10.0, y=-1.0, yaw=2.0, model_seed=2)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    scene.add("car", x_m=12.0, y_m=left_m, yaw_rad=0.4, model_seed=1)
+    scene.add("car", x_m=-10.0, y_m=-1.0, yaw_rad=2.0, model_seed=2)
     return scene
 
 
@@ -199,8 +199,8 @@ def test_a_rolling_shutter_sees_each_row_at_its_time(tmp_path: Path) -> None:
     frames = []
     for camera in (fronto(), rolling):
         scene = Scene.empty(rig=Rig(camera=camera, lidar=Lidar.vlp16(), extrinsics=cadet.Extrinsics.aligned()))
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-        scene.add("car", x=14.0, y=-2.0, yaw=math.pi / 2, model_seed=1, speed=speed)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+        scene.add("car", x_m=14.0, y_m=-2.0, yaw_rad=math.pi / 2, model_seed=1, speed_mps=speed)
         scene.step(0.1)
         frames.append(scene.capture())
     still, rolled = frames

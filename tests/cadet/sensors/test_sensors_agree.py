@@ -56,7 +56,7 @@ def test_lidar_points_fall_on_their_own_pixels_by_the_written_calibration(calibr
 def test_the_road_lies_in_the_cam_frame_as_the_calibration_tilts_it(calibration: str) -> None:
     rig = cadet.Rig.kitti(calibration=calibration)
     scene = cadet.Scene.empty(weather="clear_noon", rig=rig)
-    scene.move_ego(x=-20.0, y=0.0, yaw=0.0)
+    scene.move_ego(x_m=-20.0, y_m=0.0, yaw_rad=0.0)
     frame, scan = scene.capture(), scene.scan(ideal=True)
     assert frame.plane is not None
     # By hand: the LIDAR looks down on a level road by its pitch.
@@ -106,7 +106,7 @@ def test_2d_boxes_are_the_projected_3d_boxes(calibration: str) -> None:
 
 def test_the_shipped_tools_rig_stands_in_one_point_over_the_road() -> None:
     scene = cadet.Scene.empty(weather="clear_noon", rig=cadet.Rig.cadet())
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
     poses = scene.sensor_poses()
     np.testing.assert_allclose(poses["world_from_velo"][:3, 3], poses["world_from_cam"][:3, 3], atol=1e-12)
     assert abs(poses["world_from_velo"][2, 3] - 1.6) < 0.02
@@ -138,8 +138,8 @@ def test_an_ideal_scan_agrees_with_parry() -> None:
 
 def test_triangles_are_those_that_the_sensors_see() -> None:
     scene = cadet.Scene.empty(weather="clear_noon")
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-    car = scene.add("car", x=10.0, y=0.0, yaw=0.0, model_seed=1)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    car = scene.add("car", x_m=10.0, y_m=0.0, yaw_rad=0.0, model_seed=1)
     vertices_world, faces, actor_id = scene.triangles()
     assert vertices_world.dtype == np.float32 and faces.dtype == np.uint32 and actor_id.dtype == np.int32
     assert set(np.unique(actor_id)) == {0, car}
@@ -150,7 +150,7 @@ def test_triangles_are_those_that_the_sensors_see() -> None:
 
 def test_a_flat_ground_is_where_the_mount_says() -> None:
     scene = cadet.Scene.empty(weather="clear_noon")
-    scene.move_ego(x=0.0, y=0.0, yaw=0.3)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.3)
     lidar = cadet.Lidar.hdl64e_uniform()
     origins, directions, _, _ = lidar.rays()
     scan = scene.scan(lidar, ideal=True)

@@ -15,7 +15,7 @@ from cadet.formats.kitti.boxes import points_in_boxes
 def scene_with(*cyclists: dict[str, Any], boxes: str = "exact") -> tuple[cadet.Scene, list[int]]:
     config = cadet.SceneConfig(label=cadet.LabelConfig(boxes=boxes))  # type: ignore[arg-type]
     scene = cadet.Scene.empty(config=config)
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
     return scene, [scene.add("Cyclist", **place) for place in cyclists]
 
 
@@ -23,7 +23,7 @@ def scene_with(*cyclists: dict[str, Any], boxes: str = "exact") -> tuple[cadet.S
 @pytest.mark.parametrize("yaw", [0.0, 1.57, -2.4])
 def test_a_cyclist_is_labeled_and_its_points_and_pixels_are_its_own(core: Any, yaw: float, speed: float | None) -> None:
     del core
-    scene, (cyclist,) = scene_with({"x": 13.0, "y": 1.0, "yaw": yaw, "speed": speed, "model_seed": 3})
+    scene, (cyclist,) = scene_with({"x_m": 13.0, "y_m": 1.0, "yaw_rad": yaw, "speed_mps": speed, "model_seed": 3})
     scene.step(0.2)
     frame = scene.capture()
     (label,) = [label for label in frame.labels if label.type == "Cyclist"]
@@ -76,7 +76,9 @@ def test_traffic_has_cyclists_if_they_are_asked_for(core: Any) -> None:
 
 def test_evaluation_finds_cyclists(core: Any) -> None:
     del core
-    scene, _ = scene_with({"x": 12.0, "y": 0.0, "yaw": 0.3}, {"x": 20.0, "y": 3.0, "yaw": 2.0, "model_seed": 9})
+    scene, _ = scene_with(
+        {"x_m": 12.0, "y_m": 0.0, "yaw_rad": 0.3}, {"x_m": 20.0, "y_m": 3.0, "yaw_rad": 2.0, "model_seed": 9}
+    )
     labels = [label for label in scene.capture().labels if label.type == "Cyclist"]
     assert len(labels) == 2
     found = [replace(label, score=0.9) for label in labels]

@@ -22,7 +22,7 @@ def straight(folder: Path) -> cadet.Scene:
     path = folder / "straight.xodr"
     path.write_text(map_of(road(0, length_m=900.0)))
     scene = cadet.Scene.empty(map=path, rig=SMALL)
-    scene.move_ego(x=50.0, y=MIDDLE_M, yaw=0.0)
+    scene.move_ego(x_m=50.0, y_m=MIDDLE_M, yaw_rad=0.0)
     return scene
 
 
@@ -60,7 +60,7 @@ def test_a_command_is_held_whatever_stands_in_the_way(tmp_path: Path) -> None:
     speeds = {}
     for name, speed_mps, seconds in (("driver", None, 20.0), ("command", 8.0, 7.0)):
         scene = straight(tmp_path)
-        scene.add("car", x=110.0, y=MIDDLE_M, yaw=0.0)
+        scene.add("car", x_m=110.0, y_m=MIDDLE_M, yaw_rad=0.0)
         scene.command_ego(speed_mps=speed_mps)
         scene.step(seconds)
         speeds[name] = place(scene)[2]
@@ -71,7 +71,7 @@ def test_a_command_is_held_whatever_stands_in_the_way(tmp_path: Path) -> None:
 def test_a_moved_ego_waits_and_numbers_are_checked(tmp_path: Path) -> None:
     scene = straight(tmp_path)
     scene.command_ego(speed_mps=5.0)
-    scene.move_ego(x=80.0, y=MIDDLE_M, yaw=0.0)
+    scene.move_ego(x_m=80.0, y_m=MIDDLE_M, yaw_rad=0.0)
     scene.step(2.0)
     assert place(scene) == pytest.approx((80.0, MIDDLE_M, 0.0), abs=0.05)
     for arguments, message in (

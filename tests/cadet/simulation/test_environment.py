@@ -90,7 +90,7 @@ def test_a_configuration_of_ones_own_reaches_the_scenes(monkeypatch: pytest.Monk
     env = Environment(policy=policy, rig=RIG, config=SceneConfig(num_cars=3))
     env.reset(seed=np.int64(1))  # type: ignore[arg-type]
     frames = [env.step() for _ in range(3)]
-    assert [(spec.config.num_cars, spec.config.vehicle_classes) for spec in built] == [(3, ("Car",))] * 3
+    assert [(spec.config.num_cars, spec.config.vehicle_shares) for spec in built] == [(3, {"Car": 1.0})] * 3
     assert env.episode == 2 and frames[0].meta is not None
     assert (frames[0].meta["seed"], frames[0].meta["district"]) == (1, built[0].district)
     with pytest.raises(CadetError, match=r"^config: expected a SceneConfig, got 'full'$"):

@@ -17,10 +17,10 @@ def labeled(camera: cadet.Camera) -> tuple[int, int]:
     num_cars = num_dont_care = 0
     for seed in range(4):
         scene = cadet.Scene.empty(rig=rig)
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
         for index in range(24):
             x, y = 10.0 + 2.7 * index, (-1.0) ** index * (3.0 + 0.5 * index)
-            scene.add("car", x=x, y=y, yaw=0.2 * index, model_seed=100 * seed + index)
+            scene.add("car", x_m=x, y_m=y, yaw_rad=0.2 * index, model_seed=100 * seed + index)
         types = [label.type for label in scene.capture().labels]
         num_cars += types.count("Car")
         num_dont_care += types.count("DontCare")

@@ -32,9 +32,9 @@ def found_in(frame: cadet.Frame) -> Found:
 
 def cars_ahead(weather: str, config: cadet.SceneConfig) -> Found:
     scene = cadet.Scene.empty(weather=weather, config=config)
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
     for seed, (x, y) in enumerate(PLACES):
-        scene.add("car", x=x, y=y, yaw=1.5, model_seed=seed)
+        scene.add("car", x_m=x, y_m=y, yaw_rad=1.5, model_seed=seed)
     return found_in(scene.capture())
 
 
@@ -93,14 +93,14 @@ def test_what_is_all_but_outside_the_image_becomes_dontcare() -> None:
     scenes = []
     for limits in ({"max_truncation": 1.0}, {}):
         scene = cadet.Scene.empty(weather="clear_noon", rig=small_rig(), config=exact(**small, **limits))
-        scene.add("car", x=9.0, y=6.0, yaw=0.0, model_seed=1)
+        scene.add("car", x_m=9.0, y_m=6.0, yaw_rad=0.0, model_seed=1)
         scenes.append(scene)
     outcomes = set()
     for yaw in np.arange(0.0, -0.45, -0.03):
         whole: list[cadet.Label] = []
         cut: list[cadet.Label] = []
         for scene, into in zip(scenes, (whole, cut), strict=True):
-            scene.move_ego(x=0.0, y=0.0, yaw=float(yaw))
+            scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=float(yaw))
             into.extend(scene.capture().labels)
         assert len(whole) == len(cut)
         for label, limited in zip(whole, cut, strict=True):
@@ -116,9 +116,9 @@ def test_what_is_not_half_a_meter_ahead_becomes_dontcare(tmp_path: Path) -> None
     for min_depth_m, offset_m, expected in [(0.5, 0.3, "DontCare"), (0.0, 0.3, "Truck"), (0.5, 0.8, "Truck")]:
         config = exact(min_depth_m=min_depth_m, max_truncation=1.0)
         scene = cadet.Scene.empty(weather="clear_noon", assets=own, config=config)
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
         camera_x_m = float(scene.sensor_poses()["world_from_cam"][0, 3])
-        scene.add("truck", x=camera_x_m + offset_m, y=3.0, yaw=0.0, model="wall")
+        scene.add("truck", x_m=camera_x_m + offset_m, y_m=3.0, yaw_rad=0.0, model="wall")
         frame = scene.capture()
         ((label, meta),) = found_in(frame).values()
         assert meta["location_cam"][2] == pytest.approx(offset_m, abs=0.15)

@@ -64,8 +64,8 @@ def car_margins(boxes: Literal["kitti", "exact"]) -> NDArray[np.float64]:
     for seed in range(24):
         config = cadet.SceneConfig(label=cadet.LabelConfig(boxes=boxes))
         scene = cadet.Scene.empty(weather="clear_noon", config=config)
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-        scene.add("car", x=11.0, y=3.5, yaw=0.0 if seed % 2 else np.pi, model_seed=seed)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+        scene.add("car", x_m=11.0, y_m=3.5, yaw_rad=0.0 if seed % 2 else np.pi, model_seed=seed)
         frame = scene.capture()
         (label,) = frame.labels
         assert frame.meta is not None and frame.meta["boxes"] == boxes
@@ -223,10 +223,10 @@ def pixels_of(frame: cadet.Frame, actor_id: int) -> int:
 def car_beside_a_van(y: float, *, has_van: bool) -> tuple[cadet.Frame, int]:
     """A car 24 m ahead, `y` to the left, broadside, and, 12 m ahead, perhaps a van."""
     scene = cadet.Scene.empty(weather="clear_noon")
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-    car = scene.add("car", x=24.0, y=y, yaw=np.pi / 2, model_seed=2)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    car = scene.add("car", x_m=24.0, y_m=y, yaw_rad=np.pi / 2, model_seed=2)
     if has_van:
-        scene.add("van", x=12.0, y=0.0, yaw=np.pi / 2, model_seed=1)
+        scene.add("van", x_m=12.0, y_m=0.0, yaw_rad=np.pi / 2, model_seed=1)
     return scene.capture(), car
 
 
@@ -263,11 +263,11 @@ def test_what_is_behind_a_wall_has_no_label(tmp_path: Path) -> None:
     types = {}
     for has_wall in (False, True):
         scene = cadet.Scene.empty(weather="clear_noon", assets=own)
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
         for number, kind in enumerate(("car", "van", "pedestrian", "car", "pedestrian")):
-            scene.add(kind, x=20.0 + 2.0 * number, y=6.0 - 3.0 * number, yaw=0.7 * number, model_seed=number)
+            scene.add(kind, x_m=20.0 + 2.0 * number, y_m=6.0 - 3.0 * number, yaw_rad=0.7 * number, model_seed=number)
         if has_wall:
-            scene.add("truck", x=14.0, y=0.0, yaw=np.pi / 2, model="wall")
+            scene.add("truck", x_m=14.0, y_m=0.0, yaw_rad=np.pi / 2, model="wall")
         types[has_wall] = sorted(label.type for label in scene.capture().labels)
     assert types[False] == ["Car", "Car", "Pedestrian", "Pedestrian", "Van"]
     assert types[True] == ["Truck"]
@@ -277,8 +277,8 @@ def test_what_is_behind_a_wall_has_no_label(tmp_path: Path) -> None:
 def test_a_lone_car_is_labeled_where_it_was_put(yaw: float) -> None:
     config = cadet.SceneConfig(label=cadet.LabelConfig(boxes="exact"))
     scene = cadet.Scene.empty(weather="clear_noon", config=config)
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-    scene.add("car", x=15.0, y=2.0, yaw=yaw, model_seed=4)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    scene.add("car", x_m=15.0, y_m=2.0, yaw_rad=yaw, model_seed=4)
     poses = scene.sensor_poses()
     frame = scene.capture()
     (label,) = frame.labels
@@ -314,10 +314,10 @@ def test_planes_lie_on_the_road(street_frames: list[Sensed]) -> None:
 
 def test_objects_stand_before_dontcare_in_the_file_and_in_the_meta() -> None:
     scene = cadet.Scene.empty()
-    scene.move_ego(x=0, y=0, yaw=0)
+    scene.move_ego(x_m=0, y_m=0, yaw_rad=0)
     # Too far to be labeled (1 and 3), near enough (2 and 4).
     for kind, x, y in [("car", 84, 5), ("car", 16, -4), ("car", 85, -9), ("pedestrian", 13, 3)]:
-        scene.add(kind, x=x, y=y, yaw=1.5)
+        scene.add(kind, x_m=x, y_m=y, yaw_rad=1.5)
     files = encode_frame(scene.capture())
     lines = [line.split() for line in files["label_2"].decode().splitlines()]
     objects = json.loads(files["meta"])["objects"]
@@ -338,13 +338,13 @@ def test_a_box_is_displaced_toward_who_labeled_it_first() -> None:
 
     def scene_with_car() -> cadet.Scene:
         scene = cadet.Scene.empty(weather="clear_noon")
-        scene.add("car", x=20.0, y=0.0, yaw=0.0, model_seed=3)
+        scene.add("car", x_m=20.0, y_m=0.0, yaw_rad=0.0, model_seed=3)
         return scene
 
     seen_from_behind, seen_from_the_front = scene_with_car(), scene_with_car()
     before = middle_world(seen_from_behind)
     for scene in (seen_from_behind, seen_from_the_front):
-        scene.move_ego(x=45.0, y=0.0, yaw=np.pi)
+        scene.move_ego(x_m=45.0, y_m=0.0, yaw_rad=np.pi)
     assert middle_world(seen_from_behind) == pytest.approx(before, abs=1e-6)
     # Toward the front by 0.16 m, toward the rear by 0.135 m.
     assert middle_world(seen_from_the_front) - before == pytest.approx(0.295, abs=1e-3)

@@ -85,17 +85,20 @@ def places(scene: Scene) -> dict[int, list[float]]:
 
 def test_actors_and_the_ego_go_where_they_are_put() -> None:
     scene = empty()
-    car = scene.add("car", x=12, y=-3.5, yaw=0.1, model_seed=3)
-    van = scene.add("van", x=30, y=0, yaw=np.pi / 2, speed=5)
+    car = scene.add("car", x_m=12, y_m=-3.5, yaw_rad=0.1, model_seed=3)
+    van = scene.add("van", x_m=30, y_m=0, yaw_rad=np.pi / 2, speed_mps=5)
     walker = scene.add("pedestrian", path=[(0, 6, 8), (3, 9, 8)])
     assert places(scene) == {car: [12, -3.5], van: [30, 0], walker: [6, 8]}
     kinds = {agent.id: agent.type for agent in scene.agents}
     assert kinds == {car: "Car", van: "Van", walker: "Pedestrian"}
+    ahead = scene.add("car", x_m=40, y_m=-3.5)
+    (placed,) = [agent.world_from_agent for agent in scene.agents if agent.id == ahead]
+    assert placed[:3, 0] == pytest.approx([1, 0, 0]), "it looks along the road unless it is told where to"
     scene.step(1.0)
     moved = places(scene)
     assert moved[car] == [12, -3.5]
     assert moved[van] == pytest.approx([30, 5], abs=0.1) and moved[walker] == pytest.approx([7, 8], abs=0.1)
-    scene.move_ego(x=1, y=2, yaw=np.pi / 2)
+    scene.move_ego(x_m=1, y_m=2, yaw_rad=np.pi / 2)
     pose = scene.sensor_poses()["world_from_velo"]
     assert pose[:2, 3] == pytest.approx([1, 2], abs=0.1)
     assert pose[:2, 0] == pytest.approx([0, 1], abs=0.01), "it looks north"
@@ -103,15 +106,15 @@ def test_actors_and_the_ego_go_where_they_are_put() -> None:
 
 def test_no_two_stand_in_a_place_unless_it_is_allowed() -> None:
     scene = empty()
-    scene.add("car", x=12, y=0, yaw=0)
+    scene.add("car", x_m=12, y_m=0)
     for x in (12.0, 0.0):
         with pytest.raises(CadetError, match="overlap"):
-            scene.add("van", x=x, y=0, yaw=1)
+            scene.add("van", x_m=x, y_m=0, yaw_rad=1)
     with pytest.raises(CadetError, match="overlap"):
-        scene.move_ego(x=12, y=0, yaw=0)
+        scene.move_ego(x_m=12, y_m=0, yaw_rad=0)
     assert scene.num_actors == 1
-    scene.add("van", x=12, y=0, yaw=1, overlap="allow")
-    scene.move_ego(x=12, y=0, yaw=0, overlap="allow")
+    scene.add("van", x_m=12, y_m=0, yaw_rad=1, overlap="allow")
+    scene.move_ego(x_m=12, y_m=0, yaw_rad=0, overlap="allow")
     assert scene.num_actors == 2
 
 
@@ -146,34 +149,34 @@ def test_scans_rays_and_poses_are_those_of_the_square() -> None:
         (lambda: Scene.random(seed=1, config=cast(Any, {})), CadetError, "config: expected a SceneConfig, got {}"),
         (lambda: Scene.random(seed=1, rig=cast(Any, "kitti")), CadetError, "rig: expected a Rig, got 'kitti'"),
         (
-            lambda: empty().add("car", x=NAN, y=0, yaw=0),
+            lambda: empty().add("car", x_m=NAN, y_m=0, yaw_rad=0),
             CadetError,
-            "place.x: expected a number from -1e+06 to 1e+06, got nan",
+            "add.x_m: expected a number from -1e+06 to 1e+06, got nan",
         ),
         (
-            lambda: empty().add("car", x=0, y=0, yaw=0, model_seed=-1),
+            lambda: empty().add("car", x_m=0, y_m=0, yaw_rad=0, model_seed=-1),
             CadetError,
             "add.model_seed: expected a whole number from 0 to 9223372036854775807, got -1",
         ),
         (
-            lambda: empty().add("car", x=0, y=0),
+            lambda: empty().add("car", x_m=0),
             CadetError,
-            "place.yaw: expected a number from -1e+06 to 1e+06, got None",
+            "add: expected x_m and y_m, where the actor stands, or a path",
         ),
         (
-            lambda: empty().add("car", x=0, y=0, yaw=0, path=[(0, 0, 0), (1, 1, 1)]),
+            lambda: empty().add("car", x_m=0, y_m=0, yaw_rad=0, path=[(0, 0, 0), (1, 1, 1)]),
             CadetError,
-            "add.path: it says where the actor goes and how fast; leave out x, y, yaw and speed",
+            "add.path: it says where the actor goes and how fast; leave out x_m, y_m, yaw_rad and speed_mps",
         ),
         (
-            lambda: empty().add("car", speed=3, path=[(0, 0, 0), (1, 1, 1)]),
+            lambda: empty().add("car", speed_mps=3, path=[(0, 0, 0), (1, 1, 1)]),
             CadetError,
-            "add.path: it says where the actor goes and how fast; leave out x, y, yaw and speed",
+            "add.path: it says where the actor goes and how fast; leave out x_m, y_m, yaw_rad and speed_mps",
         ),
         (
-            lambda: empty().add("car", x=0, y=0, yaw=0, speed=-1),
+            lambda: empty().add("car", x_m=0, y_m=0, yaw_rad=0, speed_mps=-1),
             CadetError,
-            "add.speed: expected a number from 0 to 70, got -1",
+            "add.speed_mps: expected a number from 0 to 70, got -1",
         ),
         (
             lambda: empty().add("car", path=[(0, 0), (1, 1)]),
@@ -182,12 +185,12 @@ def test_scans_rays_and_poses_are_those_of_the_square() -> None:
         ),
         (lambda: empty().add("car", path=[(0, 0, NAN), (1, 1, 0)]), NonFiniteError, "path: not finite at [0, 2]"),
         (
-            lambda: empty().add("car", x=0, y=0, yaw=0, overlap=cast(Any, True)),
+            lambda: empty().add("car", x_m=0, y_m=0, yaw_rad=0, overlap=cast(Any, True)),
             CadetError,
             'add.overlap: expected "refuse" or "allow", got True',
         ),
         (
-            lambda: empty().move_ego(x=0, y=0, yaw=0, overlap="no"),
+            lambda: empty().move_ego(x_m=0, y_m=0, yaw_rad=0, overlap="no"),
             CadetError,
             'move_ego.overlap: expected "refuse" or "allow", got \'no\'',
         ),

@@ -18,7 +18,7 @@ SMALL = replace(cadet.Rig.kitti(), camera=cadet.Camera.kitti().resized(414, 125)
 def scene(core: Any) -> cadet.Scene:
     del core
     scene = cadet.Scene.empty(rig=SMALL, config=cadet.SceneConfig(label=cadet.LabelConfig(boxes="exact")))
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
     return scene
 
 
@@ -29,7 +29,7 @@ def objects(scene: cadet.Scene) -> dict[int, dict[str, Any]]:
 
 
 def test_labels_follow_the_path(scene: cadet.Scene) -> None:
-    straight = scene.add("car", x=14.0, y=3.5, yaw=0.0, speed=5.0)
+    straight = scene.add("car", x_m=14.0, y_m=3.5, yaw_rad=0.0, speed_mps=5.0)
     turning = scene.add("van", path=[(0.5, 12.0, -4.0), (2.5, 22.0, -4.0), (4.5, 30.0, 2.0)])
     walker = scene.add("pedestrian", path=np.array([[0.0, 11.0, 0.0], [10.0, 24.0, 0.0]]))
     first = objects(scene)
@@ -52,8 +52,8 @@ def test_labels_follow_the_path(scene: cadet.Scene) -> None:
 
 
 def test_agents_are_known_without_a_sensor(scene: cadet.Scene) -> None:
-    car = scene.add("car", x=14.0, y=3.5, yaw=0.0, speed=5.0)
-    scene.add("pedestrian", x=11.0, y=0.0, yaw=0.0)
+    car = scene.add("car", x_m=14.0, y_m=3.5, yaw_rad=0.0, speed_mps=5.0)
+    scene.add("pedestrian", x_m=11.0, y_m=0.0, yaw_rad=0.0)
     scene.step(1.0)
     agents = {agent.id: agent for agent in scene.agents}
     assert list(agents) == sorted(agents)
@@ -69,8 +69,8 @@ def test_a_rolling_scan_sees_a_scripted_car_move_during_the_turn(core: Any) -> N
 
     def middle_x(speed: float, *, rolling: bool) -> float:
         scene = cadet.Scene.empty(rig=SMALL)
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-        car = scene.add("car", x=0.0, y=9.0, yaw=0.0, speed=speed)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+        car = scene.add("car", x_m=0.0, y_m=9.0, yaw_rad=0.0, speed_mps=speed)
         scan = scene.scan(cadet.Lidar(rolling=rolling))
         return float(np.median(scan.points_velo[scan.actor_id == car, 0]))
 
@@ -81,17 +81,17 @@ def test_a_rolling_scan_sees_a_scripted_car_move_during_the_turn(core: Any) -> N
 
 
 def test_nobody_is_put_where_another_stands(scene: cadet.Scene) -> None:
-    car = scene.add("car", x=15.0, y=0.0, yaw=0.0)
+    car = scene.add("car", x_m=15.0, y_m=0.0, yaw_rad=0.0)
     message = rf"^scene: a Van at \(16, 1\) would overlap the Car of id {car}; overlap=\"allow\" puts it there$"
     with pytest.raises(cadet.CadetError, match=message):
-        scene.add("van", x=16.0, y=1.0, yaw=0.3)
+        scene.add("van", x_m=16.0, y_m=1.0, yaw_rad=0.3)
     with pytest.raises(cadet.CadetError, match=r"would overlap the ego \(id 0\)"):
         scene.add("pedestrian", path=[(0.0, 1.0, 0.5), (1.0, 3.0, 3.0)])
     with pytest.raises(cadet.CadetError, match=rf"^scene: the ego at \(14, 0\) would overlap the Car of id {car}"):
-        scene.move_ego(x=14.0, y=0.0, yaw=0.0)
+        scene.move_ego(x_m=14.0, y_m=0.0, yaw_rad=0.0)
     assert scene.num_actors == 1
-    assert scene.add("van", x=16.0, y=1.0, yaw=0.3, overlap="allow") == 2
-    scene.move_ego(x=14.0, y=0.0, yaw=0.0, overlap="allow")
+    assert scene.add("van", x_m=16.0, y_m=1.0, yaw_rad=0.3, overlap="allow") == 2
+    scene.move_ego(x_m=14.0, y_m=0.0, yaw_rad=0.0, overlap="allow")
 
 
 def test_a_script_is_the_same_every_time(core: Any) -> None:

@@ -29,12 +29,13 @@ def test_every_key_changes_what_it_names(tmp_path: Path) -> None:
         tmp_path,
         'seed = 7\npolicy = "paper"\ndistricts = ["country_road", "quiet"]\nlidar = "mine.toml"\n'
         'image_size = [310, 94]\nweathers = ["snow", "dusk"]\n'
-        'assets = "mine"\nsamples_per_episode = 3\n',
+        'assets = "mine"\nsamples_per_episode = 3\nvehicle_shares = {Car = 0.8, Van = 0.2}\n',
     )
     policy = found.policy
     assert (found.seed, policy.name, policy.samples_per_episode) == (7, "paper", 3)
     assert [name for name, _ in policy.weathers] == ["snow", "dusk"]
     assert [district.name for district, _ in policy.districts] == ["country_road", "quiet"]
+    assert [district.vehicle_shares for district, _ in policy.districts] == [{"Car": 0.8, "Van": 0.2}] * 2
     assert policy.assets is not None
     for rig, _ in policy.rigs:
         assert (rig.camera.width, rig.camera.height) == (310, 94)
@@ -59,6 +60,7 @@ def test_simulations_differ_where_their_frames_do(tmp_path: Path) -> None:
         ('districts = ["town"]', "districts: unknown district 'town'; known: parked_rows, "),
         ("policy = 3", "policy: unknown policy 3; known: kitti, paper"),
         ('rig = "car"', "rig: "),
+        ("vehicle_shares = {Bus = 1}", "vehicle_shares: District.vehicle_shares: expected weights by class (Car, "),
         ('lidar = "missing.toml"', "lidar: "),
         ("image_size = [310]", "image_size: expected (width, height), got [310]"),
         ('weathers = "snow"', "weathers: expected a list of strings, got 'snow'"),

@@ -76,7 +76,7 @@ def test_scenes_and_environments_take_a_folder_or_what_was_read(tmp_path: Path) 
     for assets in (folder, str(folder), Assets.read(folder)):
         assert Environment(assets=assets).policy.assets == Assets.read(folder)
         scene = Scene.empty(assets=assets)
-        scene.add("car", x=9.0, y=1.0, yaw=0.5, model="mine")
+        scene.add("car", x_m=9.0, y_m=1.0, yaw_rad=0.5, model="mine")
         assert [(agent.model, tuple(agent.position_world)) for agent in scene.agents] == [("mine", (9.0, 1.0, 0.0))]
     with pytest.raises(CadetError, match=r"^assets: expected a folder or cadet.Assets, got 3$"):
         Scene.empty(assets=3)  # type: ignore[arg-type]
@@ -117,7 +117,10 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_toml('name = "mine"\n', ""), "assets.toml: vehicle 1: missing key 'name'"),
     (_toml('"mine"', '"a b"'), "assets.toml: vehicle 'a b'.name: expected 1 to 64 letters, digits, '_', '.' or '-'"),
     (_toml('"mine"', "[1]"), "assets.toml: vehicle [1].name: expected"),
-    (_toml('"Car"', '"Tank"'), "assets.toml: vehicle 'mine'.class: expected one of Car, Van, Truck, got 'Tank'"),
+    (
+        _toml('"Car"', '"Tank"'),
+        "assets.toml: vehicle 'mine'.class: expected one of Car, Van, Truck, Tram, Misc, got",
+    ),
     (_toml('"meshes/car.obj"', "7"), "assets.toml: vehicle 1.mesh: expected the path of an OBJ or glTF file, got 7"),
     (_toml("meshes/car", "c" * 300), f"assets.toml: vehicle 1: no mesh '{'c' * 300}.obj'"),
     (_toml("meshes/car", "car"), "assets.toml: vehicle 1: no mesh 'car.obj'"),

@@ -138,10 +138,10 @@ def test_panes_let_both_sensors_through(materials: str, is_clear: bool, tmp_path
     images = []
     for with_person in (False, True):
         scene = cadet.Scene.empty(weather="clear_noon", assets=own)
-        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
         # Across the view: the cabin is all panes, and somebody stands behind it.
-        car = scene.add("car", x=8.0, y=0.0, yaw=np.pi / 2, model="mine")
-        person = scene.add("pedestrian", x=11.0, y=-0.3, yaw=0.0, model_seed=3) if with_person else 0
+        car = scene.add("car", x_m=8.0, y_m=0.0, yaw_rad=np.pi / 2, model="mine")
+        person = scene.add("pedestrian", x_m=11.0, y_m=-0.3, yaw_rad=0.0, model_seed=3) if with_person else 0
         sensed = sense(scene)
         images.append(sensed.frame.image.astype(int))
     ids = sensed.scan.actor_id
@@ -155,6 +155,20 @@ def test_panes_let_both_sensors_through(materials: str, is_clear: bool, tmp_path
     assert (num_changed > 100) == is_clear, "the person shows through the panes"
 
 
+def test_a_mesh_may_be_of_any_class_of_vehicles(tmp_path: Path) -> None:
+    semantic = {"Van": "VAN", "Truck": "TRUCK", "Tram": "TRAM", "Misc": "OTHER_VEHICLE"}
+    text = "".join(CAR.replace("mine", kind).replace('"Car"', f'"{kind}"') for kind in semantic)
+    scene = cadet.Scene.empty(assets=assets_folder(tmp_path / "own", text))
+    ids = {kind: scene.add(kind, model=kind, x_m=14.0, y_m=5.0 - 3.5 * k) for k, kind in enumerate(semantic)}
+    frame = scene.capture()
+    assert frame.instance is not None and frame.semantic is not None
+    for seen in frame.objects:
+        assert (seen.model, seen.id) == (seen.type, ids[seen.type])
+        values = frame.semantic[frame.instance == seen.id]
+        assert (values == cadet.Semantic[semantic[seen.type]]).all()
+    assert {label.type for label in frame.labels} == set(semantic)
+
+
 def test_models_are_asked_for_by_name_and_class(tmp_path: Path) -> None:
     own = assets_folder(tmp_path / "own")
     scene = cadet.Scene.empty(assets=own)
@@ -164,9 +178,9 @@ def test_models_are_asked_for_by_name_and_class(tmp_path: Path) -> None:
         ("pedestrian", "mine", "is a Car, not a Pedestrian"),
     ]:
         with pytest.raises(cadet.CadetError, match=re.escape(message).replace("'mine'", ".mine.")):
-            scene.add(kind, x=9.0, y=0.0, yaw=0.0, model=model)
+            scene.add(kind, x_m=9.0, y_m=0.0, yaw_rad=0.0, model=model)
     with pytest.raises(cadet.CadetError, match=r'unknown model "mine"; known: none, the scene has no assets'):
-        cadet.Scene.empty().add("car", x=9.0, y=0.0, yaw=0.0, model="mine")
+        cadet.Scene.empty().add("car", x_m=9.0, y_m=0.0, yaw_rad=0.0, model="mine")
 
 
 @pytest.mark.parametrize(
@@ -197,8 +211,8 @@ def test_real_meshes_have_the_size_of_vehicles(real: cadet.Assets) -> None:
 def test_a_real_mesh_looks_ahead_and_stands_on_its_wheels(real: cadet.Assets, number: int) -> None:
     name, _, kind, _ = REAL[number]
     scene = cadet.Scene.empty(weather="clear_noon", assets=real)
-    scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-    actor = scene.add(kind, x=18.0, y=0.0, yaw=0.0, model=name)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    actor = scene.add(kind, x_m=18.0, y_m=0.0, yaw_rad=0.0, model=name)
     vertices, faces, actor_ids = scene.triangles()
     own = vertices[np.unique(faces[actor_ids == actor])] - [18.0, 0.0, 0.0]
     length_m = np.ptp(own[:, 0])
@@ -258,7 +272,7 @@ def test_beams_and_the_camera_look_through_panes_that_are_assumed(tmp_path: Path
             scene = cadet.Scene.empty(assets=own)
         said = [str(warning.message) for warning in caught]
         assert [text.split(": ")[:2] for text in said] == ([["meshes/car.obj", ANY]] if name == "open" else [])
-        car = scene.add("car", x=10.0, y=0.0, yaw=1.5, model="mine")
+        car = scene.add("car", x_m=10.0, y_m=0.0, yaw_rad=1.5, model="mine")
         lidar = cadet.Lidar.hdl64e_kitti()
         scan, ideal = scene.scan(lidar), scene.scan(lidar, ideal=True)
         columns = lidar.beam_table().num_columns

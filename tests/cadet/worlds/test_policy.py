@@ -1,14 +1,18 @@
 from __future__ import annotations
 
+import json
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
+import numpy as np
 import pytest
 
 import cadet
-from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, weather_names
+from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, SceneConfig, weather_names
 from cadet.worlds.districts import DISTRICTS
+from cadet.worlds.policy_choice import draw_with
 
 DRY = {"clear_noon", "cloudy_noon", "clear_sunset", "cloudy_sunset"}
 STREET = District(name="street", parking_occupancy=(0.1, 0.2), num_cars=(2, 3), num_pedestrians=(0, 1))
@@ -73,7 +77,7 @@ def test_rig_and_load_have_streams_of_their_own_and_stay_through_an_episode() ->
 
 def test_the_papers_policy_brings_its_rig_and_no_vans() -> None:
     spec = ResetPolicy.named("paper").draw(0, 0)
-    assert (spec.rig, spec.car_pitch_deg, spec.config.vehicle_classes) == (Rig.paper(), 0.0, ("Car",))
+    assert (spec.rig, spec.car_pitch_deg, spec.config.vehicle_shares) == (Rig.paper(), 0.0, {"Car": 1.0})
 
 
 def test_counts_stay_in_the_district_and_maps_are_all_drawn() -> None:
@@ -107,10 +111,6 @@ def test_a_manifest_names_maps_by_hash() -> None:
             {"rigs": ((Rig.kitti(), 1.0), (Rig.kitti(), 1.0))},
             "ResetPolicy.rigs: expected different names, got kitti, kitti",
         ),
-        (
-            {"vehicle_classes": ("Van",)},
-            "ResetPolicy.vehicle_classes: expected a tuple of Car, Van, Truck, Misc, Car among them, got ('Van',)",
-        ),
         ({"weathers": ()}, "ResetPolicy.weathers: expected at least one, got none"),
         ({"weathers": (("clear_noon", 0.0),)}, "ResetPolicy.weathers: expected a weight above 0, got none"),
         ({"districts": ((STREET, -1.0),)}, "ResetPolicy.districts weight: expected a number from 0 to 1e+09, got -1.0"),
@@ -131,6 +131,38 @@ def test_a_district_refuses_a_range_the_wrong_way_round() -> None:
     with pytest.raises(CadetError) as caught:
         District(name="x", parking_occupancy=(0.5, 0.4), num_cars=(0, 1), num_pedestrians=(0, 1))
     assert str(caught.value) == "District.parking_occupancy: expected (low, high), got (0.5, 0.4)"
+
+
+@pytest.mark.parametrize(
+    ("shares", "message"),
+    [
+        (("Car",), r": expected weights by class \(Car, Van, Truck, Misc\), such as {'Car': .*, got \('Car',\)"),
+        ({"Tram": 1}, r": expected weights by class \(Car, Van, Truck, Misc\), such as .*, got {'Tram': 1}"),
+        ({"Car": -1}, r"\.Car: expected a number from 0 to 1e\+09, got -1"),
+        ({"Car": "all"}, r"\.Car: expected a number from 0 to 1e\+09, got 'all'"),
+        ({}, ": expected a weight above 0 of Car or Van, since the others do not fit everywhere, got {}"),
+        ({"Car": 0, "Truck": 1}, ": expected a weight above 0 of Car or Van, since .*, got {'Car': 0, 'Truck': 1}"),
+    ],
+)
+def test_what_are_no_shares_of_vehicle_classes_is_refused(shares: Any, message: str) -> None:
+    for owner, make in (("District", partial(replace, STREET)), ("SceneConfig", SceneConfig)):
+        with pytest.raises(CadetError, match=rf"^{owner}\.vehicle_shares{message}$"):
+            make(vehicle_shares=shares)
+
+
+def test_shares_of_vehicle_classes_are_the_districts_and_reach_the_scene() -> None:
+    given: dict[str, Any] = {"Car": 3, "Van": np.float32(0.5)}
+    policy = ResetPolicy.kitti().with_each_district(lambda district: replace(district, vehicle_shares=given))
+    assert all(district.vehicle_shares == {"Car": 3.0, "Van": 0.5} for district, _ in policy.districts)
+    spec = policy.draw(0, 0)
+    assert spec.config.vehicle_shares == {"Car": 3.0, "Van": 0.5}
+    assert replace(spec.config, vehicle_shares=None) == ResetPolicy.kitti().draw(0, 0).config
+    # A manifest tells of them; that of districts without says what it has always said.
+    assert json.loads(json.dumps(policy.to_dict()))["districts"][0]["vehicle_shares"] == {"Car": 3.0, "Van": 0.5}
+    assert "vehicle_shares" not in ResetPolicy.kitti().to_dict()["districts"][0]
+    hash(policy), hash(spec.config)
+    config = SceneConfig(vehicle_shares={"Van": 1})
+    assert draw_with(policy, config)(0, 0, 0).config.vehicle_shares == {"Van": 1.0}
 
 
 def test_districts_are_known_by_name_and_take_the_place_of_the_policys() -> None:

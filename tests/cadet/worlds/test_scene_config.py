@@ -18,7 +18,7 @@ def beside_the_van(azimuth_deg: float) -> tuple[float, float]:
     """Return the mean brightness of the road to the left and to the right of a van ahead."""
     config = SceneConfig(sun_elevation_deg=30.0, sun_azimuth_deg=azimuth_deg)
     scene = Scene.empty(weather="clear_noon", rig=SMALL, config=config)
-    scene.add("van", x=14.0, y=0.0, yaw=0.0)
+    scene.add("van", x_m=14.0, y_m=0.0, yaw_rad=0.0)
     frame = scene.capture()
     assert frame.instance is not None and frame.semantic is not None
     rows, columns = np.nonzero(frame.instance == 1)

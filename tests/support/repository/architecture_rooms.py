@@ -12,9 +12,9 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "formats": {"_util", "errors", "sensors", "_cadet"},
     "simulation": {"_util", "errors", "formats", "sensors", "worlds", "_cadet"},
     "generate": {"_util", "errors", "formats", "sensors", "simulation", "worlds", "_cadet"},
-    "view": {"_util", "bev", "errors", "formats", "sensors", "simulation", "worlds"},
-    "evaluation": {"_util", "errors", "formats", "view", "_cadet"},
-    "datasets": {"_util", "errors", "formats", "sensors", "view", "_cadet"},
+    "figures": {"_util", "bev", "errors", "formats", "sensors", "simulation", "worlds"},
+    "evaluation": {"_util", "errors", "figures", "formats", "_cadet"},
+    "datasets": {"_util", "errors", "formats", "sensors", "_cadet"},
 }
 
 PYTHON_ROOMS["cli"] = {*PYTHON_ROOMS, "_cadet"}

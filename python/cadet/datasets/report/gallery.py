@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet.errors import CadetError
 from cadet.formats.kitti import Calibration, Frame, Label, boxes, read_frame
 from cadet.formats.kitti.files.folder import file_path, frame_ids, sample_folder
 from cadet.formats.kitti.files.unreadable import READING_ERRORS, Unreadable
-from cadet.view import style
 
 _IMAGE_WIDTH_PX: Final = 960
 _MOST_JPEG_BYTES: Final = 150_000

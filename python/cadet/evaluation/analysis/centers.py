@@ -33,7 +33,12 @@ from cadet.formats.kitti.boxes import wrap_angle
 
 LIMITS_M: Final = (0.5, 1.0, 2.0, 4.0)
 """How near centers must be: AP is computed for each and averaged."""
-_RANGES_M: Final = {"Pedestrian": 40.0, "Person_sitting": 40.0, "Cyclist": 40.0}
+_RANGES_M: Final = {"Pedestrian": 40.0, "Person_sitting": 40.0, "Cyclist": 40.0} | {
+    "bicycle": 40.0,
+    "motorcycle": 40.0,
+    "barrier": 30.0,
+    "traffic_cone": 30.0,
+}
 _FAR_M: Final = 50.0
 _MIN_RECALL, _MIN_PRECISION = 0.1, 0.1
 _RECALLS: Final = np.linspace(0.0, 1.0, 101)

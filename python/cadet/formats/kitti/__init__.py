@@ -12,6 +12,7 @@ from cadet.formats.kitti.dataset import (
     write_frame,
 )
 from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.frame_object import FrameObject
 from cadet.formats.kitti.from_sample import frame_from_sample
 from cadet.formats.kitti.image_sets import ImageSet, read_image_set, write_image_set
 from cadet.formats.kitti.label import TYPES, Label, boxes_cam_from_labels, labels_from_text, text_from_labels
@@ -25,6 +26,7 @@ __all__ = [
     "Dataset",
     "Finding",
     "Frame",
+    "FrameObject",
     "ImageSet",
     "Label",
     "boxes_cam_from_labels",

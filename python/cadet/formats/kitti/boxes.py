@@ -3,6 +3,7 @@
 `boxes_cam` is (M, 7) [x, y, z, l, w, h, rotation_y], the bottom face's center in the rectified frame of camera 0.
 `boxes_velo` is (M, 7) [x, y, z, l, w, h, yaw], the geometric center in the velo frame, yaw
 counter-clockwise seen from above.
+Lists of such rows are taken for arrays.
 `boxes_img` is (M, 4) [left, top, right, bottom] in pixels, (0, 0) the center of the top-left pixel.
 """
 
@@ -11,9 +12,9 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from cadet._util.arrays import check_array
+from cadet._util.arrays import as_array, check_array
 from cadet._util.checks import check_image_size, check_kind, check_number, shown
 from cadet.errors import ShapeError
 from cadet.formats.kitti.calib import Calibration
@@ -49,7 +50,7 @@ def wrap_angle(angle_rad: NDArray[Any] | float) -> NDArray[np.float64]:
     return np.where((angle >= -np.pi) & (angle < np.pi), angle, wrapped)
 
 
-def alpha_from_boxes(boxes_cam: NDArray[Any]) -> NDArray[np.float64]:
+def alpha_from_boxes(boxes_cam: ArrayLike) -> NDArray[np.float64]:
     """Compute KITTI's observation angle rotation_y - atan2(x, z), wrapped: (M, 7) to (M,) radians.
 
     Raises:
@@ -60,7 +61,7 @@ def alpha_from_boxes(boxes_cam: NDArray[Any]) -> NDArray[np.float64]:
     return wrap_angle(boxes[:, 6] - np.arctan2(boxes[:, 0], boxes[:, 2]))
 
 
-def corners_cam(boxes_cam: NDArray[Any]) -> NDArray[np.float64]:
+def corners_cam(boxes_cam: ArrayLike) -> NDArray[np.float64]:
     """List the corners of boxes.
 
     Args:
@@ -84,7 +85,7 @@ def corners_cam(boxes_cam: NDArray[Any]) -> NDArray[np.float64]:
     return np.stack([x, local[..., 1], z], axis=-1) + boxes[:, None, :3]
 
 
-def project_boxes(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[np.float64]:
+def project_boxes(boxes_cam: ArrayLike, calib: Calibration) -> NDArray[np.float64]:
     """Project boxes and bound them by upright rectangles, not clipped to any image.
 
     A box that reaches behind `NEAR_M` is cut there first, edge by edge, so it keeps its finite, visible part.
@@ -192,7 +193,7 @@ def iou_img(boxes_img: NDArray[np.float64], others_img: NDArray[np.float64]) -> 
     return iou
 
 
-def truncation(boxes_cam: NDArray[Any], calib: Calibration, image_size: tuple[int, int]) -> NDArray[np.float64]:
+def truncation(boxes_cam: ArrayLike, calib: Calibration, image_size: tuple[int, int]) -> NDArray[np.float64]:
     """Compute which share of each projected box the image cuts off: 1 - clipped area / whole area.
 
     Args:
@@ -214,7 +215,7 @@ def truncation(boxes_cam: NDArray[Any], calib: Calibration, image_size: tuple[in
     return 1.0 - share
 
 
-def points_in_boxes(points_cam: NDArray[Any], boxes_cam: NDArray[Any], margin_m: float = 0.0) -> NDArray[np.bool_]:
+def points_in_boxes(points_cam: NDArray[Any], boxes_cam: ArrayLike, margin_m: float = 0.0) -> NDArray[np.bool_]:
     """Tell which points lie inside which boxes.
 
     Args:
@@ -247,7 +248,7 @@ def points_in_boxes(points_cam: NDArray[Any], boxes_cam: NDArray[Any], margin_m:
     return is_inside
 
 
-def boxes_velo_from_cam(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[np.float64]:
+def boxes_velo_from_cam(boxes_cam: ArrayLike, calib: Calibration) -> NDArray[np.float64]:
     """Bring boxes from the cam frame into the velo frame: (M, 7) to (M, 7).
 
     The center moves exactly; yaw = -(rotation_y + pi/2), as everywhere for KITTI, which leaves out the fraction of a
@@ -265,7 +266,7 @@ def boxes_velo_from_cam(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[
     return boxes
 
 
-def boxes_cam_from_velo(boxes_velo: NDArray[Any], calib: Calibration) -> NDArray[np.float64]:
+def boxes_cam_from_velo(boxes_velo: ArrayLike, calib: Calibration) -> NDArray[np.float64]:
     """Bring boxes from the velo frame into the cam frame: (M, 7) to (M, 7), the inverse of `boxes_velo_from_cam`.
 
     Raises:
@@ -284,5 +285,5 @@ def _check_calib(calib: object) -> None:
     check_kind("", "calib", calib, Calibration)
 
 
-def _check_boxes(boxes: NDArray[Any], name: str) -> NDArray[np.float64]:
-    return check_array(boxes, name, ("M", 7), finite=True).astype(np.float64)
+def _check_boxes(boxes: ArrayLike, name: str) -> NDArray[np.float64]:
+    return as_array(boxes, name, ("M", 7), finite=True).astype(np.float64)

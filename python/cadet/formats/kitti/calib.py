@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from cadet._util.arrays import check_array
-from cadet._util.checks import check_image_size, check_kind, check_text
+from cadet._util.arrays import as_array, check_array
+from cadet._util.checks import check_image_size, check_kind, check_text, shown
 from cadet._util.summary import summary
 from cadet.errors import CadetError, ShapeError
 from cadet.formats.kitti.files.calib_text import SHAPES, matrices_from_text
@@ -26,6 +25,7 @@ ZERO_DEPTH_M: Final = 2.5e-7
 _NEAR_ZERO_M: Final = 0.01
 """Far more than single precision errs by within a scan's reach."""
 _XYZ: Final = 3
+_ROTATION_TOLERANCE: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +84,37 @@ class Calibration:
     def __hash__(self) -> int:
         """Hash the matrices."""
         return hash(tuple(np.add(getattr(self, name), 0.0).tobytes() for name in SHAPES))
+
+    @classmethod
+    def from_pinhole(cls, K: ArrayLike, cam_from_velo: ArrayLike) -> Calibration:
+        """Return the calibration of one pinhole camera and a LIDAR: the camera is all four of KITTI's.
+
+        Args:
+            K: (3, 3) [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels, (0, 0) the center of the top-left pixel.
+            cam_from_velo: (4, 4) or (3, 4), meters: takes points [x, y, z, 1] of the LIDAR's frame into the camera's,
+                x right, y down, z forward.
+
+        Raises:
+            ShapeError: another shape.
+            NonFiniteError: NaN or infinity.
+            CadetError: a `K` that is no pinhole camera's, or a `cam_from_velo` that does more than turn and move.
+        """
+        intrinsics = as_array(K, "K", (3, 3), finite=True).astype(np.float64)
+        pose = as_array(cam_from_velo, "cam_from_velo", ("3 or 4", 4), finite=True).astype(np.float64)
+        if min(intrinsics[0, 0], intrinsics[1, 1]) <= 0.0 or not np.array_equal(
+            intrinsics[[1, 2, 2, 2], [0, 0, 1, 2]], [0, 0, 0, 1]
+        ):
+            raise CadetError(f"K: expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], got {shown(intrinsics.tolist())}")
+        if len(pose) != 3 and not (len(pose) == 4 and pose[3].tolist() == [0, 0, 0, 1]):
+            raise ShapeError(f"cam_from_velo: expected (3, 4), or (4, 4) that ends in 0, 0, 0, 1, got {pose.tolist()}")
+        rotation = pose[:3, :3]
+        is_rigid = np.abs(rotation @ rotation.T - np.eye(3)).max() < _ROTATION_TOLERANCE
+        if not is_rigid or np.linalg.det(rotation) <= 0.0:
+            raise CadetError(f"cam_from_velo: expected a rotation in its (3, 3), got {shown(rotation.tolist())}")
+        seen, unknown = np.hstack([intrinsics, np.zeros((3, 1))]), np.zeros((3, 4))
+        return cls(
+            P0=seen, P1=seen, P2=seen, P3=seen, R0_rect=np.eye(3), Tr_velo_to_cam=pose[:3], Tr_imu_to_velo=unknown
+        )
 
     @classmethod
     def from_text(cls, text: str, file: str = "calib") -> Calibration:
@@ -166,16 +197,6 @@ class Calibration:
         """
         return _transform(self.velo_from_cam, points_cam, "points_cam")
 
-    def velo_to_cam(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
-        """Deprecated: the old name of `points_cam_from_velo`."""
-        _warn_of_old_name("velo_to_cam", "points_cam_from_velo", "cam_from_velo")
-        return self.points_cam_from_velo(points_velo)
-
-    def cam_to_velo(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
-        """Deprecated: the old name of `points_velo_from_cam`."""
-        _warn_of_old_name("cam_to_velo", "points_velo_from_cam", "velo_from_cam")
-        return self.points_velo_from_cam(points_cam)
-
     def project(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
         """Project points into the image with the whole of P2.
 
@@ -254,8 +275,3 @@ def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> 
         raise ShapeError(f"{name}: expected (N, 3) or wider, got {points.shape}")
     moved: NDArray[np.float64] = points[:, :3].astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     return moved
-
-
-def _warn_of_old_name(old: str, new: str, matrix: str) -> None:
-    message = f"Calibration.{old} is now Calibration.{new}(points); Calibration.{matrix} is the (4, 4) matrix"
-    warnings.warn(message, DeprecationWarning, stacklevel=3)

@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet._util.checks import as_path, check_flag, check_kind
-from cadet.errors import CadetError, FrameExistsError
+from cadet._util.user_files import read_file
+from cadet.errors import CadetError, FrameExistsError, MissingFileError
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.folder import (
     SUFFIXES,
     check_id,
+    display_name,
     file_path,
     frame_ids,
     read_suffixes,
@@ -26,14 +28,13 @@ from cadet.formats.kitti.files.folder import (
     write_whole,
 )
 from cadet.formats.kitti.files.planes import plane_from_text, text_from_plane
-from cadet.formats.kitti.files.text import content_lines
+from cadet.formats.kitti.files.text import content_lines, text_from_bytes
 from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import (
     FolderFiles,
     frame_from_files,
     image_from_files,
-    labels_from_files,
     meta_from_files,
     read_depth,
     read_instance,
@@ -41,7 +42,7 @@ from cadet.formats.kitti.frame_files import (
     read_text,
 )
 from cadet.formats.kitti.image_sets import list_frame, other_split, read_image_set
-from cadet.formats.kitti.label import Label, text_from_labels
+from cadet.formats.kitti.label import Label, labels_from_text, text_from_labels
 
 
 def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True) -> Frame:
@@ -63,24 +64,42 @@ def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True
     return frame_from_files(FolderFiles(sample_folder(root)), check_id(frame_id), has_extras=has_extras)
 
 
-def read_labels(root: str | Path, frame_id: str | int) -> tuple[Label, ...]:
-    """Read only the labels of a frame.
+def read_labels(path: str | Path, frame_id: str | int | None = None) -> tuple[Label, ...]:
+    """Read only labels, or a detector's results.
+
+    Args:
+        path: their file, such as `out/training/label_2/000012.txt`; with a `frame_id` the KITTI folder, such as `out`.
+        frame_id: as for `read_frame`.
 
     Raises:
-        MissingFileError: there is no label file.
+        MissingFileError: there is no such file.
         KittiFormatError: a malformed line.
     """
-    return labels_from_files(FolderFiles(sample_folder(root)), check_id(frame_id))
+    return labels_from_text(*_text_of(path, "label_2", frame_id))
 
 
-def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
-    """Read only the calibration of a frame.
+def read_calib(path: str | Path, frame_id: str | int | None = None) -> Calibration:
+    """Read only a calibration.
+
+    Args:
+        path: its file; with a `frame_id` the KITTI folder.
+        frame_id: as for `read_frame`.
 
     Raises:
-        MissingFileError: there is no calibration file.
+        MissingFileError: there is no such file.
         KittiFormatError: a missing key or malformed number.
     """
-    return Calibration.from_text(*read_text(FolderFiles(sample_folder(root)), "calib", check_id(frame_id)))
+    return Calibration.from_text(*_text_of(path, "calib", frame_id))
+
+
+def _text_of(path: str | Path, kind: str, frame_id: str | int | None) -> tuple[str, str]:
+    if frame_id is not None:
+        return read_text(FolderFiles(sample_folder(path)), kind, check_id(frame_id))
+    file = as_path("path", path)
+    if file.is_dir():
+        raise MissingFileError(f"{file}: a folder: name a file of {kind}, or say which frame of the folder is meant")
+    name = display_name(file)
+    return text_from_bytes(read_file(file), name), name
 
 
 def read_meta(root: str | Path, frame_id: str | int) -> dict[str, Any] | None:

@@ -13,6 +13,8 @@ from cadet._util.checks import check_kind
 from cadet._util.summary import counts, summary
 from cadet.errors import ShapeError
 from cadet.formats.kitti.calib import Calibration
+from cadet.formats.kitti.files import images
+from cadet.formats.kitti.frame_object import FrameObject, objects_of
 from cadet.formats.kitti.label import Label
 from cadet.sensors.sample import Agent, Sample, Scan
 
@@ -99,9 +101,36 @@ class Frame:
         return () if self.sample is None else self.sample.agents
 
     @property
+    def objects(self) -> tuple[FrameObject, ...]:
+        """Every object that the image shows, those without a label too, as `labels` has them.
+
+        Raises:
+            CadetError: `meta` does not fit the labels.
+        """
+        return objects_of(self.labels, self.meta)
+
+    @property
     def image_size(self) -> tuple[int, int]:
         """Width and height of the image in pixels."""
         return self.image.shape[1], self.image.shape[0]
+
+    def draw(self, width: int = 1600) -> NDArray[np.uint8]:
+        """Draw labeled boxes and LIDAR returns in the image, beside the scan from above.
+
+        Args:
+            width: of the picture in pixels, 200 to 16384; the height follows.
+
+        Returns:
+            (H, width, 3) uint8 RGB.
+        """
+        # Loaded when a frame is drawn: `import cadet` stays fast.
+        from cadet.formats.kitti.drawing.panel import panel
+
+        return panel(self, width)
+
+    def _repr_png_(self) -> bytes:
+        """Return the drawing as a PNG file, which notebooks show for a frame."""
+        return images.encode_png(self.draw())
 
     def __repr__(self) -> str:
         return summary(

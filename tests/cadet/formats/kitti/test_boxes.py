@@ -130,7 +130,8 @@ def test_no_boxes_give_empty_answers() -> None:
         (np.zeros((2, 6)), ShapeError, "boxes_cam: expected (M, 7) number, got (2, 6) float64"),
         (np.zeros(7), ShapeError, "boxes_cam: expected (M, 7) number, got (7,) float64"),
         (np.full((2, 7), np.nan), NonFiniteError, "boxes_cam: not finite at [0, 0]"),
-        ([[0.0] * 7], ShapeError, "boxes_cam: expected an array (M, 7) number, got list"),
+        ([[0.0] * 6], ShapeError, "boxes_cam: expected (M, 7) number, got (1, 6) float64"),
+        ("box", ShapeError, "boxes_cam: expected an array (M, 7) number, got str"),
     ],
 )
 def test_what_is_no_box_is_refused(array: NDArray[np.float64], error: type[Exception], message: str) -> None:

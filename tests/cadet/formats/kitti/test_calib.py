@@ -232,12 +232,36 @@ def test_the_images_borders_are_outside() -> None:
     assert points_in_image(np.zeros((0, 3)), calib, (4, 3)).shape == (0,)
 
 
-def test_old_names_of_the_transforms_warn_and_work() -> None:
-    calib = make_calib()
-    points = np.array([[10.0, 1.0, -1.0], [25.0, -3.0, 0.5]])
-    with pytest.warns(DeprecationWarning, match=r"^Calibration\.velo_to_cam is now Calibration\.points_cam_from_velo"):
-        points_cam = calib.velo_to_cam(points)
-    with pytest.warns(DeprecationWarning, match=r"^Calibration\.cam_to_velo is now Calibration\.points_velo_from_cam"):
-        points_velo = calib.cam_to_velo(points_cam)
-    np.testing.assert_array_equal(points_cam, calib.points_cam_from_velo(points))
-    np.testing.assert_allclose(points_velo, points, atol=1e-9)
+def test_a_pinhole_camera_and_a_lidar_make_a_calibration() -> None:
+    turn = np.deg2rad(5.0)
+    # x right, y down, z forward of a camera that looks 5 degrees to the left of the LIDAR's x axis.
+    rotation = np.array([[np.sin(turn), -np.cos(turn), 0.0], [0.0, 0.0, -1.0], [np.cos(turn), np.sin(turn), 0.0]])
+    cam_from_velo = np.eye(4)
+    cam_from_velo[:3] = np.column_stack([rotation, [0.1, -0.2, -0.3]])
+    intrinsics = [[700.0, 0.0, 320.0], [0.0, 710.0, 240.0], [0.0, 0.0, 1.0]]
+    calib = Calibration.from_pinhole(intrinsics, cam_from_velo)
+    assert calib == Calibration.from_pinhole(np.array(intrinsics), cam_from_velo[:3].tolist())
+    np.testing.assert_array_equal(calib.cam_from_velo, cam_from_velo)
+    points_velo = np.random.default_rng(0).uniform([5, -3, -2], [40, 3, 2], (50, 3))
+    x, y, z = rotation @ points_velo.T + np.array([[0.1], [-0.2], [-0.3]])
+    pixels = calib.project(calib.points_cam_from_velo(points_velo))
+    np.testing.assert_allclose(pixels, np.stack([700 * x / z + 320, 710 * y / z + 240], axis=1), rtol=1e-12)
+    np.testing.assert_array_equal(calib.eye_cam, np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("intrinsics", "pose", "message"),
+    [
+        (np.eye(4), np.eye(4), r"^K: expected \(3, 3\) number, got \(4, 4\)"),
+        (np.eye(3) * 700.0, np.eye(4), r"^K: expected \[\[fx, 0, cx\], .*, got "),
+        (np.diag([-700.0, 700.0, 1.0]), np.eye(4), "^K: expected "),
+        (np.diag([700.0, 700.0, 1.0]), np.eye(3), r"^cam_from_velo: expected \(3 or 4, 4\) number, got \(3, 3\)"),
+        (np.diag([700.0, 700.0, 1.0]), np.zeros((5, 4)), r"^cam_from_velo: expected \(3, 4\), or \(4, 4\) that ends"),
+        (np.diag([700.0, 700.0, 1.0]), np.eye(4).T + np.eye(4, k=-3), r"^cam_from_velo: .* ends in 0, 0, 0, 1"),
+        (np.diag([700.0, 700.0, 1.0]), np.diag([2.0, 1.0, 1.0, 1.0]), "^cam_from_velo: expected a rotation"),
+        (np.diag([700.0, 700.0, 1.0]), np.diag([-1.0, 1.0, 1.0, 1.0]), "^cam_from_velo: expected a rotation"),
+    ],
+)
+def test_what_is_no_pinhole_camera_is_refused(intrinsics: np.ndarray, pose: np.ndarray, message: str) -> None:
+    with pytest.raises(CadetError, match=message):
+        Calibration.from_pinhole(intrinsics, pose)

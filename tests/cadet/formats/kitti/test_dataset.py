@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError, NonFiniteError, ShapeError
-from cadet.formats.kitti import Dataset, ImageSet, read_frame, read_labels, write_frame, write_image_set
+from cadet.formats.kitti import Dataset, ImageSet, read_calib, read_frame, read_labels, write_frame, write_image_set
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.frame import Frame
 from synthetic import make_frame
@@ -212,7 +212,18 @@ def test_a_damaged_file_is_named_with_its_line_and_the_reason(
 
 def test_labels_can_be_read_alone(tmp_path: Path) -> None:
     write_frame(tmp_path, 0, make_frame())
-    assert [label.type for label in read_labels(tmp_path, 0)] == ["Car", "Car", "Pedestrian", "DontCare"]
+    labels = read_labels(tmp_path, 0)
+    assert [label.type for label in labels] == ["Car", "Car", "Pedestrian", "DontCare"]
+    file = tmp_path / "training" / "label_2" / "000000.txt"
+    assert read_labels(file) == labels and read_labels(str(file)) == labels
+    assert read_calib(tmp_path / "training" / "calib" / "000000.txt") == read_calib(tmp_path, 0)
+    with pytest.raises(MissingFileError, match="a folder: name a file of label_2, or say which frame"):
+        read_labels(tmp_path)
+    with pytest.raises(MissingFileError, match=r"000009\.txt: no such file"):
+        read_labels(file.with_name("000009.txt"))
+    file.write_text("Car 0 0\n")
+    with pytest.raises(KittiFormatError, match=r"^label_2/000000\.txt:1: expected 15 fields, got 3"):
+        read_labels(file)
 
 
 @pytest.mark.parametrize(

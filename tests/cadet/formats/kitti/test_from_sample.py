@@ -18,8 +18,8 @@ RIG = Rig(camera=Camera.kitti().resized(310, 94), lidar=Lidar.vlp16())
 def sample() -> Sample:
     """Take a sample of a car 15 m ahead and of one that is too far for a label."""
     scene = Scene.empty(rig=RIG, weather="snow")
-    scene.add("car", x=110.0, y=8.0, yaw=0.0)
-    scene.add("car", x=15.0, y=0.0, yaw=0.0)
+    scene.add("car", x_m=110.0, y_m=8.0, yaw_rad=0.0)
+    scene.add("car", x_m=15.0, y_m=0.0, yaw_rad=0.0)
     native = scene._native.capture(request(RIG, 0, Wanted.all_of(["image_3"])))
     return Sample(native, RIG, {"seed": 3})
 

@@ -27,13 +27,13 @@ def gltf_folder(root: Path, name: str = "car.gltf", *, inside: bool = False) -> 
 
 def captured(folder: Path) -> cadet.Frame:
     scene = cadet.Scene.empty(assets=folder)
-    scene.add("car", x=12.0, y=1.0, yaw=2.5, model="mine")
+    scene.add("car", x_m=12.0, y_m=1.0, yaw_rad=2.5, model="mine")
     return scene.capture()
 
 
 def actor_triangles(folder: Path) -> NDArray[np.float64]:
     scene = cadet.Scene.empty(assets=folder)
-    scene.add("car", x=12.0, y=1.0, yaw=0.0, model="mine")
+    scene.add("car", x_m=12.0, y_m=1.0, yaw_rad=0.0, model="mine")
     vertices, faces, actor_ids = scene.triangles()
     corners = vertices[faces[actor_ids > 0]].astype(np.float64)
     rows = np.sort(corners.reshape(len(corners), -1).round(3), axis=0)

@@ -6,12 +6,12 @@ use super::VehicleModel;
 use super::assumed_windows::{Face, Windows};
 use super::imported_fit::{Fit, or_what_to_leave_out};
 use super::imported_materials::{MaterialRules, Role, listed, matches, material};
-use super::paint::Livery;
+use super::paint::{Livery, semantic_of};
 use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::source_mesh::{Placing, SourceMesh, SourceTriangle, check_num_materials, has_area};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
-use crate::material::{Material, Palette, Pattern, Semantic};
+use crate::material::{Material, Palette, Pattern};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
@@ -25,7 +25,7 @@ const TYRE_FOOT_M: f32 = 0.15;
 pub struct VehicleAsset {
     /// The model's name in labels' metadata.
     pub name: String,
-    /// `Car`, `Van` or `Truck`.
+    /// `Car`, `Van` or `Truck`, which drive and park, or `Tram` or `Misc`, which stand where they are put.
     pub class: ObjectClass,
     /// The mesh's file, for messages.
     pub file: String,
@@ -62,15 +62,13 @@ impl VehicleModel {
     /// As [`VehicleModel::from_asset`].
     pub fn with_assumptions(asset: &VehicleAsset) -> Result<(Self, Vec<String>)> {
         let fail = |reason: String| Error::Mesh { name: asset.file.clone(), reason };
-        let semantic = match asset.class {
-            ObjectClass::Car => Semantic::Car,
-            ObjectClass::Van => Semantic::Van,
-            ObjectClass::Truck => Semantic::Truck,
-            other => {
-                let reason = format!("no vehicle is of class {}: Car, Van or Truck", other.kitti_name());
-                return Err(Error::Scene { reason });
-            }
-        };
+        use ObjectClass::{Car, Misc, Tram, Truck, Van};
+        if !matches!(asset.class, Car | Van | Truck | Tram | Misc) {
+            let name = asset.class.kitti_name();
+            let reason = format!("no vehicle is of class {name}: Car, Van, Truck, Tram or Misc");
+            return Err(Error::Scene { reason });
+        }
+        let semantic = semantic_of(asset.class);
         let materials = &asset.source.materials;
         // Assumed glass and assumed seats.
         check_num_materials(&asset.file, materials.len() + 2)?;
@@ -101,7 +99,8 @@ impl VehicleModel {
         let mut builder = MeshBuilder::new();
         let mut assumed = asset.shadow_kept(&triangles);
         let has = |role: Role| faces.iter().any(|(_, slot)| roles[*slot] == Some(role));
-        if !has(Role::Glass) && !asset.rules.names(Role::Glass) {
+        // Trailers and motorbikes have no windows.
+        if asset.class != Misc && !has(Role::Glass) && !asset.rules.names(Role::Glass) {
             let has_seats = has(Role::Interior);
             let is_body = |slot: usize| roles[slot].is_none();
             let windows = Windows::find(&faces, asset.class, fit.size.as_vec3());

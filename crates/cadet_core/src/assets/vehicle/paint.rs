@@ -122,15 +122,20 @@ pub(crate) enum Livery {
     Tram,
 }
 
-/// The materials that every vehicle has.
-pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Material> {
-    let semantic = match class {
+/// What the semantic image shows of a class of vehicles.
+pub(super) fn semantic_of(class: ObjectClass) -> Semantic {
+    match class {
         ObjectClass::Car => Semantic::Car,
         ObjectClass::Van => Semantic::Van,
         ObjectClass::Truck => Semantic::Truck,
         ObjectClass::Tram => Semantic::Tram,
         _ => Semantic::OtherVehicle,
-    };
+    }
+}
+
+/// The materials that every vehicle has.
+pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Material> {
+    let semantic = semantic_of(class);
     let mut materials = vec![Material::matt(semantic, [0.03; 3], Pattern::Plain, 0.012); 23];
     let mut set = |slot: u8, m: Material| materials[usize::from(slot)] = m;
     set(slot::PAINT, paint(class, semantic, s));

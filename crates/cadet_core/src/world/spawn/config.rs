@@ -27,9 +27,9 @@ settings! {
     /// How much traffic there is.
     TrafficConfig;
     others {
-        /// Classes of the vehicles that drive and park, cars among them; the shares of those left out go to the others.
-        /// Trailers and motorbikes (Misc) only park.
-        vehicle_classes: Vec<ObjectClass> = TrafficConfig::VEHICLE_CLASSES.to_vec();
+        /// Weights of the classes of vehicles that drive and park; classes left out have none. Empty for KITTI's shares,
+        /// which depend on the street. Trailers and motorbikes (Misc) only park.
+        vehicle_shares: Vec<(ObjectClass, f64)> = Vec::new();
     }
     numbers {
         /// Driven cars kept around the ego.
@@ -67,29 +67,47 @@ impl TrafficConfig {
     /// [`Error::OutOfRange`] for a number that makes no sense.
     pub fn check(&self) -> Result<()> {
         self.check_settings()?;
-        if !self.vehicle_classes.contains(&ObjectClass::Car) {
+        let is_weight = |(class, weight): &(ObjectClass, f64)| {
+            Self::VEHICLE_CLASSES.contains(class) && weight.is_finite() && *weight >= 0.0
+        };
+        // Trucks and trailers do not fit everywhere.
+        let fits = self.weight(ObjectClass::Car) + self.weight(ObjectClass::Van) > 0.0;
+        if !self.vehicle_shares.iter().all(is_weight) || !(self.vehicle_shares.is_empty() || fits) {
             return Err(Error::OutOfRange {
-                what: "vehicle classes",
-                value: format!("{:?}", self.vehicle_classes),
-                expected: "cars among them".to_owned(),
+                what: "vehicle shares",
+                value: format!("{:?}", self.vehicle_shares),
+                expected: "weights of vehicle classes, that of cars or vans above 0".to_owned(),
             });
         }
         Ok(())
     }
 
+    fn weight(&self, class: ObjectClass) -> f64 {
+        self.vehicle_shares.iter().filter(|(other, _)| *other == class).map(|(_, weight)| weight).sum()
+    }
+
     /// The class of a rare vehicle, drawn from a seed alone: the others' draws don't depend on it.
-    pub(super) fn rare(&self, shares: &[(ObjectClass, f64)], seed: u64) -> Option<ObjectClass> {
+    pub(super) fn rare<const N: usize>(&self, usual: &[(ObjectClass, f64); N], seed: u64) -> Option<ObjectClass> {
         let at = Stream::from_seed("rare vehicle", seed).unit();
         let mut sum = 0.0;
+        let shares = self.shares(usual, &[ObjectClass::Car, ObjectClass::Van]);
         let (class, _) = shares.iter().find(|(_, share)| {
             sum += share;
             at < sum
         })?;
-        self.vehicle_classes.contains(class).then_some(*class)
+        Some(*class)
     }
 
-    /// The shares of a mix, 0 for classes that are left out.
-    pub(super) fn among_classes<const N: usize>(&self, mix: &[(ObjectClass, f64); N]) -> [(ObjectClass, f64); N] {
-        mix.map(|(class, share)| (class, if self.vehicle_classes.contains(&class) { share } else { 0.0 }))
+    /// The shares of classes among these and `others`: the stated ones, or the usual ones if none are stated.
+    pub(super) fn shares<const N: usize>(
+        &self,
+        usual: &[(ObjectClass, f64); N],
+        others: &[ObjectClass],
+    ) -> [(ObjectClass, f64); N] {
+        if self.vehicle_shares.is_empty() {
+            return *usual;
+        }
+        let sum: f64 = usual.iter().map(|(class, _)| class).chain(others).map(|class| self.weight(*class)).sum();
+        usual.map(|(class, _)| (class, self.weight(class) / sum))
     }
 }

@@ -96,7 +96,7 @@ impl Spawner<'_> {
         ring_m: (f64, f64),
         entry: Entry,
     ) -> Option<AgentKind> {
-        let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
+        let (own_mix, mix) = (self.config.shares(&DRIVEN_USER_MIX, &[]), self.config.shares(&DRIVEN_MIX, &[]));
         let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
             Some(model) => model,
             None => {

@@ -50,7 +50,7 @@ impl Spawner<'_> {
         let mut stream = self.key.stream("parked cars");
         let (ego, _) = self.arena.ego_place();
         let own = self.arena.ego().actor().footprint(&self.arena.physics).grown(1.0);
-        let parked_mix = config.among_classes(&PARKED_MIX);
+        let parked_mix = config.shares(&PARKED_MIX, &[]);
         let way = self.ego_way();
         let graph = &self.arena.streets.graph;
         let on_way: Vec<u32> = way.iter().flat_map(|r| r.lanes.iter()).map(|l| graph.lane(*l).road).collect();
@@ -64,8 +64,8 @@ impl Spawner<'_> {
             {
                 continue;
             }
-            let has_vans = spot.kind == SpotKind::Yard && parked_mix[1].1 > 0.0;
-            let van_share = if has_vans { YARD_VANS_SHARE } else { parked_mix[1].1 };
+            let is_usual_yard = spot.kind == SpotKind::Yard && config.vehicle_shares.is_empty();
+            let van_share = if is_usual_yard { YARD_VANS_SHARE } else { parked_mix[1].1 };
             let over_m = if spot.kind == SpotKind::Parallel { MOST_OVER_SPOT_M } else { 0.0 };
             let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
                 Some(model) => model,
@@ -166,7 +166,7 @@ fn opening(spot: &ParkingSpot, seed: u64) -> Option<Opening> {
 
 /// A truck, a trailer or a motorbike for some of the parking places, where it fits.
 fn rare_model(spot: &ParkingSpot, over_m: f64, config: &TrafficConfig, seed: u64) -> Result<Option<Arc<VehicleModel>>> {
-    let shares: &[(ObjectClass, f64)] = if spot.kind == SpotKind::Yard { &YARD_RARE } else { &PARKED_RARE };
+    let shares = if spot.kind == SpotKind::Yard { &YARD_RARE } else { &PARKED_RARE };
     let Some(class) = config.rare(shares, seed) else { return Ok(None) };
     let model = VehicleModel::of_traffic(class, seed)?;
     // On a sidewalk it would leave no room to walk.
@@ -174,12 +174,12 @@ fn rare_model(spot: &ParkingSpot, over_m: f64, config: &TrafficConfig, seed: u64
     Ok((is_narrow && fits(spot, over_m, &model)).then(|| Arc::new(model)))
 }
 
-/// A model for a parking place: a car where a van would not fit.
+/// A model for a parking place: a car where a van would not fit, if there are cars.
 fn parked_model(spot: &ParkingSpot, over_m: f64, van_share: f64, draw: &mut Stream) -> Result<Arc<VehicleModel>> {
     let class = if draw.chance(van_share) { ObjectClass::Van } else { ObjectClass::Car };
     let model = VehicleModel::of_traffic(class, draw.next_u64())?;
-    let model =
-        if fits(spot, over_m, &model) { model } else { VehicleModel::of_traffic(ObjectClass::Car, draw.next_u64())? };
+    let is_kept = fits(spot, over_m, &model) || van_share >= 1.0;
+    let model = if is_kept { model } else { VehicleModel::of_traffic(ObjectClass::Car, draw.next_u64())? };
     Ok(Arc::new(model))
 }
 

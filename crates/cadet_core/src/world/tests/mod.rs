@@ -367,21 +367,29 @@ fn what_makes_no_sense_is_refused() {
 }
 
 #[test]
-fn classes_that_are_left_out_neither_drive_nor_park() {
-    let classes = |vehicle_classes: Vec<ObjectClass>| {
+fn shares_of_vehicle_classes_hold_and_what_is_left_out_neither_drives_nor_parks() {
+    use ObjectClass::{Car, Truck, Van};
+    let classes = |vehicle_shares: Vec<(ObjectClass, f64)>| {
         let mut world = World::new(suburb(1), StreamKey::scene(1)).unwrap();
-        let config = TrafficConfig { num_cars: 60, num_pedestrians: 5, vehicle_classes, ..TrafficConfig::default() };
+        let config = TrafficConfig { num_cars: 60, num_pedestrians: 5, vehicle_shares, ..TrafficConfig::default() };
         world.spawn_traffic(&config).unwrap();
         let actors = world.snapshot().actors;
         let count = |class: ObjectClass| actors.iter().filter(|a| a.class == class).count();
-        (count(ObjectClass::Car), count(ObjectClass::Van))
+        (count(Car), count(Van), actors.len())
     };
-    let (cars, vans) = classes(TrafficConfig::default().vehicle_classes);
+    let (cars, vans, _) = classes(Vec::new());
     assert!(vans >= 3, "{vans} vans among {cars} cars");
-    let (only_cars, no_vans) = classes(vec![ObjectClass::Car]);
+    let (only_cars, no_vans, _) = classes(vec![(Car, 3.0)]);
     assert_eq!(no_vans, 0);
     assert!(only_cars as f64 > 0.9 * (cars + vans) as f64, "{only_cars} cars in place of {cars} and {vans} vans");
+    let (some_cars, half_vans, _) = classes(vec![(Car, 1.0), (Van, 1.0)]);
+    // Vans that do not fit into a parking place give it to a car.
+    assert!(half_vans > some_cars / 3 && half_vans < some_cars, "{half_vans} vans, {some_cars} cars");
+    let (no_cars, only_vans, num_all) = classes(vec![(Van, 0.1), (Car, 0.0)]);
+    assert_eq!((no_cars, only_vans), (0, num_all - 5), "the others are people");
     let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-    let none = TrafficConfig { vehicle_classes: vec![ObjectClass::Van], ..TrafficConfig::default() };
-    assert!(world.spawn_traffic(&none).is_err());
+    for shares in [vec![(Truck, 1.0)], vec![(Car, -1.0)], vec![(Car, 1.0), (ObjectClass::Tram, 1.0)]] {
+        let none = TrafficConfig { vehicle_shares: shares, ..TrafficConfig::default() };
+        assert!(world.spawn_traffic(&none).is_err());
+    }
 }

@@ -10,15 +10,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet.errors import CadetError
 from cadet.sensors.camera import Camera
 from cadet.sensors.extrinsics import Extrinsics
 from cadet.sensors.rig import Rig
 from cadet.simulation.scene import Scene
-from cadet.view import style
 
 # A focal length as a portrait has it: little perspective, and more pixels on an actor than the finest level needs.
-_CAMERA: Final = Camera.single(1920, 1080, fx=2400.0, fy=2400.0, cx=959.5, cy=539.5)
+_CAMERA: Final = Camera(width=1920, height=1080, fx=2400.0, fy=2400.0, cx=959.5, cy=539.5)
 _STUDIO: Final = Rig(
     name="studio",
     camera=_CAMERA,
@@ -57,7 +57,7 @@ def survey(kind: str, seeds: Iterable[int]) -> Iterator[Sitter]:
     """Say what `Scene.add` makes of a kind and each of the seeds."""
     for seed in seeds:
         scene = Scene.empty(rig=_STUDIO)
-        actor_id = scene.add(kind, x=_SURVEY_STEP_M, y=0.0, yaw=0.0, model_seed=seed)
+        actor_id = scene.add(kind, x_m=_SURVEY_STEP_M, y_m=0.0, yaw_rad=0.0, model_seed=seed)
         agent = next(agent for agent in scene.capture(sensors=()).agents if agent.id == actor_id)
         yield Sitter(kind, seed, agent.model.split("/")[0], agent.size_lwh[0])
 
@@ -80,9 +80,9 @@ def portrait(sitter: Sitter, number: int = 0, *, speed_mps: float | None = None)
     yaw = math.radians(_YAWS_DEG[number % len(_YAWS_DEG)])
     scene = Scene.empty(rig=_STUDIO)
     # Looking west, away from the sun.
-    scene.move_ego(x=0.0, y=0.0, yaw=math.pi)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=math.pi)
     actor_id = scene.add(
-        sitter.kind, x=-distance_m, y=0.0, yaw=yaw + math.pi, model_seed=sitter.model_seed, speed=speed_mps
+        sitter.kind, x_m=-distance_m, y_m=0.0, yaw_rad=yaw + math.pi, model_seed=sitter.model_seed, speed_mps=speed_mps
     )
     frame = scene.capture(sensors=())
     if frame.instance is None or not (is_sitter := np.asarray(frame.instance == actor_id)).any():

@@ -8,7 +8,7 @@ from typing import Final
 import cv2
 import numpy as np
 
-from cadet.view import style
+from cadet._util import style
 
 _GAP_PX: Final = 6
 _LINE_PX: Final = 18

@@ -13,12 +13,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti import Frame, Label, boxes_cam_from_labels, read_frame, read_meta
 from cadet.formats.kitti.boxes import boxes_velo_from_cam
 from cadet.formats.kitti.files.folder import check_id, frame_ids, sample_folder
 from cadet.formats.kitti.image_sets import check_not_empty
-from cadet.view import style
 
 try:
     import rerun

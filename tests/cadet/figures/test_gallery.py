@@ -12,8 +12,8 @@ from click.testing import CliRunner
 
 from cadet import CadetError, Frame, Scene
 from cadet.cli.tools import cadet as command
-from cadet.view.gallery import pages, tiles, write_gallery
-from cadet.view.gallery.studio import portrait, survey
+from cadet.figures.gallery import pages, tiles, write_gallery
+from cadet.figures.gallery.studio import portrait, survey
 
 
 @pytest.mark.parametrize("kind", ["car", "truck", "pedestrian", "cyclist"])

@@ -11,7 +11,7 @@ import pytest
 
 from cadet.cli import run_cadet
 from cadet.errors import CadetError, MissingFileError
-from cadet.view.picture import check_picture_path, write_picture
+from cadet.figures.picture import check_picture_path, write_picture
 
 STARTS = {".png": b"\x89PNG\r\n\x1a\n", ".jpg": b"\xff\xd8\xff", ".jpeg": b"\xff\xd8\xff", ".JPG": b"\xff\xd8\xff"}
 

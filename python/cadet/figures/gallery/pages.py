@@ -8,16 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+from cadet._util import style
 from cadet.errors import CadetError, MissingFileError
+from cadet.figures.gallery.studio import Sitter, portrait, survey
+from cadet.figures.gallery.tiles import page
+from cadet.figures.picture import write_picture
 from cadet.formats.kitti.dataset import Dataset
+from cadet.formats.kitti.drawing.bev import bev_figure
+from cadet.formats.kitti.drawing.camera import lidar_figure
 from cadet.formats.kitti.frame import Frame
 from cadet.simulation.scene import Scene
-from cadet.view import style
-from cadet.view.bev import bev_figure
-from cadet.view.camera import lidar_figure
-from cadet.view.gallery.studio import Sitter, portrait, survey
-from cadet.view.gallery.tiles import page
-from cadet.view.picture import write_picture
 from cadet.worlds.districts import DISTRICTS, District
 from cadet.worlds.policy import ResetPolicy
 

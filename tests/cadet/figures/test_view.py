@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cadet import view
-from cadet.errors import CadetError, MissingFileError
-from cadet.formats.kitti import boxes, read_frame, write_frame
+from cadet._util import style
+from cadet._util.style import dashes
+from cadet.errors import CadetError
+from cadet.figures import bev_maps
+from cadet.figures.sheet import overview, sheet
+from cadet.formats.kitti import boxes, read_frame
+from cadet.formats.kitti.drawing import bev_figure, boxes_figure, corner_visibility, corners_figure, lidar_figure
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.frame import Frame
-from cadet.view import style
-from cadet.view.style import dashes
 from real_kitti import ROOT, needs_kitti
 from synthetic import DONT_CARE, make_calib, make_frame, make_label
 
@@ -25,6 +27,11 @@ def count(image: NDArray[np.uint8], color: style.Color) -> int:
     return int((image == np.array(color, np.uint8)).all(axis=2).sum())
 
 
+def figures(frame: Frame) -> dict[str, NDArray[np.uint8]]:
+    draw = {"lidar": lidar_figure, "boxes": boxes_figure, "corners": corners_figure, "bev": bev_figure}
+    return {name: figure(frame) for name, figure in draw.items()}
+
+
 def read_png(path: Path) -> NDArray[np.uint8]:
     return images.decode_image(path.read_bytes())
 
@@ -32,7 +39,7 @@ def read_png(path: Path) -> NDArray[np.uint8]:
 def test_figures_have_the_images_size_and_leave_the_frame_alone() -> None:
     frame = make_frame(has_maps=True)
     before = frame.image.copy(), frame.points_velo.copy()
-    drawn = view.figures(frame)
+    drawn = figures(frame)
     assert {name: figure.shape for name, figure in drawn.items()} == {
         "lidar": (190, 620, 3),
         "boxes": (190, 620, 3),
@@ -46,8 +53,8 @@ def test_figures_have_the_images_size_and_leave_the_frame_alone() -> None:
 
 def test_a_frame_without_points_labels_and_plane_can_be_drawn() -> None:
     frame = make_frame(points_velo=np.zeros((0, 4), np.float32), labels=(), plane=None, meta=None)
-    assert view.figures(frame)["boxes"].tobytes() == frame.image.tobytes()
-    assert view.sheet(frame).shape[1] == 1920
+    assert figures(frame)["boxes"].tobytes() == frame.image.tobytes()
+    assert sheet(frame).shape[1] == 1920
 
 
 def test_returns_are_drawn_where_they_project_and_by_depth() -> None:
@@ -55,8 +62,8 @@ def test_returns_are_drawn_where_they_project_and_by_depth() -> None:
     points_cam = np.array([[-1.0, 0.0, 5.0], [3.0, 0.0, 40.0], [0.0, 0.0, -8.0]])
     points_velo = np.hstack([calib.points_velo_from_cam(points_cam), np.zeros((3, 1))]).astype(np.float32)
     blank = np.zeros((190, 620, 3), np.uint8)
-    empty = view.lidar_figure(make_frame(image=blank, points_velo=points_velo[:0]))
-    drawn = view.lidar_figure(make_frame(image=blank, points_velo=points_velo))
+    empty = lidar_figure(make_frame(image=blank, points_velo=points_velo[:0]))
+    drawn = lidar_figure(make_frame(image=blank, points_velo=points_velo))
     changed = np.argwhere((drawn != empty).any(axis=2))[:, ::-1]
     near_img, far_img = calib.project(points_cam[:2])
     distance = np.minimum(np.linalg.norm(changed - near_img, axis=1), np.linalg.norm(changed - far_img, axis=1))
@@ -69,7 +76,7 @@ def test_returns_are_drawn_where_they_project_and_by_depth() -> None:
 
 def test_boxes_are_drawn_in_their_classes_colors_where_they_are() -> None:
     frame = make_frame()
-    drawn = view.boxes_figure(frame)
+    drawn = boxes_figure(frame)
     assert count(drawn, style.CLASS_COLORS["Car"]) > 200
     assert count(drawn, style.CLASS_COLORS["Pedestrian"]) > 10
     assert count(drawn, style.CLASS_COLORS["Truck"]) == 0
@@ -88,14 +95,14 @@ def test_boxes_are_drawn_in_their_classes_colors_where_they_are() -> None:
 
 def test_a_dont_care_region_is_dashed() -> None:
     frame = make_frame(labels=(DONT_CARE,), image=np.zeros((190, 620, 3), np.uint8))
-    row = view.boxes_figure(frame)[80, 300:321].any(axis=1)
+    row = boxes_figure(frame)[80, 300:321].any(axis=1)
     assert 0.3 < row.mean() < 0.8
 
 
 def test_a_box_around_the_camera_can_be_drawn() -> None:
     calib = make_calib()
     around = make_label("Van", (0.2, 1.65, 1.0, 6.0, 2.0, 2.0, 1.5), calib)
-    drawn, without = (view.figures(make_frame(labels=labels)) for labels in ((around,), ()))
+    drawn, without = (figures(make_frame(labels=labels)) for labels in ((around,), ()))
     for name in ("boxes", "corners", "bev"):
         assert (drawn[name] != without[name]).any(), name
     # From above: the outline of 6 x 2 m, 12 pixels a meter, lies about the sensor's place at (480, 840).
@@ -119,7 +126,7 @@ def corner_frame(depth_m: float, **changes: Any) -> tuple[Frame, NDArray[np.floa
 )
 def test_corners_are_hidden_by_what_is_nearer_by_more_than_10_cm(depth_m: float, num_visible: int) -> None:
     frame, corners = corner_frame(depth_m)
-    is_visible, source = view.corner_visibility(frame, list(frame.labels))
+    is_visible, source = corner_visibility(frame, list(frame.labels))
     assert source == "by the depth image"
     assert is_visible.sum() == num_visible
     if num_visible == 4:
@@ -131,7 +138,7 @@ def test_one_far_neighbor_is_enough_to_see_a_corner() -> None:
     assert frame.depth is not None
     u, v = np.floor(frame.calib.project(corners[:1])[0]).astype(int)
     frame.depth[v, u + 1] = 80.0
-    assert view.corner_visibility(frame, list(frame.labels))[0][0].tolist() == [True] + [False] * 7
+    assert corner_visibility(frame, list(frame.labels))[0][0].tolist() == [True] + [False] * 7
 
 
 def test_corners_outside_the_image_count_as_hidden() -> None:
@@ -139,7 +146,7 @@ def test_corners_outside_the_image_count_as_hidden() -> None:
     label = make_label("Car", (5.6, 1.65, 7.5, 3.9, 1.6, 1.4, -1.62), calib)
     frame = make_frame(labels=(label,), depth=np.full((190, 620), np.inf, np.float32))
     corners_img = calib.project(boxes.corners_cam(label.box_cam[None])[0])
-    is_visible, _ = view.corner_visibility(frame, [label])
+    is_visible, _ = corner_visibility(frame, [label])
     assert is_visible[0].tolist() == ((corners_img > 0) & (corners_img < [620, 190])).all(axis=1).tolist()
     assert 0 < is_visible.sum() < 8
 
@@ -147,7 +154,7 @@ def test_corners_outside_the_image_count_as_hidden() -> None:
 def test_what_the_generator_noted_comes_first() -> None:
     noted = [True, False] * 4
     frame, _ = corner_frame(5.0, meta={"objects": [{"corner_visible": noted}]})
-    is_visible, source = view.corner_visibility(frame, list(frame.labels))
+    is_visible, source = corner_visibility(frame, list(frame.labels))
     assert (is_visible[0].tolist(), source) == (noted, "by the generator")
 
 
@@ -159,7 +166,7 @@ def test_without_depth_a_wall_of_returns_hides_what_is_behind_it() -> None:
         wall_cam = np.stack([x.ravel(), y.ravel(), np.full(x.size, wall_m)], axis=1) * (wall_m / 10.0, 1.0, 1.0)
         points_velo = np.hstack([calib.points_velo_from_cam(wall_cam), np.zeros((x.size, 1))]).astype(np.float32)
         frame = make_frame(labels=(label,), points_velo=points_velo)
-        is_visible, source = view.corner_visibility(frame, [label])
+        is_visible, source = corner_visibility(frame, [label])
         assert source == "estimated from the LIDAR"
         # The lowest corners lie beside the wall's foot.
         assert is_visible[0, 4:].sum() == num_visible // 2
@@ -167,16 +174,16 @@ def test_without_depth_a_wall_of_returns_hides_what_is_behind_it() -> None:
 
 def test_corners_are_red_where_hidden_and_green_where_visible() -> None:
     for depth_m, has_red, has_green in ((5.0, True, False), (20.0, True, True), (np.inf, False, True)):
-        drawn = view.corners_figure(corner_frame(depth_m)[0])
+        drawn = corners_figure(corner_frame(depth_m)[0])
         assert (count(drawn, style.HIDDEN) > 0) == has_red
         assert (count(drawn, style.VISIBLE) > 0) == has_green
 
 
 @pytest.mark.parametrize(("x", "y", "u", "v"), [(30.0, 0.0, 480, 480), (60.0, 20.0, 240, 120), (10.0, -30.0, 840, 720)])
 def test_a_return_seen_from_above_lies_12_pixels_a_meter_from_the_sensor(x: float, y: float, u: int, v: int) -> None:
-    without = view.bev_figure(make_frame(labels=(), points_velo=np.zeros((0, 4), np.float32)))
+    without = bev_figure(make_frame(labels=(), points_velo=np.zeros((0, 4), np.float32)))
     point = np.array([[x + 0.02, y - 0.02, 1.0, 1.0]], np.float32)
-    drawn = view.bev_figure(make_frame(labels=(), points_velo=point))
+    drawn = bev_figure(make_frame(labels=(), points_velo=point))
     changed = np.argwhere((drawn != without).any(axis=2))
     assert len(changed) >= 1
     assert np.abs(changed - [v, u]).max() <= 1
@@ -184,7 +191,7 @@ def test_a_return_seen_from_above_lies_12_pixels_a_meter_from_the_sensor(x: floa
 
 def test_boxes_seen_from_above_lie_in_the_velo_frame() -> None:
     frame = make_frame(points_velo=np.zeros((0, 4), np.float32))
-    drawn = view.bev_figure(frame)
+    drawn = bev_figure(frame)
     is_car = (drawn == np.array(style.CLASS_COLORS["Car"], np.uint8)).all(axis=2)
     spots = np.argwhere(is_car)
     x, y = 70.0 - (spots[:, 0] + 0.5) / 12.0, 40.0 - (spots[:, 1] + 0.5) / 12.0
@@ -197,36 +204,29 @@ def test_boxes_seen_from_above_lie_in_the_velo_frame() -> None:
 
 
 def test_sheets_and_overviews_are_written_whole(tmp_path: Path) -> None:
-    for frame_id in range(3):
-        write_frame(tmp_path, frame_id, make_frame())
-    (tmp_path / "out").mkdir()
-    sheet = read_png(view.view_frame(tmp_path, "000001", tmp_path / "out" / "sheet.png"))
-    assert sheet.shape[1] == 1920
-    assert 900 < sheet.shape[0] < 1300
-    frames = [read_frame(tmp_path, frame_id) for frame_id in range(3)]
-    overview = read_png(view.overview(frames, tmp_path / "overview.png"))
-    assert overview.shape[1] == 1600
+    page = sheet(make_frame(), title="000001")
+    assert page.shape[1] == 1920 and 900 < page.shape[0] < 1300
+    picture = read_png(overview([make_frame() for _ in range(3)], tmp_path / "overview.png"))
+    assert picture.shape[1] == 1600
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["overview.png"]
     with pytest.raises(CadetError, match=r"^overview: no frames$"):
-        view.overview([], tmp_path / "none.png")
-    with pytest.raises(MissingFileError):
-        view.view_frame(tmp_path, 9, tmp_path / "none.png")
+        overview([], tmp_path / "none.png")
     assert not (tmp_path / "none.png").exists()
 
 
 def test_the_three_configurations_maps_are_drawn(tmp_path: Path) -> None:
     frame = make_frame()
-    drawn = read_png(view.view_bev_maps(frame, tmp_path / "maps.png"))
+    drawn = read_png(bev_maps.view_bev_maps(frame, tmp_path / "maps.png"))
     # Rows of 6, 6 and 3 panels of 400 x 350 cells.
     assert drawn.shape == (3 * (30 + 376 + 12) + 12, 6 * 412 + 12, 3)
     blank = np.all(drawn == style.BACKGROUND, axis=2)
     assert blank[12 + 2 * 418 + 30 :, 3 * 412 + 12 :].all() and not blank[: 12 + 2 * 418].all()
-    empty = view.bev_maps_figure(replace(frame, points_velo=frame.points_velo[:0], plane=None))
+    empty = bev_maps.bev_maps_figure(replace(frame, points_velo=frame.points_velo[:0], plane=None))
     assert (empty != drawn).any() and empty.shape == drawn.shape
 
 
 def test_figures_are_the_same_every_time() -> None:
-    first, second = view.sheet(make_frame(has_maps=True)), view.sheet(make_frame(has_maps=True))
+    first, second = sheet(make_frame(has_maps=True)), sheet(make_frame(has_maps=True))
     assert first.tobytes() == second.tobytes()
 
 
@@ -234,7 +234,7 @@ def test_figures_are_the_same_every_time() -> None:
 @pytest.mark.parametrize("frame_id", ["000000", "000001"])
 def test_a_real_frame_is_drawn(frame_id: str) -> None:
     frame = read_frame(ROOT, frame_id)
-    drawn = view.figures(frame)
+    drawn = figures(frame)
     for name in ("lidar", "boxes", "corners"):
         assert drawn[name].shape == frame.image.shape
         assert (drawn[name] != frame.image).any()
@@ -253,11 +253,11 @@ def test_damaged_numbers_far_away_cost_neither_memory_nor_warnings() -> None:
     frame = make_frame()
     far = np.array([[3e38, -3e38, 1.0, 0.5]], np.float32)
     with np.errstate(over="ignore"):
-        drawn = view.bev_figure(replace(frame, points_velo=np.concatenate([frame.points_velo, far])))
-    np.testing.assert_array_equal(drawn, view.bev_figure(frame))
+        drawn = bev_figure(replace(frame, points_velo=np.concatenate([frame.points_velo, far])))
+    np.testing.assert_array_equal(drawn, bev_figure(frame))
     label = replace(frame.labels[0], location_cam=(1e308, 1.5, 10.0))
-    assert view.boxes_figure(replace(frame, labels=(label,))).shape == frame.image.shape
+    assert boxes_figure(replace(frame, labels=(label,))).shape == frame.image.shape
     calib = make_calib()
     velo_to_cam = calib.Tr_velo_to_cam.copy()
     velo_to_cam[2, 3] = -1e308
-    view.bev_figure(replace(frame, calib=replace(calib, Tr_velo_to_cam=velo_to_cam)))
+    bev_figure(replace(frame, calib=replace(calib, Tr_velo_to_cam=velo_to_cam)))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cadet.formats.kitti import boxes
 from cadet.formats.kitti.calib import points_in_image
-from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.drawing.drawable import Drawable
 from cadet.formats.kitti.label import Label, boxes_cam_from_labels
 
 _DEPTH_MARGIN_M: Final = 0.1
@@ -20,7 +20,7 @@ _FLAT_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
 _NUM_CORNERS: Final = 8
 
 
-def corner_visibility(frame: Frame, labels: list[Label]) -> tuple[NDArray[np.bool_], str]:
+def corner_visibility(frame: Drawable, labels: list[Label]) -> tuple[NDArray[np.bool_], str]:
     """Tell which corners of labeled boxes the camera sees, from the best source at hand.
 
     In this order: `frame.meta`, where the generator noted it; the depth image, by the rule that a corner is hidden if
@@ -50,7 +50,7 @@ def corner_visibility(frame: Frame, labels: list[Label]) -> tuple[NDArray[np.boo
     return (is_visible & ~is_hidden).reshape(-1, _NUM_CORNERS), source
 
 
-def _visibility_from_meta(frame: Frame, labels: list[Label]) -> NDArray[np.bool_] | None:
+def _visibility_from_meta(frame: Drawable, labels: list[Label]) -> NDArray[np.bool_] | None:
     entries = (frame.meta or {}).get("objects")
     if not isinstance(entries, list) or len(entries) != len(frame.labels):
         return None
@@ -80,7 +80,7 @@ def _hidden_by_depth(
 
 
 def _hidden_by_lidar(
-    z_m: NDArray[np.float64], corners_img: NDArray[np.float64], is_candidate: NDArray[np.bool_], frame: Frame
+    z_m: NDArray[np.float64], corners_img: NDArray[np.float64], is_candidate: NDArray[np.bool_], frame: Drawable
 ) -> NDArray[np.bool_]:
     points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     plane = _FLAT_PLANE if frame.plane is None else frame.plane

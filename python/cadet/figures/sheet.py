@@ -4,46 +4,26 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-import cv2
 import numpy as np
 
+from cadet._util import style
 from cadet.errors import CadetError
+from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti.calib import points_in_image
-from cadet.formats.kitti.dataset import read_frame
-from cadet.formats.kitti.files.folder import check_id
+from cadet.formats.kitti.drawing.bev import bev_figure, height_colors
+from cadet.formats.kitti.drawing.camera import boxes_figure, corners_figure, far_to_near, lidar_figure
+from cadet.formats.kitti.drawing.drawable import enlarged, resized
+from cadet.formats.kitti.drawing.panel import FINE_WIDTH, MARGIN, panel
+from cadet.formats.kitti.drawing.visibility import corner_visibility
 from cadet.formats.kitti.frame import Frame
-from cadet.formats.kitti.label import Label
-from cadet.view import style
-from cadet.view.bev import bev_figure, height_colors
-from cadet.view.camera import boxes_figure, corners_figure, far_to_near, lidar_figure
-from cadet.view.picture import check_picture_path, write_picture
-from cadet.view.visibility import corner_visibility
 
 SHEET_WIDTH_PX: Final = 1920
 
-_MARGIN: Final = 20
 _CAPTION: Final = 30
-_CAMERA_WIDTH: Final = 1000
 _LEGEND_COLUMNS: Final = 5
-_OVERVIEW_BEV_SHARE: Final = 0.4
-
-
-def figures(frame: Frame) -> dict[str, style.Image]:
-    """Draw the figures of a frame.
-
-    Returns:
-        "lidar", "boxes" and "corners", (H, W, 3) like the camera image, and "bev", 876 x 960; all uint8 RGB.
-    """
-    return {
-        "lidar": lidar_figure(frame),
-        "boxes": boxes_figure(frame),
-        "corners": corners_figure(frame),
-        "bev": bev_figure(frame),
-    }
 
 
 def sheet(frame: Frame, title: str = "") -> style.Image:
@@ -56,32 +36,32 @@ def sheet(frame: Frame, title: str = "") -> style.Image:
     Returns:
         (about 1090, 1920, 3) uint8 RGB; the height follows the camera image's.
     """
-    enlarged = _magnified(frame)
+    large = enlarged(frame, FINE_WIDTH)
     is_visible, source = corner_visibility(frame, far_to_near(frame.labels))
     drawn = {
-        "boxes": boxes_figure(enlarged),
-        "lidar": lidar_figure(enlarged),
-        "corners": corners_figure(enlarged, is_visible),
+        "boxes": boxes_figure(large),
+        "lidar": lidar_figure(large),
+        "corners": corners_figure(large, is_visible),
     }
     captions = {
         "boxes": "Labels: 2D and 3D boxes, arrows along the heading",
         "lidar": _lidar_caption(frame),
         "corners": f"Box corners: green visible, red hidden ({source})",
     }
-    rows = [_panel(_resized(drawn[name], _CAMERA_WIDTH), caption) for name, caption in captions.items()]
-    right_width = SHEET_WIDTH_PX - _CAMERA_WIDTH - 3 * _MARGIN
+    rows = [_panel(resized(drawn[name], FINE_WIDTH), caption) for name, caption in captions.items()]
+    right_width = SHEET_WIDTH_PX - FINE_WIDTH - 3 * MARGIN
     bev = _panel(bev_figure(frame, right_width), "From above: returns by height over ground, rings every 10 m")
-    left_height = sum(len(row) for row in rows) + (len(rows) - 1) * _MARGIN
-    legend_height = max(left_height - len(bev) - _MARGIN, 190)
-    height = max(left_height, len(bev) + _MARGIN + legend_height) + 2 * _MARGIN
+    left_height = sum(len(row) for row in rows) + (len(rows) - 1) * MARGIN
+    legend_height = max(left_height - len(bev) - MARGIN, 190)
+    height = max(left_height, len(bev) + MARGIN + legend_height) + 2 * MARGIN
     page = style.filled(height, SHEET_WIDTH_PX)
-    top = _MARGIN
+    top = MARGIN
     for row in rows:
-        page[top : top + len(row), _MARGIN : _MARGIN + _CAMERA_WIDTH] = row
-        top += len(row) + _MARGIN
-    left = _CAMERA_WIDTH + 2 * _MARGIN
-    page[_MARGIN : _MARGIN + len(bev), left : left + right_width] = bev
-    top = _MARGIN + len(bev) + _MARGIN
+        page[top : top + len(row), MARGIN : MARGIN + FINE_WIDTH] = row
+        top += len(row) + MARGIN
+    left = FINE_WIDTH + 2 * MARGIN
+    page[MARGIN : MARGIN + len(bev), left : left + right_width] = bev
+    top = MARGIN + len(bev) + MARGIN
     page[top : top + legend_height, left : left + right_width] = _legend(frame, right_width, legend_height, title)
     return page
 
@@ -101,42 +81,11 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
         CadetError: no frames, or the name ends in no picture's suffix.
     """
     path = check_picture_path(path)
-    bev_width = round(width * _OVERVIEW_BEV_SHARE)
-    camera_width = width - bev_width - 3 * _MARGIN
-    rows = []
-    for frame in frames:
-        large = _magnified(frame)
-        figures = [_resized(figure(large), camera_width) for figure in (boxes_figure, lidar_figure)]
-        camera = np.concatenate([figures[0], style.filled(_MARGIN // 2, camera_width), figures[1]])
-        bev = _fitted(bev_figure(frame, bev_width, has_text=False), len(camera))
-        row = style.filled(len(camera), width)
-        row[:, _MARGIN : _MARGIN + camera_width] = camera
-        row[:, 2 * _MARGIN + camera_width : 2 * _MARGIN + camera_width + bev_width] = bev
-        rows.append(row)
+    rows = [panel(frame, width) for frame in frames]
     if not rows:
         raise CadetError("overview: no frames")
-    gap = style.filled(_MARGIN, width)
+    gap = style.filled(MARGIN, width)
     page = np.concatenate([part for row in rows for part in (gap, row)] + [gap])
-    return write_picture(path, page)
-
-
-def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> Path:
-    """Read a frame of a KITTI folder, real or generated, and write its sheet.
-
-    Args:
-        root: the folder that holds `training`.
-        frame_id: the name of its files without suffix; a number means six digits.
-        out_path: the PNG or JPEG file to write, in a folder that is there.
-
-    Returns:
-        `out_path`.
-
-    Raises:
-        CadetError: the frame is missing or damaged, or the name ends in no picture's suffix.
-    """
-    frame_id = check_id(frame_id)
-    path = check_picture_path(out_path)
-    page = sheet(read_frame(root, frame_id), title=f"{Path(root).resolve().name} / {frame_id}")
     return write_picture(path, page)
 
 
@@ -199,42 +148,3 @@ def _facts(frame: Frame) -> list[str]:
     if noted:
         facts.append(", ".join(noted))
     return facts
-
-
-def _magnified(frame: Frame) -> Frame:
-    """Enlarge a small camera image by a whole factor, with the labels and the projection, so that strokes stay fine."""
-    factor = -(-_CAMERA_WIDTH // frame.image.shape[1])
-    if factor == 1:
-        return frame
-    # Pixel centers are whole numbers: the first pixel's center moves from 0 to the middle of the pixels it becomes.
-    offset = 0.5 * (factor - 1)
-    projection = frame.calib.P2.copy()
-    projection[:2] = factor * projection[:2] + offset * projection[2]
-
-    def enlarged(label: Label) -> Label:
-        left, top, right, bottom = (factor * x + offset for x in label.bbox)
-        return replace(label, bbox=(left, top, right, bottom))
-
-    return replace(
-        frame,
-        image=_resized(frame.image, factor * frame.image.shape[1]),
-        labels=tuple(enlarged(label) for label in frame.labels),
-        calib=replace(frame.calib, P2=projection),
-        depth=None,
-        instance=None,
-        semantic=None,
-    )
-
-
-def _resized(image: style.Image, width: int) -> style.Image:
-    height = round(image.shape[0] * width / image.shape[1])
-    method = cv2.INTER_AREA if width < image.shape[1] else cv2.INTER_CUBIC
-    return np.asarray(cv2.resize(image, (width, height), interpolation=method), np.uint8)
-
-
-def _fitted(image: style.Image, height: int) -> style.Image:
-    """Keep the lower rows, which show what is near, or fill up above."""
-    page = style.filled(height, image.shape[1])
-    num_rows = min(height, len(image))
-    page[height - num_rows :] = image[len(image) - num_rows :]
-    return page

@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet._util.checks import check_number
 from cadet.formats.kitti import boxes
 from cadet.formats.kitti.calib import Calibration
-from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.drawing.drawable import Drawable
 from cadet.formats.kitti.label import Label
-from cadet.view import style
 
 AHEAD_M: Final = 70.0
 """How far the figure looks ahead of the LIDAR."""
@@ -32,7 +32,7 @@ _GLOW: Final = 3.6
 _HEADING_M: Final = 1.2
 
 
-def bev_figure(frame: Frame, width: int = 960, *, has_text: bool = True) -> style.Image:
+def bev_figure(frame: Drawable, width: int = 960, *, has_text: bool = True) -> style.Image:
     """Draw the scan from above, ahead being up: 70 m ahead, 40 m to either side, a ring every 10 m.
 
     Returns are colored by height over the ground and brighter where they are denser or shine back more. Boxes are
@@ -91,7 +91,7 @@ def _draw_ranges(canvas: style.Image, scale: float) -> None:
             style.write(canvas, text, left + 4, baseline - 4, 0.38, style.TEXT)
 
 
-def _draw_view(canvas: style.Image, frame: Frame, scale: float) -> None:
+def _draw_view(canvas: style.Image, frame: Drawable, scale: float) -> None:
     eye, *rays = _view_rays(frame.calib, frame.image_size[0])
     wedge = _pixels(np.stack([eye, rays[0], rays[1]]), scale)
     style.polygon(canvas, wedge, (90, 110, 140), 0.13)
@@ -108,7 +108,7 @@ def _view_rays(calib: Calibration, width: int) -> list[NDArray[np.float64]]:
     return list(calib.points_velo_from_cam(np.concatenate([eye_cam[None], far_cam]))[:, :2])
 
 
-def _draw_points(canvas: style.Image, frame: Frame, scale: float) -> None:
+def _draw_points(canvas: style.Image, frame: Drawable, scale: float) -> None:
     """Add up the returns on a grid twice as fine, then shrink it: dense places glow, single returns stay visible."""
     plane = _FLAT_PLANE if frame.plane is None else frame.plane
     height_m = frame.calib.points_cam_from_velo(frame.points_velo) @ plane[:3] + plane[3]

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import bev
+from cadet._util import style
 from cadet.bev import BevConfig
 from cadet.errors import CadetError
+from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti.calib import points_in_image
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.plane_estimate import estimate_plane
-from cadet.view import style
-from cadet.view.picture import check_picture_path, write_picture
 
 CONFIGURATIONS: Final[dict[str, BevConfig]] = {
     "default": BevConfig.default(),

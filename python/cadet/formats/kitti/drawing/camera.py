@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util import style
 from cadet.formats.kitti import boxes
 from cadet.formats.kitti.calib import Calibration, points_in_image
-from cadet.formats.kitti.frame import Frame
+from cadet.formats.kitti.drawing.drawable import Drawable
+from cadet.formats.kitti.drawing.visibility import corner_visibility
 from cadet.formats.kitti.label import Label
-from cadet.view import style
-from cadet.view.visibility import corner_visibility
 
 _FACES: Final = ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7), (3, 2, 1, 0))
 _HEADING_M: Final = 1.0
@@ -20,7 +20,7 @@ _FARTHEST_M: Final = 1e6
 _MIN_TAG_HEIGHT_PX: Final = 16.0
 
 
-def lidar_figure(frame: Frame) -> style.Image:
+def lidar_figure(frame: Drawable) -> style.Image:
     """Draw the LIDAR returns that the image sees over it, colored by depth: near red, far blue.
 
     Returns:
@@ -39,7 +39,7 @@ def lidar_figure(frame: Frame) -> style.Image:
     return canvas
 
 
-def boxes_figure(frame: Frame) -> style.Image:
+def boxes_figure(frame: Drawable) -> style.Image:
     """Draw the labels' 2D boxes (thin) and 3D boxes (front face tinted, an arrow along the heading), far ones first.
 
     Edges on the far side of a box are fainter; DontCare regions are dashed.
@@ -62,12 +62,12 @@ def boxes_figure(frame: Frame) -> style.Image:
     return canvas
 
 
-def corners_figure(frame: Frame, is_visible: NDArray[np.bool_] | None = None) -> style.Image:
+def corners_figure(frame: Drawable, is_visible: NDArray[np.bool_] | None = None) -> style.Image:
     """Draw the 3D boxes' corners, red where hidden and green where visible.
 
     Args:
         frame: the frame.
-        is_visible: (M, 8) for the objects from far to near; None asks `cadet.view.visibility.corner_visibility`.
+        is_visible: (M, 8) for the objects from far to near; None asks `corner_visibility`.
 
     Returns:
         (H, W, 3) uint8 RGB.
