@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
+import click
 import pytest
 
 pytest.importorskip("torch", reason="needs torch")
@@ -32,6 +35,12 @@ def test_a_flag_and_its_negation_are_one_option() -> None:
         for option in command.params:
             for text in option.secondary_opts:
                 assert text in ("--loose", f"--no-{option.opts[0][2:]}"), words
+
+
+def test_help_shows_no_default_that_only_python_writes() -> None:
+    for words, command in commands():
+        text = command.get_help(click.Context(command, info_name=words))
+        assert not re.search(r"default:\s+(\(|\[|None|<)", text), words
 
 
 def test_the_page_lists_all_names() -> None:

@@ -13,7 +13,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 def names_option(name: str, *, default: tuple[str, ...] = (), help: str) -> Callable[[F], F]:
     """Make an option whose value is a tuple of names."""
     return click.option(
-        name, metavar="LIST", multiple=True, default=default, show_default=",".join(default), callback=_split, help=help
+        name, metavar="LIST", multiple=True, default=default, show_default=",".join(default) or False, callback=_split, help=help
     )
 
 
