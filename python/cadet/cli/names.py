@@ -12,8 +12,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 def names_option(name: str, *, default: tuple[str, ...] = (), help: str) -> Callable[[F], F]:
     """Make an option whose value is a tuple of names."""
+    # Click would show a tuple as Python writes it.
+    text = f"{help}  [default: {','.join(default)}]" if default else help
     return click.option(
-        name, metavar="LIST", multiple=True, default=default, show_default=",".join(default) or False, callback=_split, help=help
+        name, metavar="LIST", multiple=True, default=default, show_default=False, callback=_split, help=text
     )
 
 
