@@ -82,7 +82,7 @@ class NuscenesExporter(FilesInPlace):
             if number > most:
                 raise CadetError(
                     f"nuscenes: {number} {split} scenes, but nuScenes' own splits name {most}: make scenes longer "
-                    "(--length), change the share of the split, or write several folders, each with a --seed of its own"
+                    "(--length-s), change the share of the split, or write several folders, each with a --seed of its own"
                 )
 
     def path(self, place: Place, kind: str) -> str:
