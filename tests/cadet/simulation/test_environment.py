@@ -205,7 +205,10 @@ def test_a_random_scene_is_the_first_sample() -> None:
             lambda: make().reset(seed=0, episode=cast(int, 1.5)),
             "reset.episode: expected a whole number from 0 to 1000000000, got 1.5",
         ),
-        (lambda: Environment(policy="nuscenes"), "unknown policy 'nuscenes'; known: kitti, paper"),
+        (
+            lambda: Environment(policy="nuscenes"),
+            "unknown policy 'nuscenes'; known: kitti, paper, or the path of a file that ends in .toml",
+        ),
         (
             lambda: Environment(policy=cast(ResetPolicy, 3)),
             "policy: expected a ResetPolicy or one of kitti, paper, got 3",

@@ -192,5 +192,8 @@ def test_a_dataset_records_its_assets_and_goes_on_with_no_others(tmp_path: Path)
 
 def test_cadet_gen_refuses_bad_assets_before_it_writes(tmp_path: Path) -> None:
     done = run(tmp_path / "out", "-n", 2, "--assets", tmp_path / "none")
-    assert (done.returncode, done.stderr) == (FAILED, f"cadet-gen: '{tmp_path / 'none'}': no assets.toml in it\n")
+    assert (done.returncode, done.stderr) == (
+        FAILED,
+        f"cadet-gen: --assets: '{tmp_path / 'none'}': no assets.toml in it\n",
+    )
     assert not (tmp_path / "out").exists()

@@ -66,5 +66,5 @@ def test_a_bad_prop_is_one_line_before_anything_is_written(
         run_cadet_gen()
     assert ended.value.code == 2
     reason = 'own-pillar.toml:4: unknown name "hight"; known here: variant, level, near, mid, far, length, h'
-    assert capsys.readouterr().err == f"cadet-gen: {reason}\n"
+    assert capsys.readouterr().err == f"cadet-gen: --props: {reason}\n"
     assert not (tmp_path / "out").exists()

@@ -81,8 +81,8 @@ class NuscenesExporter(FilesInPlace):
             most = len(scene_names(split))
             if number > most:
                 raise CadetError(
-                    f"nuscenes: {number} {split} scenes, but nuScenes' own splits name {most}: make scenes longer "
-                    "(--length-s), change the share of the split, or write several folders, each with a --seed of its own"
+                    f"nuscenes: {number} {split} scenes, but nuScenes' own splits name {most}: make scenes "
+                    "longer (--length-s), change the share of the split, or write several folders, each with its --seed"
                 )
 
     def path(self, place: Place, kind: str) -> str:

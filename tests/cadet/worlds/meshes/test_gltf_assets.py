@@ -131,4 +131,4 @@ def test_bad_meshes_are_left_out_where_that_is_asked_for(tmp_path: Path) -> None
 def test_the_command_takes_the_switch_with_assets_alone(tmp_path: Path) -> None:
     result = CliRunner().invoke(cadet_gen, [str(tmp_path / "out"), "--skip-bad"])
     assert result.exit_code != 0
-    assert "--skip-bad: goes with --assets" in str(result.exception or result.output)
+    assert "--skip-bad: goes with assets" in str(result.exception or result.output)
