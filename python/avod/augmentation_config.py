@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from cadet._util.checks import check_number
+from cadet._util.checks import Limits, check_fields
 from cadet.errors import CadetError
-
-_MOST_METERS = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,47 +19,34 @@ class AugmentationConfig:
         CadetError: a number outside its range.
     """
 
-    rotation_deg: float = 0.0
+    rotation_deg: Annotated[float, Limits(0, 45)] = 0.0
     """The sample is turned about the cam frame's vertical axis by up to this, left or right."""
-    scaling: float = 0.0
+    scaling: Annotated[float, Limits(0, 0.5)] = 0.0
     """The sample, the camera's height too, is scaled by 1 - this to 1 + this."""
-    translation_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    translation_m: Annotated[tuple[float, float, float], Limits(0, 10)] = (0.0, 0.0, 0.0)
     """The sample is moved by up to this along x, y, and z of the cam frame, to either side."""
-    point_dropout: float = 0.0
+    point_dropout: Annotated[float, Limits(0, 0.95)] = 0.0
     """Up to this share of the points is left out; the share is drawn for each sample."""
-    range_noise_m: float = 0.0
+    range_noise_m: Annotated[float, Limits(0, 1)] = 0.0
     """Standard deviation of noise along the beams. Points move along their rays from the LIDAR, not the camera's."""
-    object_scaling: float = 0.0
+    object_scaling: Annotated[float, Limits(0, 0.5)] = 0.0
     """Each object's length, width, and height, with the points in it, are scaled by 1 - this to 1 + this, each on its
     own, about the center of its bottom. The image keeps the object as it is."""
-    object_sizes_lwh_m: tuple[tuple[float, float, float], ...] = ()
+    object_sizes_lwh_m: Annotated[tuple[tuple[float, float, float], ...], Limits(0.01, 50)] = ()
     """The mean sizes, class by class, of the objects that the detector is meant for: each object's size, with the
     points in it, is shifted by how much they differ from the training set's. The image keeps the object as it is.
     Statistical normalization: Wang et al., "Train in Germany, Test in the USA" (2020)."""
-    brightness: float = 0.0
+    brightness: Annotated[float, Limits(0, 1)] = 0.0
     """Up to this share of white is added to all colors, or taken off."""
-    contrast: float = 0.0
+    contrast: Annotated[float, Limits(0, 1)] = 0.0
     """Colors' distances from the image's mean gray are multiplied by 1 - this to 1 + this."""
-    hue_deg: float = 0.0
+    hue_deg: Annotated[float, Limits(0, 180)] = 0.0
     """Colors are turned about the gray axis by up to this, either way."""
-    pasted_objects: int = 0
+    pasted_objects: Annotated[int, Limits(0, 64)] = 0
     """Up to so many objects of the bank (`--bank`) are pasted into a frame."""
 
     def __post_init__(self) -> None:
-        check_number("AugmentationConfig", "rotation_deg", self.rotation_deg, 0, 45)
-        check_number("AugmentationConfig", "scaling", self.scaling, 0, 0.5)
-        for value in self.translation_m:
-            check_number("AugmentationConfig", "translation_m", value, 0, _MOST_METERS)
-        check_number("AugmentationConfig", "point_dropout", self.point_dropout, 0, 0.95)
-        check_number("AugmentationConfig", "range_noise_m", self.range_noise_m, 0, 1)
-        check_number("AugmentationConfig", "object_scaling", self.object_scaling, 0, 0.5)
-        for size in self.object_sizes_lwh_m:
-            for value in size:
-                check_number("AugmentationConfig", "object_sizes_lwh_m", value, 0.01, 50)
-        check_number("AugmentationConfig", "brightness", self.brightness, 0, 1)
-        check_number("AugmentationConfig", "contrast", self.contrast, 0, 1)
-        check_number("AugmentationConfig", "hue_deg", self.hue_deg, 0, 180)
-        check_number("AugmentationConfig", "pasted_objects", self.pasted_objects, 0, 64, whole=True)
+        check_fields(self)
 
     def check_classes(self, count: int) -> None:
         """Refuse mean sizes of another number of classes.

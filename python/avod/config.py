@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 from avod.augmentation_config import AugmentationConfig
 from avod.config_base import CONFIGS, with_base
 from avod.training_config import TrainingConfig
-from cadet._util.checks import check_number, check_range, shown
+from cadet._util.checks import Limits, check_fields, check_range, shown
 from cadet._util.plain_tables import object_of_table
 from cadet._util.toml_file import NamedFile
 from cadet.bev import BevConfig
@@ -61,7 +61,7 @@ class ObjectClass:
 
     name: str = "Car"
     """The type of the labels."""
-    anchor_sizes_lwh_m: tuple[Size, ...] = CAR_SIZES
+    anchor_sizes_lwh_m: Annotated[tuple[Size, ...], Limits(0.01, 50)] = CAR_SIZES
     """Length, width and height of each cluster."""
 
     def __post_init__(self) -> None:
@@ -70,9 +70,7 @@ class ObjectClass:
         object.__setattr__(self, "name", kitti_spelling(self.name))
         if not self.anchor_sizes_lwh_m:
             raise CadetError("ObjectClass.anchor_sizes_lwh_m: expected at least one size, got none")
-        for size in self.anchor_sizes_lwh_m:
-            for value in size:
-                check_number("ObjectClass", "anchor_sizes_lwh_m", value, 0.01, 50)
+        check_fields(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,18 +81,15 @@ class ImageConfig:
         CadetError: a number outside its range, or more than `MAX_PIXELS` pixels.
     """
 
-    size: tuple[int, int] = (1200, 360)
+    size: Annotated[tuple[int, int], Limits(8, 8192)] = (1200, 360)
     """Width and height in pixels after resizing; the aspect ratio is not kept."""
-    mean_rgb: tuple[float, float, float] = (92.8403, 97.7996, 93.5843)
+    mean_rgb: Annotated[tuple[float, float, float], Limits(0, 255)] = (92.8403, 97.7996, 93.5843)
     """Taken off each channel of 0..255; nothing is divided."""
 
     def __post_init__(self) -> None:
-        for pixels in self.size:
-            check_number("ImageConfig", "size", pixels, 8, 8192, whole=True)
+        check_fields(self)
         if math.prod(self.size) > MAX_PIXELS:
             raise CadetError(f"ImageConfig.size: expected at most {MAX_PIXELS:,} pixels, got {self.size!r}")
-        for mean in self.mean_rgb:
-            check_number("ImageConfig", "mean_rgb", mean, 0, 255)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,20 +100,17 @@ class AnchorConfig:
         CadetError: a number outside its range.
     """
 
-    stride_m: float = 0.5
+    stride_m: Annotated[float, Limits(0.05, 20)] = 0.5
     """Between neighbors, in x and in z."""
-    min_height_m: float = 0.2
+    min_height_m: Annotated[float, Limits(-100, 100)] = 0.2
     """Points from this height over the ground plane up make a cell occupied ..."""
-    max_height_m: float = 2.0
+    max_height_m: Annotated[float, Limits(-100, 100)] = 2.0
     """... and points from this height up do not."""
-    min_occupied_cells: int = 1
+    min_occupied_cells: Annotated[int, Limits(0)] = 1
     """Anchors over fewer occupied cells are dropped."""
 
     def __post_init__(self) -> None:
-        check_number("AnchorConfig", "stride_m", self.stride_m, 0.05, 20)
-        check_number("AnchorConfig", "min_height_m", self.min_height_m, -100, 100)
-        check_number("AnchorConfig", "max_height_m", self.max_height_m, -100, 100)
-        check_number("AnchorConfig", "min_occupied_cells", self.min_occupied_cells, 0, whole=True)
+        check_fields(self)
         if self.min_height_m >= self.max_height_m:
             raise CadetError(
                 f"AnchorConfig.max_height_m: expected more than {self.min_height_m:g}, got {self.max_height_m!r}"
@@ -133,15 +125,15 @@ class ExtractorConfig:
         CadetError: tuples that do not fit each other, or a number outside its range.
     """
 
-    channels: tuple[int, ...] = (32, 64, 128, 256)
+    channels: Annotated[tuple[int, ...], Limits(1, 4096)] = (32, 64, 128, 256)
     """Of each stage of the encoder; a 2 x 2 max pooling lies between two stages."""
-    convolutions: tuple[int, ...] = (2, 2, 3, 3)
+    convolutions: Annotated[tuple[int, ...], Limits(1, 32)] = (2, 2, 3, 3)
     """In each stage of the encoder."""
-    fused_channels: tuple[int, ...] = (64, 32, 32)
+    fused_channels: Annotated[tuple[int, ...], Limits(1, 4096)] = (64, 32, 32)
     """Of the decoder after each fusion, from coarse to fine; the last is what the heads see."""
-    batch_norm_decay: float = 0.999
+    batch_norm_decay: Annotated[float, Limits(0, 1)] = 0.999
     """Of the moving averages; PyTorch's momentum is 1 less this."""
-    batch_norm_epsilon: float = 1e-3
+    batch_norm_epsilon: Annotated[float, Limits(1e-12, 1)] = 1e-3
     """Added to the variance."""
 
     def __post_init__(self) -> None:
@@ -154,11 +146,7 @@ class ExtractorConfig:
             raise CadetError(
                 f"ExtractorConfig.fused_channels: expected {len(self.channels) - 1}, got {len(self.fused_channels)}"
             )
-        for name, most in (("channels", 4096), ("convolutions", 32), ("fused_channels", 4096)):
-            for value in getattr(self, name):
-                check_number("ExtractorConfig", name, value, 1, most, whole=True)
-        check_number("ExtractorConfig", "batch_norm_decay", self.batch_norm_decay, 0, 1)
-        check_number("ExtractorConfig", "batch_norm_epsilon", self.batch_norm_epsilon, 1e-12, 1)
+        check_fields(self)
 
     @property
     def stride(self) -> int:
@@ -174,14 +162,13 @@ class PathDropConfig:
         CadetError: a number outside 0..1.
     """
 
-    keep_image: float = 0.9
+    keep_image: Annotated[float, Limits(0, 1)] = 0.9
     """Probability of keeping the image."""
-    keep_bev: float = 0.9
+    keep_bev: Annotated[float, Limits(0, 1)] = 0.9
     """Probability of keeping the bird's-eye view."""
 
     def __post_init__(self) -> None:
-        check_number("PathDropConfig", "keep_image", self.keep_image, 0, 1)
-        check_number("PathDropConfig", "keep_bev", self.keep_bev, 0, 1)
+        check_fields(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,40 +179,31 @@ class RpnConfig:
         CadetError: a number outside its range.
     """
 
-    crop_size: int = 3
+    crop_size: Annotated[int, Limits(2, 64)] = 3
     """Samples of a crop along each axis."""
-    bottleneck_channels: int = 1
+    bottleneck_channels: Annotated[int, Limits(1, 1024)] = 1
     """Channels that the first stage sees of each modality's feature map: AVOD's 1."""
-    hidden: int = 256
+    hidden: Annotated[int, Limits(1, 65536)] = 256
     """Width of both hidden layers of each head."""
-    dropout_keep: float = 0.5
+    dropout_keep: Annotated[float, Limits(0.01, 1)] = 0.5
     """Probability of keeping a unit of the hidden layers."""
-    nms_iou: float = 0.8
+    nms_iou: Annotated[float, Limits(0, 1)] = 0.8
     """Proposals that overlap a better one by more than this, seen from above, are dropped."""
-    train_proposals: int = 1024
+    train_proposals: Annotated[int, Limits(1)] = 1024
     """Proposals kept in training."""
-    proposals: int = 300
+    proposals: Annotated[int, Limits(1)] = 300
     """Proposals kept in detection: AVOD's 300 for cars, 1024 for people."""
-    batch_size: int = 512
+    batch_size: Annotated[int, Limits(2)] = 512
     """Anchors that the loss samples; at most half are positive."""
-    negative_iou: float = 0.3
+    negative_iou: Annotated[float, Limits(0, 1)] = 0.3
     """Anchors that overlap every object by less than this are negative ..."""
-    positive_iou: float = 0.5
+    positive_iou: Annotated[float, Limits(0, 1)] = 0.5
     """... and those that overlap one by more than this positive."""
-    regression_weight: float = 5.0
+    regression_weight: Annotated[float, Limits(0)] = 5.0
     """Of the box loss against the objectness loss."""
 
     def __post_init__(self) -> None:
-        check_number("RpnConfig", "crop_size", self.crop_size, 2, 64, whole=True)
-        check_number("RpnConfig", "bottleneck_channels", self.bottleneck_channels, 1, 1024, whole=True)
-        check_number("RpnConfig", "hidden", self.hidden, 1, 65536, whole=True)
-        check_number("RpnConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
-        check_number("RpnConfig", "train_proposals", self.train_proposals, 1, whole=True)
-        check_number("RpnConfig", "proposals", self.proposals, 1, whole=True)
-        check_number("RpnConfig", "batch_size", self.batch_size, 2, whole=True)
-        check_number("RpnConfig", "regression_weight", self.regression_weight, 0)
-        for name in ("nms_iou", "negative_iou", "positive_iou"):
-            check_number("RpnConfig", name, getattr(self, name), 0, 1)
+        check_fields(self)
         _check_order("RpnConfig", self.negative_iou, self.positive_iou)
 
 
@@ -237,17 +215,17 @@ class SecondStageConfig:
         CadetError: a number outside its range.
     """
 
-    crop_size: int = 7
+    crop_size: Annotated[int, Limits(2, 64)] = 7
     """Samples of a crop along each axis."""
-    hidden: tuple[int, ...] = (2048, 2048, 2048)
+    hidden: Annotated[tuple[int, ...], Limits(1, 65536)] = (2048, 2048, 2048)
     """Widths of the hidden layers."""
-    dropout_keep: float = 0.5
+    dropout_keep: Annotated[float, Limits(0.01, 1)] = 0.5
     """Probability of keeping a unit of the hidden layers."""
     gradient: Literal["through", "stopped"] = "through"
     """Whether the second stage's losses reach the first through its boxes, as in AVOD, or only through features."""
-    batch_size: int = 1024
+    batch_size: Annotated[int, Limits(2)] = 1024
     """Proposals that the loss samples; at most half are positive."""
-    height_cells: int = 0
+    height_cells: Annotated[int, Limits(0, 16)] = 0
     """Parts along each side of a proposal, seen from above, whose points' greatest heights join the crops, with the
     greatest of all. 0 in AVOD, whose crops hold heights as features of many cells: a short training hardly learns a
     car's height from them."""
@@ -255,40 +233,29 @@ class SecondStageConfig:
     """With `height_cells`: proposals stand on the ground and are as high as the highest point in them, within these
     limits, when the second stage looks at them; it regresses bottoms and tops from there. (0, 0) keeps the first
     stage's bottoms and heights, as AVOD does: the second then corrects errors that its crops do not show."""
-    truth_proposals: int = 0
+    truth_proposals: Annotated[int, Limits(0, 1024)] = 0
     """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
     stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
-    truth_steps: int = 0
+    truth_steps: Annotated[int, Limits(0)] = 0
     """They join in so many steps from the first; after them the second stage sees what it will see in detection."""
-    negative_iou: float = 0.55
+    negative_iou: Annotated[float, Limits(0, 1)] = 0.55
     """Proposals that overlap every object by less than this are background ..."""
-    positive_iou: float = 0.65
+    positive_iou: Annotated[float, Limits(0, 1)] = 0.65
     """... and those that overlap one by more than this carry its class."""
-    regression_weight: float = 5.0
+    regression_weight: Annotated[float, Limits(0)] = 5.0
     """Of the box loss against the class loss."""
-    vertical_weight: float = 1.0
+    vertical_weight: Annotated[float, Limits(0)] = 1.0
     """Of bottom and top in the box loss, against 1 of each of the corners' eight coordinates; 1 in AVOD."""
-    orientation_weight: float = 1.0
+    orientation_weight: Annotated[float, Limits(0)] = 1.0
     """Of the loss of the angle vector."""
 
     def __post_init__(self) -> None:
-        check_number("SecondStageConfig", "crop_size", self.crop_size, 2, 64, whole=True)
+        check_fields(self)
         if len(self.hidden) > MAX_LAYERS:
             raise CadetError(f"SecondStageConfig.hidden: expected at most {MAX_LAYERS} layers, got {len(self.hidden)}")
-        for width in self.hidden:
-            check_number("SecondStageConfig", "hidden", width, 1, 65536, whole=True)
-        check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
-        check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
         check_range("SecondStageConfig", "standing_heights_m", self.standing_heights_m, 0, 20)
         if self.standing_heights_m[1] > 0.0 and not self.height_cells:
             raise CadetError("SecondStageConfig.standing_heights_m: expected (0, 0) without height_cells")
-        check_number("SecondStageConfig", "height_cells", self.height_cells, 0, 16, whole=True)
-        check_number("SecondStageConfig", "truth_proposals", self.truth_proposals, 0, 1024, whole=True)
-        check_number("SecondStageConfig", "truth_steps", self.truth_steps, 0, whole=True)
-        for name in ("negative_iou", "positive_iou"):
-            check_number("SecondStageConfig", name, getattr(self, name), 0, 1)
-        for name in ("regression_weight", "vertical_weight", "orientation_weight"):
-            check_number("SecondStageConfig", name, getattr(self, name), 0)
         _check_order("SecondStageConfig", self.negative_iou, self.positive_iou)
 
 
@@ -300,25 +267,22 @@ class DetectionConfig:
         CadetError: a number outside its range.
     """
 
-    nms_iou: float = 0.01
+    nms_iou: Annotated[float, Limits(0, 1)] = 0.01
     """Boxes that overlap a better one by more than this, seen from above and turned to the axes, are dropped."""
     suppression: Literal["all", "class"] = "all"
     """Whether a box drops those of all classes, as in AVOD, or those of its own class alone: a pedestrian beside a car
     overlaps it once both are turned to the axes."""
-    max_detections: int = 100
+    max_detections: Annotated[int, Limits(1)] = 100
     """Boxes kept in a frame."""
-    min_score: float = 0.1
+    min_score: Annotated[float, Limits(0, 1)] = 0.1
     """Detections below this are not written."""
-    max_image_fraction: float = 0.8
+    max_image_fraction: Annotated[float, Limits(0, 1)] = 0.8
     """Detections wider or higher than this share of the image are not written."""
     fix_up: Literal["corrected", "reference"] = "corrected"
     """How the angle vector chooses among a box's four headings: right, or with AVOD's wrong sign at +-90 degrees."""
 
     def __post_init__(self) -> None:
-        check_number("DetectionConfig", "nms_iou", self.nms_iou, 0, 1)
-        check_number("DetectionConfig", "max_detections", self.max_detections, 1, whole=True)
-        check_number("DetectionConfig", "min_score", self.min_score, 0, 1)
-        check_number("DetectionConfig", "max_image_fraction", self.max_image_fraction, 0, 1)
+        check_fields(self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet._util.arrays import check_array
-from cadet._util.checks import as_tuple, check_kind, check_number, check_range, is_one_of, make_plain, shown
+from cadet._util.checks import Limits, as_tuple, check_fields, check_kind, check_range, is_one_of, make_plain, shown
 from cadet.errors import CadetError, ShapeError
 
 Feature = Literal["max_height", "min_height", "density", "density_log64"]
@@ -41,11 +41,11 @@ class BevConfig:
     """Maps of each slice."""
     cloud_maps: tuple[Feature, ...] = ("density",)
     """Maps of the whole cloud."""
-    num_slices: int = 5
+    num_slices: Annotated[int, Limits(1, 1000)] = 5
     """Slices between `height_lo_m` and `height_hi_m`, all of one thickness."""
-    height_lo_m: float = -0.2
+    height_lo_m: Annotated[float, Limits(-100, 100)] = -0.2
     """Lowest height over the ground plane."""
-    height_hi_m: float = 2.3
+    height_hi_m: Annotated[float, Limits(-100, 100)] = 2.3
     """Height over the ground plane where the last slice ends."""
     x_m: tuple[float, float] = (-40.0, 40.0)
     """Range to the left and to the right, camera frame."""
@@ -53,7 +53,7 @@ class BevConfig:
     """Range down from the camera; points outside are left out whatever their height over the plane."""
     z_m: tuple[float, float] = (0.0, 70.0)
     """Range ahead, camera frame."""
-    cell_m: float = 0.1
+    cell_m: Annotated[float, Limits(1e-3, 100)] = 0.1
     """Side of a cell."""
     height: Literal["max", "reference"] = "max"
     """The greatest height of a cell's points, or that of the point which AVOD's own code takes for it: the first in
@@ -69,10 +69,7 @@ class BevConfig:
                     raise CadetError(f"BevConfig.{name}: expected {', '.join(get_args(Feature))}, got {shown(feature)}")
         if not self.slice_maps and not self.cloud_maps:
             raise CadetError("BevConfig: expected at least one slice map or cloud map, got none")
-        check_number("BevConfig", "num_slices", self.num_slices, 1, 1000, whole=True)
-        check_number("BevConfig", "height_lo_m", self.height_lo_m, -100, 100)
-        check_number("BevConfig", "height_hi_m", self.height_hi_m, -100, 100)
-        check_number("BevConfig", "cell_m", self.cell_m, 1e-3, 100)
+        check_fields(self)
         if self.height_lo_m >= self.height_hi_m:
             raise CadetError(
                 f"BevConfig.height_hi_m: expected more than {self.height_lo_m:g}, got {self.height_hi_m!r}"

@@ -40,6 +40,7 @@ from cadet.cli.eval import print_analysis, recall_option
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.analysis import Analysis
 from cadet.evaluation.analysis.result import PARTS
+from cadet.evaluation.analysis.tables import Section
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti import text_from_labels
@@ -215,10 +216,8 @@ def bench_command(
         "inference": timing.inference_ms,
         "reading files (apart)": timing.read_ms,
     }
-    _print(
-        [["Stage", "ms"], *([name, f"{value:.1f}"] for name, value in stages.items())],
-        f"mean over {timing.num_frames} frames on {detector.device}",
-    )
+    rows = (("Stage", "ms"), *((name, f"{value:.1f}") for name, value in stages.items()))
+    click.echo(Section(f"mean over {timing.num_frames} frames on {detector.device}", rows).to_text())
 
 
 @avod.command(name="view")
@@ -266,12 +265,3 @@ def _detector(checkpoint: Path, device: str, precision: str, changes: Mapping[st
     except CadetError as error:
         raise CadetError(f"--set: {str(error).removeprefix('--set: ')}") from None
     return detector
-
-
-def _print(rows: list[list[str]], title: str) -> None:
-    """Print a table, its header first; wider than the terminal rather than cut off."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    click.echo(title)
-    for row in rows:
-        numbers = [cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
-        click.echo("  ".join([row[0].ljust(widths[0]), *numbers]))

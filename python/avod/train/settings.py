@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import torch
 
@@ -16,7 +16,7 @@ from avod.config import Config
 from avod.config_file import config_from_table, differences, table_from_config
 from avod.data.mixture import Folders
 from cadet import __version__
-from cadet._util.checks import check_number
+from cadet._util.checks import MAX_SEED, Limits, check_fields
 from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import write_whole
@@ -74,31 +74,24 @@ class Run:
     data: Folders
     out: str | Path
     split: str | None = "train"
-    seed: int | None = None
+    seed: Annotated[int | None, Limits(0, MAX_SEED)] = None
     init: str | Path | None = None
     resume: bool = False
     resume_from: str | Path | None = None
-    skip_steps: tuple[int, ...] = ()
-    keep: int | None = None
-    val_every: int | None = None
+    skip_steps: Annotated[tuple[int, ...], Limits(0)] = ()
+    keep: Annotated[int | None, Limits(1)] = None
+    val_every: Annotated[int | None, Limits(1)] = None
     val_split: str | None = "val"
     device: str | torch.device = "cpu"
     precision: torch.dtype | None = None
-    workers: int = 0
+    workers: Annotated[int, Limits(0, 1024)] = 0
     compile: bool = False
     tensorboard: bool = False
     bank: str | Path | None = None
-    num_frames: int | None = None
+    num_frames: Annotated[int | None, Limits(1)] = None
 
     def __post_init__(self) -> None:
-        if self.seed is not None:
-            check_number("Run", "seed", self.seed, 0, 2**63 - 1, whole=True)
-        for name in ("keep", "val_every", "num_frames"):
-            if getattr(self, name) is not None:
-                check_number("Run", name, getattr(self, name), 1, whole=True)
-        for step in self.skip_steps:
-            check_number("Run", "skip_steps", step, 0, whole=True)
-        check_number("Run", "workers", self.workers, 0, 1024, whole=True)
+        check_fields(self)
 
 
 @dataclass(frozen=True, kw_only=True)

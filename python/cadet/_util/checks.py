@@ -7,8 +7,9 @@ import secrets
 import sys
 from collections.abc import Collection
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -63,6 +64,42 @@ def check_number(
         limits = f"of at least {low_text}" if high == float("inf") else f"from {low_text} to {high_text}"
         kind = "a whole number" if whole else "a number"
         raise CadetError(f"{_place(owner, name)}: expected {kind} {limits}, got {shown(value)}")
+
+
+class Limits(NamedTuple):
+    """The least and the greatest of a field's numbers, as in `share: Annotated[float, Limits(0, 1)]`."""
+
+    least: float
+    most: float = float("inf")
+
+
+def check_fields(settings: Any, owner: str | None = None) -> None:
+    """Refuse a dataclass's numbers outside their fields' `Limits`: those in tuples too, and None where None may be.
+
+    Args:
+        settings: the dataclass; a field of int takes whole numbers alone.
+        owner: its name for messages; None for the class's.
+
+    Raises:
+        CadetError: naming the field, the value and the range.
+    """
+    for name, kind, limits in _limited(type(settings)):  # type: ignore[arg-type]
+        _check_numbers(owner or type(settings).__name__, name, getattr(settings, name), kind, limits)
+
+
+@cache
+def _limited(cls: type[Any]) -> list[tuple[str, Any, Limits]]:
+    hints = get_type_hints(cls, include_extras=True).items()
+    return [(name, hint.__origin__, *hint.__metadata__) for name, hint in hints if get_origin(hint) is Annotated]
+
+
+def _check_numbers(owner: str, name: str, value: Any, kind: Any, limits: Limits) -> None:
+    kinds = get_args(kind)
+    if get_origin(kind) is tuple:
+        for item in value:
+            _check_numbers(owner, name, item, kinds[0], limits)
+    elif value is not None or type(None) not in kinds:
+        check_number(owner, name, value, *limits, whole=int in (kind, *kinds))
 
 
 def check_three(owner: str, name: str, values: object, limit: float) -> None:

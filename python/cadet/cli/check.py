@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Final
@@ -13,6 +13,7 @@ from typing import Final
 import click
 
 from cadet._util.operating_system import num_processors
+from cadet._util.text_tables import aligned
 from cadet.formats.kitti.files.folder import frame_ids, sample_folder, testing_folder
 from cadet.formats.kitti.lint import Finding, lint
 
@@ -55,7 +56,7 @@ def _echo_findings(findings: Sequence[Finding], *, is_all: bool) -> None:
     groups = [[one] for one in findings] if is_all else _alike(findings)
     rows = [_row(group) for group in groups]
     shown = rows if is_all else rows[:_ROWS_SHOWN]
-    _echo_table([("FRAME", "PLACE", "SEVERITY", "RULE", "WHAT"), *shown])
+    click.echo("\n".join(aligned([("FRAME", "PLACE", "SEVERITY", "RULE", "WHAT"), *shown], num_left=5)))
     if len(shown) < len(rows):
         click.echo(f"... and {len(rows) - len(shown)} more rows: --all prints every finding")
     elif len(rows) < len(findings):
@@ -87,15 +88,7 @@ def _echo_counts(errors: Counter[str], warnings: Counter[str]) -> None:
     rules = sorted({*errors, *warnings}, key=lambda rule: (-errors[rule], -warnings[rule], rule))
     if rules:
         rows = [(f"{errors[rule]:>6}", f"{warnings[rule]:>8}", rule) for rule in rules]
-        _echo_table([("ERRORS", "WARNINGS", "RULE"), *rows])
-
-
-def _echo_table(rows: Sequence[Sequence[str]]) -> None:
-    """Print columns as wide as their widest entry, the last as it is."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)][:-1]
-    for *cells, last in rows:
-        aligned: Iterable[str] = (cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
-        click.echo("  ".join([*aligned, last]))
+        click.echo("\n".join(aligned([("ERRORS", "WARNINGS", "RULE"), *rows], num_left=3)))
 
 
 def _json(

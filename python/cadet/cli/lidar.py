@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from rich import box
-from rich.console import Console
-from rich.table import Table
 
 from cadet._util.plain_tables import toml_of_table
+from cadet._util.text_tables import aligned
 from cadet.datasets.lidar_fit import LidarFit, fit_lidar
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import write_whole
@@ -61,19 +59,17 @@ def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> N
 
 
 _HEADS = (
-    *("ring", "elev.\ndeg", "+-\ndeg", "height\nmm", "+-\nmm", "offset\ndeg", "range\nmm"),
-    *("points", "resid.\nmm", "outl.\n%", "lost\n%", "zero\n%", "gain"),
+    *(("ring", ""), ("elev.", "deg"), ("+-", "deg"), ("height", "mm"), ("+-", "mm"), ("offset", "deg")),
+    *(("range", "mm"), ("points", ""), ("resid.", "mm"), ("outl.", "%"), ("lost", "%"), ("zero", "%"), ("gain", "")),
 )
 
 
-def _ring_table(fit: LidarFit) -> Table:
-    """Return a row for each ring, narrow enough for a terminal of 80 columns."""
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, padding=0)
-    for head in _HEADS:
-        table.add_column(head, justify="right", no_wrap=True)
+def _ring_table(fit: LidarFit) -> list[str]:
+    """Return a line for each ring, narrow enough for a terminal of 80 columns."""
+    rows = [tuple(cells) for cells in zip(*_HEADS, strict=True)]
     for number, ring in enumerate(fit.rings):
         laser = ring.laser
-        table.add_row(
+        row = (
             str(number),
             f"{laser.elevation_deg:+.3f}",
             f"{ring.elevation_sd_deg:.4f}",
@@ -88,7 +84,8 @@ def _ring_table(fit: LidarFit) -> Table:
             f"{100.0 * ring.zero_share:.0f}",
             f"{laser.gain:.2f}",
         )
-    return table
+        rows.append(row)
+    return aligned(rows, num_left=0, gap=" ")
 
 
 def _points(count: int) -> str:
@@ -96,18 +93,11 @@ def _points(count: int) -> str:
 
 
 def _print(fit: LidarFit) -> None:
-    table, console = _ring_table(fit), Console(highlight=False)
-    # In a narrower terminal lines wrap; rich would cut columns off.
-    needed = console.measure(table, options=console.options.update(width=1000)).maximum
-    console.width = max(console.width, needed)
-    console.print(table)
     beams = fit.table
-    console.print(
+    lines = _ring_table(fit)
+    lines.append(
         f"{len(fit.rings)} rings, {beams.num_columns} columns; {fit.num_points} points of {fit.num_scans} scans, "
         f"median residual {1e3 * fit.median_residual_m:.2f} mm; range {beams.min_range_m:g} to "
-        f"{beams.max_range_m:g} m, noise about {1e3 * beams.range_noise_m:.0f} mm",
-        markup=False,
-        soft_wrap=True,
+        f"{beams.max_range_m:g} m, noise about {1e3 * beams.range_noise_m:.0f} mm"
     )
-    for remark in fit.remarks():
-        console.print(remark, markup=False, soft_wrap=True)
+    click.echo("\n".join([*lines, *fit.remarks()]))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from cadet._util.summary import summary
+from cadet._util.text_tables import aligned, markdown
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.curve import METRIC_TITLES, ByLevel, Curve
 from cadet.evaluation.levels import Level
@@ -65,9 +66,7 @@ class Report:
 
     def __str__(self) -> str:
         """Return the title, the table of AP and how many warnings there are."""
-        rows = self.table()
-        widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-        lines = [self.title(), *("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows), self.subtitle()]
+        lines = [self.title(), *aligned(self.table(), num_left=3), self.subtitle()]
         return "\n".join([*lines, f"{len(self.warnings)} warnings."] if self.warnings else lines)
 
     def to_json(self) -> str:
@@ -76,10 +75,7 @@ class Report:
 
     def to_markdown(self) -> str:
         """Return the title, a table and the warnings as Markdown."""
-        rows = self.table()
-        lines = [f"**{self.title()}**", "", self.subtitle(), ""]
-        lines += ["| " + " | ".join(cells) + " |" for cells in (rows[0], ["---"] * 3 + ["---:"] * len(self.levels))]
-        lines += ["| " + " | ".join(cells) + " |" for cells in rows[1:]]
+        lines = [f"**{self.title()}**", "", self.subtitle(), "", *markdown(self.table(), num_left=3)]
         lines += ["", *(f"* {warning}" for warning in self.warnings)] if self.warnings else []
         return "\n".join(lines) + "\n"
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from cadet import _cadet
-from cadet._util.checks import check_number, is_one_of, make_plain, shown, shown_key
+from cadet._util.checks import Limits, check_fields, check_number, is_one_of, make_plain, shown, shown_key
 from cadet._util.plain_tables import table_of_object
 from cadet._util.summary import summary
 from cadet._util.toml_file import TomlFile
@@ -37,31 +37,25 @@ class Laser:
         CadetError: a number outside its range.
     """
 
-    elevation_deg: float
+    elevation_deg: Annotated[float, Limits(-89, 89)]
     """Of the beam over the horizon."""
-    height_m: float = 0.0
+    height_m: Annotated[float, Limits(-10, 10)] = 0.0
     """Where the beam leaves the sensor, over the origin of its frame."""
-    left_m: float = 0.0
+    left_m: Annotated[float, Limits(-0.5, 0.5)] = 0.0
     """How far to the left of the axis the laser sits, as it looks: its beams pass the axis at this distance."""
-    azimuth_offset_deg: float = 0.0
+    azimuth_offset_deg: Annotated[float, Limits(-360, 360)] = 0.0
     """The laser fires this much counter-clockwise of its columns' azimuths."""
-    gain: float = 1.0
+    gain: Annotated[float, Limits(0, 100)] = 1.0
     """Sensitivity of the receiver: below 1 it reports more zero intensities."""
-    range_offset_m: float = 0.0
+    range_offset_m: Annotated[float, Limits(-1, 1)] = 0.0
     """By how much the laser measures too far: its points lie farther along their beams. Ideal scans have none."""
-    focus_m: float = 0.0
+    focus_m: Annotated[float, Limits(0, 1000)] = 0.0
     """Of what comes from surfaces nearer than this, (range / focus)^3 of the power counts for detection."""
     blind_deg: tuple[tuple[float, float], ...] = ()
     """Azimuths (from, to) at which what carries the sensor is in the way: beams there never return."""
 
     def __post_init__(self) -> None:
-        check_number("laser", "elevation_deg", self.elevation_deg, -89, 89)
-        check_number("laser", "height_m", self.height_m, -10, 10)
-        check_number("laser", "left_m", self.left_m, -0.5, 0.5)
-        check_number("laser", "azimuth_offset_deg", self.azimuth_offset_deg, -360, 360)
-        check_number("laser", "gain", self.gain, 0, 100)
-        check_number("laser", "range_offset_m", self.range_offset_m, -1, 1)
-        check_number("laser", "focus_m", self.focus_m, 0, 1000)
+        check_fields(self, "laser")
         sectors = self.blind_deg
         if not isinstance(sectors, tuple) or not all(isinstance(s, tuple) and len(s) == 2 for s in sectors):
             raise CadetError(
@@ -101,20 +95,18 @@ class EncoderFiring:
         CadetError: a number outside its range.
     """
 
-    ticks_per_turn: int
+    ticks_per_turn: Annotated[int, Limits(1, 1_000_000_000)]
     """4000 for ticks of 0.09 degrees."""
-    ticks_per_firing: float
+    ticks_per_firing: Annotated[float, Limits(1, 1e9)]
     """Mean ticks from one firing to the next."""
     firings: int
     """Firings a turn: the last must fall before the turn's end."""
-    phase_ticks: float = 0.0
+    phase_ticks: Annotated[float, Limits(0, 1e9)] = 0.0
     """Where the first firing falls."""
 
     def __post_init__(self) -> None:
-        check_number("firing", "ticks_per_turn", self.ticks_per_turn, 1, 1_000_000_000, whole=True)
-        check_number("firing", "ticks_per_firing", self.ticks_per_firing, 1, 1e9)
+        check_fields(self, "firing")
         _check_columns("firings", self.firings)
-        check_number("firing", "phase_ticks", self.phase_ticks, 0, 1e9)
         make_plain(self)
 
 
@@ -126,7 +118,7 @@ class ListedFiring:
         CadetError: azimuths that do not rise within one turn.
     """
 
-    azimuths_deg: tuple[float, ...]
+    azimuths_deg: Annotated[tuple[float, ...], Limits(0, 360)]
     """Rising, from 0 to below 360, counter-clockwise from forward."""
 
     def __repr__(self) -> str:
@@ -136,8 +128,7 @@ class ListedFiring:
         azimuths = self.azimuths_deg
         if not isinstance(azimuths, tuple) or not 1 <= len(azimuths) <= 65535:
             raise CadetError("firing.azimuths_deg: expected a list of 1 to 65535 numbers")
-        for azimuth in azimuths:
-            check_number("firing", "azimuths_deg", azimuth, 0, 360)
+        check_fields(self, "firing")
         for before, after in zip(azimuths, (*azimuths[1:], 360.0), strict=True):
             if after <= before:
                 raise CadetError(f"firing.azimuths_deg: expected rising numbers below 360, got {after} after {before}")
@@ -165,11 +156,11 @@ class BeamTable(TomlFile):
     """From the highest elevation to the lowest: the order of the rings in a scan's file."""
     firing: Firing
     """When all of them fire."""
-    min_range_m: float = 1.45
+    min_range_m: Annotated[float, Limits(0, 1000)] = 1.45
     """Nearer returns are not kept."""
-    max_range_m: float = 80.0
+    max_range_m: Annotated[float, Limits(0, 10_000)] = 80.0
     """Returns as far as this are not kept."""
-    range_noise_m: float = 0.0078
+    range_noise_m: Annotated[float, Limits(0, 10)] = 0.0078
     """Standard deviation of the range."""
 
     def __repr__(self) -> str:
@@ -199,9 +190,7 @@ class BeamTable(TomlFile):
                 )
         if len(self.rings) * self.num_columns > _MAX_BEAMS:
             raise CadetError(f"{len(self.rings)} rings of {self.num_columns} columns: more than {_MAX_BEAMS} beams")
-        check_number("lidar", "min_range_m", self.min_range_m, 0, 1000)
-        check_number("lidar", "max_range_m", self.max_range_m, 0, 10_000)
-        check_number("lidar", "range_noise_m", self.range_noise_m, 0, 10)
+        check_fields(self, "lidar")
         if self.max_range_m <= self.min_range_m:
             raise CadetError(
                 f"lidar.max_range_m: expected above min_range_m = {self.min_range_m:g}, got {self.max_range_m:g}"

@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet._util.checks import check_number, check_three, make_plain, shown
+from cadet._util.checks import Limits, check_fields, check_number, check_three, make_plain, shown
 from cadet._util.plain_tables import check_keys, object_of_table, table_of_object
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError
@@ -55,13 +55,13 @@ class Camera(TomlFile):
     """Pixels."""
     height: int
     """Pixels."""
-    fx: float
+    fx: Annotated[float, Limits(1, 1e6)]
     """Focal length along the rows, pixels."""
-    fy: float
+    fy: Annotated[float, Limits(1, 1e6)]
     """Focal length along the columns, pixels."""
-    cx: float
+    cx: Annotated[float, Limits(-1e6, 1e6)]
     """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
-    cy: float
+    cy: Annotated[float, Limits(-1e6, 1e6)]
     """Row of the optical axis."""
     cam1_from_cam0_m: Row3 = _HERE
     """Where camera 0 stands in the frame of camera 1, the right gray one: the translation behind P1's fourth column."""
@@ -69,10 +69,10 @@ class Camera(TomlFile):
     """Where camera 0 stands in the frame of camera 2, which takes the image: from P2's fourth column."""
     cam3_from_cam0_m: Row3 = _HERE
     """Where camera 0 stands in the frame of camera 3, the right color one: from P3's fourth column."""
-    image_scale: tuple[float, float] = (1.0, 1.0)
+    image_scale: Annotated[tuple[float, float], Limits(1e-4, 1e4)] = (1.0, 1.0)
     """By what the image was scaled along the rows and the columns (`resized`); labels' pixel limits follow."""
 
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion: Annotated[tuple[float, float, float, float, float], Limits(-100, 100)] = (0.0, 0.0, 0.0, 0.0, 0.0)
     """k1, k2, p1, p2, k3 of OpenCV's lens model; all 0 for the rectified image that KITTI's files hold."""
     rolling_shutter_s: float = 0.0
     """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0: a global shutter."""
@@ -83,20 +83,13 @@ class Camera(TomlFile):
             _check_side(name, getattr(self, name))
         if self.width * self.height > MAX_PIXELS:
             raise CadetError(f"Camera: {self.width} x {self.height} pixels, expected at most {MAX_PIXELS}")
-        for name in ("fx", "fy"):
-            check_number("Camera", name, getattr(self, name), 1, 1e6)
-        for name in ("cx", "cy"):
-            check_number("Camera", name, getattr(self, name), -1e6, 1e6)
         for name in _OFFSETS:
             check_three("Camera", name, getattr(self, name), 10)
         if not isinstance(self.image_scale, tuple) or len(self.image_scale) != 2:
             raise CadetError(f"Camera.image_scale: expected two numbers, got {shown(self.image_scale)}")
-        for factor in self.image_scale:
-            check_number("Camera", "image_scale", factor, 1e-4, 1e4)
         if not isinstance(self.distortion, tuple) or len(self.distortion) != 5:
             raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
-        for coefficient in self.distortion:
-            check_number("Camera", "distortion", coefficient, -100, 100)
+        check_fields(self)
         check_number("Camera", "rolling_shutter_s", self.rolling_shutter_s, *_cadet.limits()["rolling_shutter_s"])
 
     def __repr__(self) -> str:

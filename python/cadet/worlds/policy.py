@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from cadet._util.checks import (
     MAX_EPISODE,
+    Limits,
     as_pairs,
     as_seed,
     as_tuple,
+    check_fields,
     check_kind,
     check_number,
     check_range,
@@ -89,18 +91,18 @@ class ResetPolicy(NamedFile):
 
     name: str = "custom"
     """For the metadata."""
-    samples_per_episode: int = 20
+    samples_per_episode: Annotated[int, Limits(1, 100_000)] = 20
     """Samples between two resets."""
-    distance_m: float = 10.0
+    distance_m: Annotated[float, Limits(0, 1000)] = 10.0
     """How far the ego drives along its lane between two views."""
     time_step_s: float | None = None
     """Samples of an episode follow each other after this time, whatever they show, in place of a distance."""
-    blocked_s: float = 2.0
+    blocked_s: Annotated[float, Limits(0.1, 600)] = 2.0
     """A view is taken all the same once the ego has stood this long."""
-    empty_views_limit: int = 10
+    empty_views_limit: Annotated[int, Limits(1, 100_000)] = 10
     """After so many views in a row without a labeled object, or without motion since the view before, the world is
     redrawn inside the episode."""
-    attempts_limit: int = 50
+    attempts_limit: Annotated[int, Limits(1, 100_000)] = 50
     """After so many redrawn worlds an episode is given up with an error."""
     maps: tuple[RoadMap, ...] = ()
     """One is drawn, all equally likely; none means suburbs generated from the seed."""
@@ -110,7 +112,7 @@ class ResetPolicy(NamedFile):
     """Districts with their weights."""
     rigs: tuple[tuple[Rig, float], ...] = ((Rig.kitti(), 1.0),)
     """Rigs of different names with their weights, the most usual one first; one is drawn for each episode."""
-    car_pitch_sd_deg: float = 0.0
+    car_pitch_sd_deg: Annotated[float, Limits(0, 5)] = 0.0
     """How much the ego's pitch differs between episodes, by its load: a standard deviation."""
     sun_elevation_deg: tuple[float, float] | None = None
     """Range that the sun's height over the horizon is drawn from; the weather's own if None."""
@@ -136,12 +138,8 @@ class ResetPolicy(NamedFile):
         check_kind("ResetPolicy", "label", self.label, LabelConfig)
         if self.assets is not None and not isinstance(self.assets, Assets):
             raise CadetError(f"ResetPolicy.assets: expected cadet.Assets, got {shown(self.assets)}")
-        for name in ("samples_per_episode", "empty_views_limit", "attempts_limit"):
-            check_number("ResetPolicy", name, getattr(self, name), 1, 100_000, whole=True)
-        check_number("ResetPolicy", "distance_m", self.distance_m, 0, 1000)
-        check_number("ResetPolicy", "blocked_s", self.blocked_s, 0.1, 600)
+        check_fields(self)
         _check_time_step(self.time_step_s)
-        check_number("ResetPolicy", "car_pitch_sd_deg", self.car_pitch_sd_deg, 0, 5)
         _check_sun(self.sun_elevation_deg)
         for name in ("weathers", "districts", "rigs"):
             pairs = as_pairs("ResetPolicy", name, getattr(self, name), "of one of them and its weight")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from cadet._util.text_tables import aligned, markdown
 from cadet.evaluation.analysis.bins import BinAp, label_of
 from cadet.evaluation.analysis.bootstrap import Bootstrap
 from cadet.evaluation.analysis.box_errors import QUANTITIES, BandErrors, Spread
@@ -40,20 +41,12 @@ class Section:
 
     def to_text(self) -> str:
         """Return aligned lines; wider than a terminal rather than cut off."""
-        widths = [max(len(row[column]) for row in self.rows) for column in range(len(self.rows[0]))]
-        lines = [self.title]
-        for row in self.rows:
-            cells = [
-                cell.ljust(width) if column < self.num_left else cell.rjust(width)
-                for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-            ]
-            lines.append("  ".join(["", *cells]).rstrip())
+        lines = [self.title, *(f"  {line}" for line in aligned(self.rows, self.num_left))]
         return "\n".join([*lines, self.note] if self.note else lines)
 
     def to_markdown(self) -> str:
         """Return a Markdown table."""
-        marks = ["---"] * self.num_left + ["---:"] * (len(self.rows[0]) - self.num_left)
-        lines = [f"**{self.title}**", "", *("| " + " | ".join(r) + " |" for r in (self.rows[0], marks, *self.rows[1:]))]
+        lines = [f"**{self.title}**", "", *markdown(self.rows, self.num_left)]
         return "\n".join([*lines, "", self.note, ""] if self.note else [*lines, ""])
 
 
