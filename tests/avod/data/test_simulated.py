@@ -171,9 +171,9 @@ def test_a_mixed_training_that_stops_and_goes_on_equals_one_that_never_stopped(
     name: str, config: Config, recorded: Path, tmp_path: Path
 ) -> None:
     data = ((name, 0.5), (recorded, 0.5))
-    short_run(config, data, tmp_path / "unbroken", STEPS)
-    short_run(config, data, tmp_path / "run", STEPS, workers=1, should_stop=StopAfter(3))
-    short_run(config, data, tmp_path / "run", STEPS, workers=1, resume=True)
+    short_run(config, data, tmp_path / "unbroken", 3)
+    short_run(config, data, tmp_path / "run", 3, should_stop=StopAfter(2))
+    short_run(config, data, tmp_path / "run", 3, resume=True)
     assert_same_training(tmp_path / "run", tmp_path / "unbroken")
     with pytest.raises(CadetError, match=r"town\.toml: a training has one simulation"):
         short_run(config, (*data, (name, 0.5)), tmp_path / "other", 1)
