@@ -26,7 +26,7 @@ from avod.data.simulated import SimulatedData
 from cadet.errors import CadetError
 from cadet.formats.kitti import text_from_labels
 from cadet.simulation.simulation import Simulation
-from detector.runs import StopAfter, assert_same_training, short_run, small_config, write_set
+from detector.runs import StopAfter, assert_same_training, short_run, write_set
 
 BLOCK = 6
 STEPS = 8
@@ -48,11 +48,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def name(folder: Path) -> str:
     return f"sim:{folder}/town.toml"
-
-
-@pytest.fixture(scope="module")
-def config(folder: Path) -> Config:
-    return small_config(folder)
 
 
 def taken(
