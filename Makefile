@@ -78,12 +78,13 @@ test-core: WITHOUT_AVOD := yes
 test-core: lint test-rust test-python ## The same without avod, and so without torch
 	@echo "avod was left out: 'make test' checks its types and runs its tests too"
 
-lint: build-dev ## Check formats, clippy, docs, ruff and types
+lint: build-dev ## Check formats, clippy, docs, ruff, types, and who imports whom
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --workspace --no-deps --document-private-items
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/|tools/|support/detector/')
 	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 

@@ -22,24 +22,9 @@ from avod.train.log import TERMS, Validated, ValidationLog, read_validations
 from avod.validate import Validator
 from cadet import kitti
 from cadet.errors import CadetError, MissingFileError
-from detector.runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
+from detector.runs import StopAfter, assert_same_training, short_run, weights
 
 STEPS = 8
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("validation")
-
-
-@pytest.fixture(scope="module")
-def config(folder: Path) -> Config:
-    return small_config(folder)
-
-
-@pytest.fixture(scope="module")
-def data(folder: Path) -> Path:
-    return write_set(folder / "set")
 
 
 @pytest.fixture(scope="module")

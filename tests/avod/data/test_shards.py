@@ -19,7 +19,7 @@ from avod.train.log import Validated
 from avod.validate import Validator
 from cadet.errors import CadetError
 from cadet.formats.convert import convert
-from detector.runs import StopAfter, assert_same_training, short_run, small_config, write_set
+from detector.runs import StopAfter, assert_same_training, short_run, write_set
 
 STEPS = 5
 NUM_TRAIN, NUM_VAL, NUM_CHANGES = 5, 2, 4
@@ -31,11 +31,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("shards")
     convert(write_set(folder / "set", NUM_TRAIN, NUM_VAL), folder / "shards", "webdataset", shard_size=2)
     return folder
-
-
-@pytest.fixture(scope="module")
-def config(folder: Path) -> Config:
-    return small_config(folder)
 
 
 def named(folder: Path) -> Path:

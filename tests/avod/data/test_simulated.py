@@ -26,7 +26,7 @@ from avod.data.simulated import SimulatedData
 from cadet.errors import CadetError
 from cadet.formats.kitti import text_from_labels
 from cadet.simulation.simulation import Simulation
-from detector.runs import StopAfter, assert_same_training, short_run, small_config, write_set
+from detector.runs import StopAfter, assert_same_training, short_run, write_set
 
 BLOCK = 6
 STEPS = 8
@@ -48,11 +48,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def name(folder: Path) -> str:
     return f"sim:{folder}/town.toml"
-
-
-@pytest.fixture(scope="module")
-def config(folder: Path) -> Config:
-    return small_config(folder)
 
 
 def taken(
@@ -171,9 +166,9 @@ def test_a_mixed_training_that_stops_and_goes_on_equals_one_that_never_stopped(
     name: str, config: Config, recorded: Path, tmp_path: Path
 ) -> None:
     data = ((name, 0.5), (recorded, 0.5))
-    short_run(config, data, tmp_path / "unbroken", STEPS)
-    short_run(config, data, tmp_path / "run", STEPS, workers=1, should_stop=StopAfter(3))
-    short_run(config, data, tmp_path / "run", STEPS, workers=1, resume=True)
+    short_run(config, data, tmp_path / "unbroken", 3)
+    short_run(config, data, tmp_path / "run", 3, should_stop=StopAfter(2))
+    short_run(config, data, tmp_path / "run", 3, resume=True)
     assert_same_training(tmp_path / "run", tmp_path / "unbroken")
     with pytest.raises(CadetError, match=r"town\.toml: a training has one simulation"):
         short_run(config, (*data, (name, 0.5)), tmp_path / "other", 1)

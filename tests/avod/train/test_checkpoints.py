@@ -16,23 +16,13 @@ from avod.train.checkpoint import checkpoints, read_checkpoint
 from avod.train.settings import commit
 from cadet import __version__
 from cadet.errors import CadetError
-from detector.runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("checkpoints")
+from detector.runs import StopAfter, assert_same_training, short_run, small_config, weights
 
 
 @pytest.fixture(scope="module")
 def config(folder: Path) -> Config:
     config = small_config(folder)
     return dataclasses.replace(config, training=dataclasses.replace(config.training, checkpoint_steps=1))
-
-
-@pytest.fixture(scope="module")
-def data(folder: Path) -> Path:
-    return write_set(folder / "set")
 
 
 def files_of(run: Path) -> dict[str, list[str]]:

@@ -32,24 +32,9 @@ from avod.train.settings import read_record
 from avod.train.step import NonFiniteLossError
 from avod.validate import Validator
 from cadet.errors import CadetError, CadetWarning, MissingFileError
-from detector.runs import StopAfter, assert_same_training, short_run, small_config, write_set
+from detector.runs import StopAfter, assert_same_training, short_run
 
 STEPS = 14
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("resume")
-
-
-@pytest.fixture(scope="module")
-def config(folder: Path) -> Config:
-    return small_config(folder)
-
-
-@pytest.fixture(scope="module")
-def data(folder: Path) -> Path:
-    return write_set(folder / "set")
 
 
 @pytest.fixture(scope="module")

@@ -1,63 +1,6 @@
-"""The rooms of core, package, and detector, and who may use whom, as ARCHITECTURE.md draws it."""
+"""The rooms of the core, and who may use whom, as ARCHITECTURE.md draws it."""
 
 from __future__ import annotations
-
-# A room of the package and the rooms that it may use; all may use their own files.
-PYTHON_ROOMS: dict[str, set[str]] = {
-    "errors": set(),
-    "_util": {"errors", "_cadet"},
-    "bev": {"_util", "errors", "_cadet"},
-    "sensors": {"_util", "errors", "_cadet"},
-    "worlds": {"_util", "errors", "sensors", "_cadet"},
-    "formats": {"_util", "errors", "sensors", "_cadet"},
-    "simulation": {"_util", "errors", "formats", "sensors", "worlds", "_cadet"},
-    "generate": {"_util", "errors", "formats", "sensors", "simulation", "worlds", "_cadet"},
-    "figures": {"_util", "bev", "errors", "formats", "sensors", "simulation", "worlds"},
-    "evaluation": {"_util", "errors", "figures", "formats", "_cadet"},
-    "datasets": {"_util", "errors", "formats", "sensors", "_cadet"},
-}
-
-PYTHON_ROOMS["cli"] = {*PYTHON_ROOMS, "_cadet"}
-
-# A room of the detector and the rooms that it may use; all may use `cadet`.
-AVOD_ROOMS: dict[str, set[str]] = {
-    "training_config": set(),
-    "augmentation_config": set(),
-    "config_base": set(),
-    "config": {"augmentation_config", "config_base", "training_config"},
-    "config_file": {"config", "config_base"},
-    "device": set(),
-    "ops": set(),
-    "geometry": {"config"},
-    "data": {"augmentation_config", "clusters", "config", "device", "geometry"},
-    "targets": {"config", "data", "geometry", "ops"},
-    "model": {"config", "data", "geometry", "ops", "targets"},
-    "losses": {"config", "data", "geometry", "model", "targets"},
-    "results": {"config", "geometry", "model", "ops"},
-    "train": {"config", "config_file", "data", "device", "losses", "model", "targets"},
-    "detector": {"config", "config_file", "data", "device", "model", "results", "train"},
-    "predict": {"data", "detector", "results"},
-    "evaluate": {"config", "data", "detector", "predict"},
-    "validate": {"config", "data", "device", "evaluate", "losses", "model", "results", "targets", "train"},
-    "figures": {"train"},
-    "clusters": set(),
-    "cli": {
-        "clusters",
-        "config",
-        "config_base",
-        "config_file",
-        "data",
-        "detector",
-        "device",
-        "evaluate",
-        "figures",
-        "model",
-        "predict",
-        "train",
-        "validate",
-    },
-    "__main__": {"cli"},
-}
 
 # A room of the core and the rooms that it may use.
 CORE_ROOMS: dict[str, set[str]] = {
