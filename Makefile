@@ -62,7 +62,7 @@ setup: check-rust $(BIN)/maturin ## Make .venv with the build tool
 build: setup ## Build the release extension and install it with its dependencies into .venv
 	@$(call quietly,Building the Rust core (the first time takes two or three minutes),$(DEVELOP))
 
-build-dev: setup
+build-dev: setup ## The same with the tools for tests and lints
 	@$(call quietly,Building the Rust core and installing the development tools (the first time takes some minutes),\
 		$(DEVELOP) --extras $(EXTRAS))
 
