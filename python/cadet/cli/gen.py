@@ -51,7 +51,7 @@ _WORLD: Final = (
     show_default=True,
     help=f"The policy that draws the worlds: {', '.join(POLICIES)}, or a TOML file.",
 )
-@names_option("--districts", help=f"Some of {', '.join(DISTRICTS)}.")
+@names_option("--districts", help=f"Some of {', '.join(DISTRICTS)}, or TOML files.")
 @click.option(
     "--rig",
     metavar="NAME|FILE",
@@ -188,7 +188,9 @@ def cadet_gen(
         console.print(_at_a_standstill(summary), markup=False)
     if settings.val_fraction > 0.0 and settings.num_episodes == 1:
         num_first = settings.policy.samples_per_episode
-        console.print(f"val.txt is empty: frames from {num_first} on, the second episode, are its first", markup=False)
+        console.print(
+            f"val.txt is empty: validation starts with the second episode, at frame {num_first}", markup=False
+        )
     return 0
 
 

@@ -111,7 +111,7 @@ class Scene:
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
     ) -> Scene:
-        """Make a scene without traffic to script, the ego at the start of a lane of the map.
+        """Make a scene without traffic to script, the ego on a lane of the map.
 
         Args:
             map: an OpenDRIVE file, or one that was read; None is a level square of 400 m that looks like a road of two

@@ -285,7 +285,7 @@ def test_a_set_of_one_episode_has_an_empty_val_file_and_says_so(tmp_path: Path) 
     done = run(tmp_path / "out", "-n", 4, *SIZE)
     assert done.returncode == FINE
     assert (tmp_path / "out" / "ImageSets" / "val.txt").read_text() == ""
-    assert done.stderr.endswith("val.txt is empty: frames from 4 on, the second episode, are its first\n")
+    assert done.stderr.endswith("val.txt is empty: validation starts with the second episode, at frame 4\n")
 
 
 def test_two_episodes_have_a_val_file_and_more_frames_move_none(tmp_path: Path) -> None:
