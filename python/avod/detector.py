@@ -90,7 +90,7 @@ class Detector:
         config = changed_config(self.config, changes)
         for name, was, now in differences(table_from_config(self.config), table_from_config(config)):
             if not name.startswith(_FREE):
-                raise CadetError(f"{name}: training has settled that it is {was!r}, and {now!r} comes too late")
+                raise CadetError(f"{name}: expected {was!r}, with which the weights were trained, got {now!r}")
         self.config = config
 
     def __repr__(self) -> str:

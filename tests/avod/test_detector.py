@@ -257,5 +257,5 @@ def test_settings_of_detection_can_be_changed_for_a_run() -> None:
     assert detector.config.detection == detection
     with pytest.raises(CadetError, match=r"DetectionConfig\.nms_iou: expected "):
         detector.configure({"detection": {"nms_iou": 1.5}})
-    with pytest.raises(CadetError, match=r"^rpn\.hidden: training has settled that it is \d+, and 7 comes too late"):
+    with pytest.raises(CadetError, match=r"^rpn\.hidden: expected \d+, with which the weights were trained, got 7"):
         detector.configure({"rpn": {"hidden": 7}})

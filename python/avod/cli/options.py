@@ -92,7 +92,7 @@ set_option = click.option(
     "settings",
     metavar="KEY=VALUE",
     multiple=True,
-    help="Change the configuration, as in training.learning_rate=1e-4; may be repeated.",
+    help="Change the configuration, as in detection.min_score=0.5; may be repeated.",
 )
 
 

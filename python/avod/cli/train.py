@@ -259,4 +259,4 @@ def _how_to_go_on(out: str | Path) -> str:
     written = checkpoints(Path(out) / "checkpoints")
     if not written:
         return f"no checkpoint yet: --out {out} --resume begins again"
-    return f"last checkpoint: {written[-1]}; go on from it by --out {out} --resume"
+    return f"last checkpoint: {written[-1]}; to continue: avod train --out {out} --resume"

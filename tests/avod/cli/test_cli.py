@@ -80,7 +80,7 @@ def test_an_interrupted_training_says_how_to_go_on(
     monkeypatch.setattr("avod.cli.train.train", interrupt)
     for out, expected in (
         (tmp_path, r"interrupted; no checkpoint yet: --out \S+ --resume begins again"),
-        (trained, r"interrupted; last checkpoint: \S+/000000010; go on from it by --out \S+ --resume"),
+        (trained, r"interrupted; last checkpoint: \S+/000000010; to continue: avod train --out \S+ --resume"),
     ):
         arguments = ["train", "--config", str(CONFIG), "--data", str(dataset), "--out", str(out)]
         assert avod.main(arguments, standalone_mode=False) == 130
@@ -176,7 +176,7 @@ def test_detection_can_be_changed_for_one_run(dataset: Path, trained: Path, tmp_
     assert 0 < len(detected()) < len(every), "at the configuration's limit boxes suppress each other"
     assert len(detected("--proposals", 1, "--nms-iou", 1.0)) <= 1
     assert detected("--nms-iou", 1.0, "--set", f"detection.min_score={limit}") == above
-    with pytest.raises(CadetError, match=r"^--set: rpn\.hidden: training has settled"):
+    with pytest.raises(CadetError, match=r"^--set: rpn\.hidden: expected \d+, with which the weights"):
         detected("--set", "rpn.hidden=5")
     result = call("eval", "--checkpoint", trained, "--data", dataset, "--min-score", 1.0)
     assert table_of(result) == [], "nothing is found"

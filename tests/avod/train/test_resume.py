@@ -101,7 +101,7 @@ def test_a_process_that_a_signal_ends_leaves_a_training_that_goes_on(
     else:
         reason = "interrupted" if number == signal.SIGINT else "ended by SIGTERM"
         assert process.returncode == 128 + number
-        expected = rf"{reason}; last checkpoint: (\S+); go on from it by --out {out} --resume"
+        expected = rf"{reason}; last checkpoint: (\S+); to continue: avod train --out {out} --resume"
         found = re.fullmatch(expected, message.splitlines()[-1])
         assert found and int(Path(found[1]).name) < STEPS, message
     assert len(checkpoints(out / "checkpoints")) < 5
@@ -163,7 +163,7 @@ def test_a_training_that_is_out_of_time_says_so(data: Path, folder: Path, unbrok
     options = ("--config", folder / "small.toml", "--data", data, "--out", out, "--steps", STEPS)
     result = call("train", *options, "--max-minutes", 1e-6)
     assert result.return_value == 75
-    assert f"the time is up; last checkpoint: {out}/checkpoints/000000001; go on" in result.output
+    assert f"the time is up; last checkpoint: {out}/checkpoints/000000001; to continue" in result.output
     # What is not said again is as it was, the number of steps too.
     assert call("train", "--out", out, "--resume").return_value == 0
     assert_same_training(out, unbroken)
