@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from cadet._util.checks import check_kind, check_number, is_one_of, shown
+from cadet._util.notices import notice
 from cadet._util.operating_system import num_processors
 from cadet.errors import CadetError
 from cadet.generate.engine import Engine
@@ -74,6 +75,9 @@ def generate(
         raise CadetError("generate.address: only for the engine ray")
     if workers is not None:
         check_number("generate", "workers", workers, 1, 1024, whole=True)
+    if settings.unwritten_sensors:
+        names = ", ".join(settings.unwritten_sensors)
+        notice([f"{settings.format}: not written: {names} (the format nuscenes has every sensor)"], about="sensors")
     num_new = num_kept = 0
     num_standing: Counter[int] = Counter()
     location = open_sink(root).location

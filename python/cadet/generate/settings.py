@@ -120,6 +120,13 @@ class Settings:
         return self.exporter.kinds([rig for rig, _ in self.policy.rigs], self.write)
 
     @property
+    def unwritten_sensors(self) -> tuple[str, ...]:
+        """Names of sensors of the rigs that the format has no room for."""
+        wanted = self.exporter.wanted(self.write).sensors
+        names = {mounted.name for rig, _ in self.policy.rigs for mounted in rig.more}
+        return () if wanted is None else tuple(sorted(names - {*wanted}))
+
+    @property
     def num_episodes(self) -> int:
         """Episodes begun."""
         return -(-self.num_frames // self.policy.samples_per_episode)

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from cadet import Rig, kitti
+from cadet import CadetWarning, Camera, Lidar, MountedLidar, Pose, Rig, kitti
 from cadet.errors import CadetError, MissingFileError
+from cadet.generate import generate
 from cadet.generate.settings import Settings
 from cadet.worlds.policy import ResetPolicy
 from gen_process import FAILED, FINE, SIZE, run, tree
-from small_runs import make
+from small_runs import make, small_settings
 
 FOLDERS = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
 
@@ -233,3 +234,12 @@ def test_a_rig_of_the_settings_replaces_those_of_the_policy() -> None:
     assert replace(given, num_frames=40).identity() == asked.identity()
     with pytest.raises(CadetError, match="rig: expected"):
         Settings(policy=ResetPolicy.kitti(), rig="paper")  # type: ignore[arg-type]
+
+
+def test_a_run_says_which_sensors_its_format_does_not_write(tmp_path: Path) -> None:
+    side = MountedLidar(name="side", lidar=Lidar.vlp16(), pose=Pose.of_angles((0.0, 0.9, 1.5)))
+    rig = Rig(camera=Camera.kitti().resized(64, 32), lidar=Lidar.vlp16()).with_sensors(side)
+    settings = small_settings(1, rig=rig)
+    assert replace(settings, format="nuscenes", policy=settings.policy.as_sequence()).unwritten_sensors == ()
+    with pytest.warns(CadetWarning, match=r"^kitti: not written: side \(the format nuscenes has every sensor\)$"):
+        generate(tmp_path / "out", settings, workers=1)

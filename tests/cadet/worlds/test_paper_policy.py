@@ -37,8 +37,8 @@ def test_the_towns_of_the_paper_are_used_where_they_are_handed_over() -> None:
     town = Path(__file__).parents[4] / "shared" / "maps" / "Town02.xodr"
     if not town.is_file():
         pytest.skip("needs CARLA's Town02 in ../shared/maps")
-    with pytest.warns(cadet.CadetWarning, match=r"^Town02\.xodr: road"):
-        scene = cadet.Scene.random(seed=1, policy="paper", map=town, weather="clear_noon")
+    # Its gaps between lanes are of sidewalks and shoulders, of which nobody has to be warned.
+    scene = cadet.Scene.random(seed=1, policy="paper", map=town, weather="clear_noon")
     frame = scene.capture()
     assert frame.meta is not None
     assert (frame.meta["map"], frame.meta["rig"]) == ("Town02.xodr", "paper")
