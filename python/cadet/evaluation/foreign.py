@@ -20,12 +20,14 @@ from cadet._util.arrays import as_array
 from cadet._util.checks import as_path, shown
 from cadet._util.plain_text import json_from_text
 from cadet._util.user_files import read_file
-from cadet.errors import CadetError, FileFormatError
+from cadet.errors import CadetError, FileFormatError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.formats.kitti.boxes import alpha_from_boxes, wrap_angle
+from cadet.sensors.pose import rotation_of_quaternion
 
 _Read = TypeVar("_Read")
 
+_TABLES: Final = "nuScenes' tables"
 _ARRAY: Final = np.zeros(1)
 _OF_ARRAYS: Final[dict[str, Any]] = {
     "numpy.dtype": np.dtype,
@@ -81,7 +83,7 @@ def read_detections(path: str | Path, tables: str | Path | None = None) -> dict[
     if tables is None:
         raise CadetError(f"{file}: nuScenes' results need tables=, the folder of tables that they refer to")
     samples = _checked(lambda: content["results"].items(), file.name)
-    ego = _Ego(as_path("tables", tables))
+    ego = _ego(as_path("tables", tables))
 
     def read() -> dict[str, Detections]:
         found = {}
@@ -112,7 +114,11 @@ def read_ground_truth(tables: str | Path) -> dict[str, GroundTruth]:
         FileFormatError: one is damaged.
     """
     folder = as_path("tables", tables)
-    ego = _Ego(folder)
+    ego = _ego(folder)
+    return _checked(lambda: _ground_truth(folder, ego), folder.name, _TABLES)
+
+
+def _ground_truth(folder: Path, ego: _Ego) -> dict[str, GroundTruth]:
     categories = {row["token"]: row["name"] for row in _table(folder, "category")}
     instances = {row["token"]: categories[row["category_token"]] for row in _table(folder, "instance")}
     rows: dict[str, list[Mapping[str, Any]]] = defaultdict(list)
@@ -149,27 +155,19 @@ class _Ego:
         if token not in self.samples:
             raise CadetError(f"sample {shown(token)}: the tables have no such sample with a LIDAR's scan")
         pose = self.samples[token]
-        ego_from_world = _rotation(pose["rotation"]).T
+        ego_from_world = rotation_of_quaternion(pose["rotation"]).T
         boxes = []
         for row in rows:
             x, y, z = ego_from_world @ (np.array(row["translation"], np.float64) - pose["translation"])
             width, length, height = row["size"]
-            ahead = ego_from_world @ _rotation(row["rotation"])[:, 0]
+            ahead = ego_from_world @ rotation_of_quaternion(row["rotation"])[:, 0]
             heading = float(wrap_angle(-np.arctan2(ahead[1], ahead[0]) - 0.5 * np.pi))
             boxes.append([-y, 0.5 * height - z, x, length, width, height, heading])
         return np.array(boxes, np.float64).reshape(-1, 7)
 
 
-def _rotation(quaternion_wxyz: Iterable[float]) -> NDArray[np.float64]:
-    q = np.array(quaternion_wxyz, np.float64)
-    w, x, y, z = q / np.linalg.norm(q)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def _ego(folder: Path) -> _Ego:
+    return _checked(lambda: _Ego(folder), folder.name, _TABLES)
 
 
 def _columns(names: list[str], boxes_cam: NDArray[np.float64]) -> dict[str, Any]:
@@ -219,12 +217,14 @@ def _frame_of_openpcdet(frame: Mapping[str, Any]) -> Detections:
     )
 
 
-def _checked(read: Callable[[], _Read], file: str) -> _Read:
-    """Name the file in what is wrong with it."""
+def _checked(read: Callable[[], _Read], file: str, what: str = "a detector's results") -> _Read:
+    """Name the file in what is wrong with it, unless its error names one."""
     try:
         return read()
+    except (FileFormatError, MissingFileError):
+        raise
     except CadetError as error:
         raise FileFormatError(str(error), file) from None
-    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         reason = f"{type(error).__name__}: {error}"
-        raise FileFormatError(f"not laid out as a detector's results are ({reason})", file) from None
+        raise FileFormatError(f"not laid out as {what} are ({reason})", file) from None

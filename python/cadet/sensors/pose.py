@@ -97,16 +97,7 @@ class Pose:
 
     def matrix(self) -> NDArray[np.float64]:
         """Return the (4, 4) float64 matrix that takes points of this frame into the carrier's."""
-        length = math.sqrt(_dot(self.quaternion_wxyz, self.quaternion_wxyz))
-        w, x, y, z = (number / length for number in self.quaternion_wxyz)
-        rotation = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        )
-        return _matrix(self.position_m, rotation)
+        return _matrix(self.position_m, rotation_of_quaternion(self.quaternion_wxyz))
 
     def carried_by(self, carrier: NDArray[np.float64]) -> Pose:
         """Return the pose in the frame that the (4, 4) matrix `carrier` leads to."""
@@ -166,6 +157,19 @@ def cos_sin(angle_deg: float) -> tuple[float, float]:
         else:
             cosine += sign * term
     return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[quarters % 4]
+
+
+def rotation_of_quaternion(quaternion_wxyz: Sequence[float]) -> NDArray[np.float64]:
+    """Return the (3, 3) rotation of a quaternion of any length but 0."""
+    length = math.sqrt(_dot(quaternion_wxyz, quaternion_wxyz))
+    w, x, y, z = (number / length for number in quaternion_wxyz)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def quaternion_of(rotation: NDArray[np.float64]) -> Row4:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import os
 import pickle
 from pathlib import Path
@@ -95,6 +96,27 @@ def test_what_is_no_nuscenes_result_is_refused_in_one_line(tables: Path, content
     path.write_text(content)
     with pytest.raises(FileFormatError, match=rf"^results_nusc\.json.*{message}") as caught:
         cadet.read_detections(path, tables)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "change", "reason"),
+    [
+        ("ego_pose", lambda row: row.pop("token"), "KeyError: 'token'"),
+        ("ego_pose", lambda row: row.update(rotation=[0, 0, 0, 0]), "ZeroDivisionError: "),
+        ("instance", lambda row: row.update(category_token="none"), "KeyError: 'none'"),
+        ("sample_annotation", lambda row: row.update(size="large"), "ValueError: "),
+        ("sample_annotation", lambda row: row.update(rotation=None), "TypeError: "),
+    ],
+)
+def test_damaged_tables_are_refused_in_one_line(tables: Path, table: str, change: Any, reason: str) -> None:
+    path = tables / f"{table}.json"
+    rows = json.loads(path.read_text())
+    for row in rows:
+        change(row)
+    path.write_text(json.dumps(rows))
+    with pytest.raises(FileFormatError, match=rf"not laid out as nuScenes' tables are \({reason}") as caught:
+        cadet.read_ground_truth(tables)
     assert "\n" not in str(caught.value)
 
 
