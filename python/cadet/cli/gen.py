@@ -68,7 +68,9 @@ _WORLD: Final = (
 @click.option("--maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @names_option("--weathers", help="Some of the presets below.")
 @click.option("--assets", metavar="DIR", help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).")
-@click.option("--skip-bad", is_flag=True, help="Leave out vehicles of --assets whose meshes are missing or broken.")
+@click.option(
+    "--skip-bad", is_flag=True, default=None, help="Leave out vehicles of --assets whose meshes are missing or broken."
+)
 @click.option("--props", metavar="DIR", help="Own props: a folder with a TOML file for each (docs/props.md).")
 @click.option("--format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
 @click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples per shard of webdataset.  [default: 1000]")
@@ -207,9 +209,7 @@ def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:
         policy = ResetPolicy.named(name)
     except CadetError as error:
         raise CadetError(f"--policy: {error}") from None
-    table = {key: world[key] for key in _WORLD if world[key] not in (None, (), False) or key == "rolling"}
-    if table["rolling"] is None:
-        del table["rolling"]
+    table = {key: world[key] for key in _WORLD if world[key] not in (None, ())}
     if "image_size" in table:
         table["image_size"] = _image_size(table["image_size"])
     if format == "nuscenes":

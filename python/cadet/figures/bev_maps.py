@@ -14,6 +14,7 @@ from cadet.bev import BevConfig
 from cadet.errors import CadetError
 from cadet.figures.picture import check_picture_path, write_picture
 from cadet.formats.kitti.calib import points_in_image
+from cadet.formats.kitti.drawing.drawable import LEVEL_PLANE
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.plane_estimate import estimate_plane
 
@@ -86,8 +87,8 @@ def _plane(frame: Frame) -> NDArray[np.float64]:
     try:
         return estimate_plane(frame.points_velo, frame.calib)
     except CadetError:
-        # No road to be seen, as in an empty scan: a level one under KITTI's camera.
-        return np.array([0.0, -1.0, 0.0, 1.65])
+        # No road to be seen, as in an empty scan.
+        return LEVEL_PLANE
 
 
 def _captions(config: BevConfig) -> list[str]:

@@ -75,8 +75,7 @@ def generate(
         raise CadetError("generate.address: only for the engine ray")
     if workers is not None:
         check_number("generate", "workers", workers, 1, 1024, whole=True)
-    if settings.unwritten_sensors:
-        names = ", ".join(settings.unwritten_sensors)
+    if names := ", ".join(settings.unwritten_sensors):
         notice([f"{settings.format}: not written: {names} (the format nuscenes has every sensor)"], about="sensors")
     num_new = num_kept = 0
     num_standing: Counter[int] = Counter()

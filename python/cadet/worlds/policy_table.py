@@ -121,9 +121,13 @@ def _with_maps(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path
     return replace(policy, maps=tuple(RoadMap.read(folder / name) for name in _strings(table[key])))
 
 
-def _with_assets(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:
+def _check_assets_too(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:
     if "assets" not in table:
         raise CadetError("goes with assets")
+    return policy
+
+
+def _with_assets(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:
     assets = Assets.read(folder / _string(table["assets"]), skip_bad=table.get("skip_bad", False))
     return replace(policy, assets=assets)
 
@@ -146,7 +150,7 @@ _CHANGES: Final[dict[str, Callable[[_Policy, str, Mapping[str, Any], Path], _Pol
     **dict.fromkeys(HOW, _scanning),
     "image_size": _with_image_size,
     "maps": _with_maps,
-    "skip_bad": _with_assets,
+    "skip_bad": _check_assets_too,
     "assets": _with_assets,
     "props": _with_props,
     "length_s": _as_sequence,

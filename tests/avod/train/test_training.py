@@ -22,7 +22,7 @@ from avod.geometry.encoding import boxes_4c_from_anchors
 from avod.geometry.height_profile import cell_tops, height_profiles
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.train import train
-from avod.train.checkpoint import load_network, read_checkpoint
+from avod.train.checkpoint import read_checkpoint
 from avod.train.log import COLUMNS, read_log
 from avod.train.run import Run, with_steps
 from avod.train.step import (
@@ -36,7 +36,7 @@ from avod.train.step import (
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.formats.kitti import write_frame
-from detector.runs import Frozen
+from detector.runs import Frozen, weights
 from synthetic import make_frame
 
 CONFIG = Config.named(Path(__file__).parents[2] / "support" / "detector" / "overfit.toml")
@@ -226,13 +226,6 @@ def run(dataset: Path, out: Path, steps: int, **changes: Any) -> Path:
     return train(config, Run(data=dataset, out=out, split=None, **changes))
 
 
-def tensors(path: Path) -> dict[str, torch.Tensor]:
-    checkpoint = read_checkpoint(path)
-    network = AvodNetwork(checkpoint.config)
-    load_network(checkpoint, network)
-    return dict(network.state_dict())
-
-
 def test_a_device_is_a_name_or_what_pytorch_calls_one(dataset: Path, tmp_path: Path) -> None:
     named, given = (run(dataset, tmp_path / str(n), 1, device=d) for n, d in enumerate(("cpu", torch.device("cpu"))))
     assert (tmp_path / "0" / "run.json").read_text() == (tmp_path / "1" / "run.json").read_text()
@@ -243,8 +236,8 @@ def test_a_device_is_a_name_or_what_pytorch_calls_one(dataset: Path, tmp_path: P
 
 def test_workers_change_nothing(dataset: Path, tmp_path: Path) -> None:
     alone, helped = (run(dataset, tmp_path / str(n), 2, workers=n) for n in (0, 1))
-    for name, tensor in tensors(alone).items():
-        assert torch.equal(tensor, tensors(helped)[name]), name
+    for name, tensor in weights(alone).items():
+        assert torch.equal(tensor, weights(helped)[name]), name
 
 
 def test_another_training_begins_with_the_weights_alone(dataset: Path, tmp_path: Path) -> None:
@@ -256,7 +249,7 @@ def test_another_training_begins_with_the_weights_alone(dataset: Path, tmp_path:
     assert rates == [1] and second.name == "000000001"
     for name, parameter in AvodNetwork(CONFIG).named_parameters():
         del parameter
-        torch.testing.assert_close(tensors(second)[name], tensors(first)[name], atol=1e-9, rtol=0)
+        torch.testing.assert_close(weights(second)[name], weights(first)[name], atol=1e-9, rtol=0)
 
 
 def test_the_log_goes_on_where_training_does(dataset: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from cadet._util import style
 from cadet._util.checks import check_number
 from cadet.formats.kitti import boxes
 from cadet.formats.kitti.calib import Calibration
-from cadet.formats.kitti.drawing.drawable import Drawable
+from cadet.formats.kitti.drawing.drawable import LEVEL_PLANE, Drawable
 from cadet.formats.kitti.label import Label
 
 AHEAD_M: Final = 70.0
@@ -25,7 +25,6 @@ _BEHIND_M: Final = 3.0
 _FARTHEST_M: Final = 1e6
 _RING_STEP_M: Final = 10.0
 _HEIGHT_M: Final = (-0.3, 3.0)
-_FLAT_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
 _EGO_SIZE_M: Final = (4.5, 1.8)
 _THICK_PX_PER_M: Final = 8.0
 _GLOW: Final = 3.6
@@ -110,7 +109,7 @@ def _view_rays(calib: Calibration, width: int) -> list[NDArray[np.float64]]:
 
 def _draw_points(canvas: style.Image, frame: Drawable, scale: float) -> None:
     """Add up the returns on a grid twice as fine, then shrink it: dense places glow, single returns stay visible."""
-    plane = _FLAT_PLANE if frame.plane is None else frame.plane
+    plane = LEVEL_PLANE if frame.plane is None else frame.plane
     height_m = frame.calib.points_cam_from_velo(frame.points_velo) @ plane[:3] + plane[3]
     fine = (canvas.shape[0] * 2, canvas.shape[1] * 2)
     places = np.floor((_pixels(frame.points_velo.astype(np.float64), scale) + 0.5) * 2.0)

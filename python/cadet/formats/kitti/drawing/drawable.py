@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import cv2
 import numpy as np
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.label import Label
+
+LEVEL_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
+"""The ground of a frame that has none: level, under KITTI's camera."""
 
 
 class Drawable(Protocol):

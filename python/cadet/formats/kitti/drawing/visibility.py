@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 from cadet.formats.kitti import boxes
 from cadet.formats.kitti.calib import points_in_image
-from cadet.formats.kitti.drawing.drawable import Drawable
+from cadet.formats.kitti.drawing.drawable import LEVEL_PLANE, Drawable
 from cadet.formats.kitti.label import Label, boxes_cam_from_labels
 
 _DEPTH_MARGIN_M: Final = 0.1
 _LIDAR_MARGIN_M: Final = 0.3
 _LIDAR_WINDOW_PX: Final = (5.0, 7.0)
 _ABOVE_GROUND_M: Final = 0.25
-_FLAT_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
 _NUM_CORNERS: Final = 8
 
 
@@ -83,7 +82,7 @@ def _hidden_by_lidar(
     z_m: NDArray[np.float64], corners_img: NDArray[np.float64], is_candidate: NDArray[np.bool_], frame: Drawable
 ) -> NDArray[np.bool_]:
     points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
-    plane = _FLAT_PLANE if frame.plane is None else frame.plane
+    plane = LEVEL_PLANE if frame.plane is None else frame.plane
     is_kept = points_in_image(points_cam, frame.calib, frame.image_size)
     is_kept &= points_cam @ plane[:3] + plane[3] > _ABOVE_GROUND_M
     points_cam = points_cam[is_kept]
