@@ -11,13 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from repository.architecture_rooms import CORE_ROOMS, TOWN_ROOMS
-from repository.rust_modules import Modules
+from repository.architecture_rooms import CRATES, ROOMS
+from repository.rust_modules import Modules, code_of
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "cadet"
 DETECTOR = ROOT / "python" / "avod"
-CORE = ROOT / "crates" / "cadet_core" / "src"
+CORE = {crate: ROOT / "crates" / f"cadet_{crate}" for crate in CRATES}
 
 # What a package, a folder, and a file may import; tomli is the standard library's tomllib for Python 3.10.
 NEEDED = {
@@ -45,29 +50,6 @@ def imports(path: Path) -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def rust_code(path: Path) -> str:
-    """Return a Rust file without comments and unit tests."""
-    code = re.sub(r"//[^\n]*", "", path.read_text())
-    return re.split(r"#\[cfg\(test\)\]\s*(?:#\[[^\n]*\]\s*)*(?:pub\S* )?mod \w+ \{", code)[0]
-
-
-def core_files(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*.rs") if "tests" not in (path.stem, path.parent.name))
-
-
-def uses(path: Path) -> set[str]:
-    """Return the first names after `crate::` in a Rust file."""
-    code = rust_code(path)
-    found = set(re.findall(r"\bcrate::(\w+)", code))
-    for group in re.findall(r"\buse crate::\{(.*?)\};", code, re.DOTALL):
-        found |= set(re.findall(r"(?:^|,)\s*(\w+)", re.sub(r"\{[^{}]*\}", "", group)))
-    return found
-
-
-def test_the_table_names_every_room_of_the_core() -> None:
-    assert set(CORE_ROOMS) == {path.stem for path in CORE.iterdir()} - {"lib"}
-
-
 @pytest.mark.parametrize("package", [PACKAGE, DETECTOR])
 def test_a_package_imports_what_it_may_need_alone(package: Path) -> None:
     for path in package.rglob("*.py"):
@@ -93,8 +75,9 @@ def core_uses(modules: Modules) -> dict[str, set[str]]:
     return {"::".join(module): {"::".join(used) for used in modules.uses(module)} for module in modules.files}
 
 
-def test_files_of_the_core_use_each_other_in_one_direction() -> None:
-    assert circle(core_uses(Modules(CORE))) == []
+@pytest.mark.parametrize("crate", CRATES)
+def test_files_of_the_core_use_each_other_in_one_direction(crate: str) -> None:
+    assert circle(core_uses(Modules(CORE[crate] / "src"))) == []
 
 
 @pytest.mark.parametrize("package", [PACKAGE, DETECTOR])
@@ -126,31 +109,30 @@ def test_a_circle_is_found_through_what_a_parent_passes_on(tmp_path: Path) -> No
     assert circle(core_uses(modules)) in (["b", "c", "b"], ["c", "b", "c"])
 
 
-@pytest.mark.parametrize("room", CORE_ROOMS)
-def test_a_core_room_uses_only_its_neighbors(room: str) -> None:
-    files = [path for path in (*core_files(CORE / room), CORE / f"{room}.rs") if path.is_file()]
-    for path in files:
-        known = {name for name in uses(path) if (CORE / name).is_dir() or (CORE / f"{name}.rs").is_file()}
-        assert known <= CORE_ROOMS[room] | {room}, f"{path.relative_to(ROOT)} uses {sorted(known - CORE_ROOMS[room])}"
+@pytest.mark.parametrize("crate", CRATES)
+def test_a_crate_depends_only_on_its_neighbors_and_knows_no_python(crate: str) -> None:
+    manifest = tomllib.loads((CORE[crate] / "Cargo.toml").read_text())
+    needed = set(manifest["dependencies"])
+    assert {name.removeprefix("cadet_") for name in needed if name.startswith("cadet_")} == CRATES[crate]
+    assert not needed & {"pyo3", "numpy"}
 
 
-def test_a_room_of_the_town_uses_only_its_neighbors() -> None:
-    modules = Modules(CORE)
+@pytest.mark.parametrize("crate", ROOMS)
+def test_a_room_uses_only_its_neighbors(crate: str) -> None:
+    modules = Modules(CORE[crate] / "src")
     used: dict[str, set[str]] = {}
-    for module in modules.files:
-        if len(module) > 1 and module[0] == "town":
-            others = {other[1] for other in modules.uses(module) if len(other) > 1 and other[0] == "town"}
-            used.setdefault(module[1], set()).update(others - {module[1]})
-    assert set(used) == set(TOWN_ROOMS)
-    assert not {room: rooms - TOWN_ROOMS[room] for room, rooms in used.items() if rooms - TOWN_ROOMS[room]}
+    for room, *inner in filter(None, modules.files):
+        others = {other[0] for other in modules.uses((room, *inner)) if other}
+        used.setdefault(room, set()).update(others - {room})
+    assert set(used) == set(ROOMS[crate])
+    assert not {room: rooms - ROOMS[crate][room] for room, rooms in used.items() if rooms - ROOMS[crate][room]}
 
 
-def test_the_core_knows_no_python_and_prints_nothing() -> None:
-    manifest = (ROOT / "crates" / "cadet_core" / "Cargo.toml").read_text()
-    assert not re.search(r"^(pyo3|numpy)\b", manifest, re.MULTILINE)
-    for path in core_files(CORE):
-        found = re.findall(r"\b(?:pyo3|println!|eprintln!|std::time)", rust_code(path))
-        assert not found, f"{path.relative_to(ROOT)}: {found}"
+def test_the_core_prints_nothing_and_has_no_clock() -> None:
+    for folder in CORE.values():
+        for path in Modules(folder / "src").files.values():
+            found = re.findall(r"\b(?:println!|eprintln!|std::time)", code_of(path))
+            assert not found, f"{path.relative_to(ROOT)}: {found}"
 
 
 def test_no_source_file_is_long() -> None:

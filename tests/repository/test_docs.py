@@ -162,8 +162,8 @@ def test_the_table_of_a_sensor_is_one() -> None:
 
 def test_the_labels_page_states_the_annotators_habits_as_the_core_has_them() -> None:
     page = " ".join((ROOT / "docs/labels.md").read_text(encoding="utf-8").split())
-    core = ROOT / "crates/cadet_core/src"
-    annotation = (core / "assets/annotation.rs").read_text(encoding="utf-8")
+    crates = ROOT / "crates"
+    annotation = (crates / "cadet_assets/src/annotation.rs").read_text(encoding="utf-8")
     farthest = re.findall(r"const (\w+)_FARTHEST_M: \(f64, f64\) = \(([\d.]+), ([\d.]+)\);", annotation)
     assert len(farthest) == 8
     for name, mean, sd in farthest:
@@ -171,6 +171,6 @@ def test_the_labels_page_states_the_annotators_habits_as_the_core_has_them() -> 
         assert re.search(stated, page), name
     (least,) = re.findall(r"const LEAST_POINTS: \(usize, usize\) = \((\d+), (\d+)\);", annotation)
     assert "It needs {} to {} returns".format(*least) in page
-    visible = (core / "label/config.rs").read_text(encoding="utf-8")
+    visible = (crates / "cadet_sensors/src/label/config.rs").read_text(encoding="utf-8")
     numbers = [re.findall(rf"const {name}: f64 = ([\d.]+);", visible)[0] for name in ("FROM_M", "MORE_PER_M", "MOST")]
     assert "grows beyond {:g} m by {} a meter, up to {}".format(float(numbers[0]), *numbers[1:]) in page

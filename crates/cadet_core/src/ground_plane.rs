@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{Error, Result};
-use crate::math;
-use crate::rng::Stream;
+use cadet_base::error::{Error, Result};
+use cadet_base::math;
+use cadet_base::rng::Stream;
 
 /// Where the ground is looked for, in the frame of camera 0, meters: ahead, to either side, below the camera.
 const AHEAD_M: Range<f64> = 2.0..50.0;

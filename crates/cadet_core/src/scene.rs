@@ -6,18 +6,18 @@ pub use capture::{CaptureRequest, CapturedFrame, Image, NamedScan};
 
 use std::sync::Arc;
 
-use crate::actor::{BrakesFor, ObjectClass};
-use crate::assets::vehicle::UserVehicles;
-use crate::error::{Error, Result, finite};
-use crate::label::{LabelConfig, TakenView};
-use crate::lidar::{IdealScan, LidarSpec, ideal_scan};
-use crate::math::{DPose3, DVec3, TAU};
-use crate::rig::Rig;
-use crate::rng::StreamKey;
-use crate::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
-use crate::town::{PropConfig, SuburbConfig, Town};
-use crate::weather::{Sun, Weather};
-use crate::world::{Course, EgoCommand, ModelChoice, Overlap, Shortfall, Snapshot, TrafficConfig, World};
+use cadet_assets::vehicle::UserVehicles;
+use cadet_base::actor::{BrakesFor, ObjectClass};
+use cadet_base::error::{Error, Result, finite};
+use cadet_base::math::{DPose3, DVec3, TAU};
+use cadet_base::rng::StreamKey;
+use cadet_sensors::label::{LabelConfig, TakenView};
+use cadet_sensors::lidar::{IdealScan, LidarSpec, ideal_scan};
+use cadet_sensors::rig::Rig;
+use cadet_sensors::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
+use cadet_sensors::weather::{Sun, Weather};
+use cadet_town::{PropConfig, SuburbConfig, Town};
+use cadet_world::{Course, EgoCommand, ModelChoice, Overlap, Shortfall, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
 #[derive(Debug, Clone)]

@@ -1,8 +1,8 @@
 //! One pass over the points fills every map.
 
 use super::spec::{BevSpec, Feature, HeightRule};
-use crate::error::{Error, Result, finite};
-use crate::math;
+use cadet_base::error::{Error, Result, finite};
+use cadet_base::math;
 
 /// What the logarithms of counts are divided by; a cell with one point less is full.
 const FULL: usize = 16;

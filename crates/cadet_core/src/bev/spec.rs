@@ -1,6 +1,6 @@
 //! Which maps there are, and over which part of the world.
 
-use crate::error::{Error, Result, finite};
+use cadet_base::error::{Error, Result, finite};
 
 /// One map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

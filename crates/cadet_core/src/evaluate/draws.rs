@@ -8,8 +8,8 @@ use super::matching::FirstPass;
 use super::metric::{Metric, Settings};
 use super::objects::FramePair;
 use super::prepared::{Prepared, Task};
-use crate::error::Error;
-use crate::parallel;
+use cadet_base::error::Error;
+use cadet_base::parallel;
 
 /// AP of one class, metric and level in each draw.
 #[derive(Debug, Clone, PartialEq)]

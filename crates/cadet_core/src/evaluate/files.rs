@@ -6,8 +6,8 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
-use crate::parallel;
+use cadet_base::error::{Error, Result};
+use cadet_base::parallel;
 
 /// Reads the files `ID.txt` of a folder; a frame without an id has no file, and so nothing in it.
 ///

@@ -10,7 +10,7 @@ use super::curves::{MAX_THRESHOLDS, Tally};
 use super::metric::{Level, Metric};
 use super::objects::{Detection, FramePair, ObjectTypes, Truth};
 use super::overlaps::FrameOverlaps;
-use crate::math;
+use cadet_base::math;
 
 /// A class at a level in a metric.
 #[derive(Debug, Clone, Copy)]

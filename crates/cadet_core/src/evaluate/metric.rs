@@ -1,7 +1,7 @@
 //! Settings of an evaluation: what it measures, for which classes, and how strictly.
 
 use super::objects::{ObjectType, ObjectTypes};
-use crate::error::{Error, Result};
+use cadet_base::error::{Error, Result};
 
 /// How overlap is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -35,8 +35,8 @@ pub use parse::{Parsed, parse_detections, parse_truths};
 pub use rotated_iou::{RotatedBox, intersection_bev_m2, iou_3d, iou_bev};
 pub use sight::{Sight, sight};
 
-use crate::error::Result;
-use crate::parallel;
+use cadet_base::error::Result;
+use cadet_base::parallel;
 use prepared::{Prepared, Task};
 
 /// The result for one class, metric and level.
@@ -88,7 +88,7 @@ pub struct Curve {
 /// ```
 ///
 /// # Errors
-/// [`crate::Error::OutOfRange`] and [`crate::Error::Unknown`] for settings that make no sense.
+/// [`cadet_base::Error::OutOfRange`] and [`cadet_base::Error::Unknown`] for settings that make no sense.
 pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>> {
     settings.check()?;
     Ok(parallel::run(|| curves_of(frames, settings)))

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::rotated_iou::{RotatedBox, iou_bev};
-use crate::error::Error;
-use crate::parallel;
+use cadet_base::error::Error;
+use cadet_base::parallel;
 
 /// Fewer pairs than this are not worth a thread.
 const PAIRS_A_TASK: usize = 2048;

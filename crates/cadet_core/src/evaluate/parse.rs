@@ -5,7 +5,7 @@
 use super::objects::{BoxImg, Detection, MIN_SCORE, ObjectType, OtherNames, Truth};
 use super::rotated_iou::RotatedBox;
 use super::text;
-use crate::error::{Error, Result};
+use cadet_base::error::{Error, Result};
 
 /// The columns of a result file; a label file has all but the last.
 const COLUMNS: [&str; 16] = [

@@ -4,7 +4,7 @@
 //! coordinates stay as small as the boxes, parallel edges need no special case, and boxes that are equal share exactly
 //! their area at any heading.
 
-use crate::math;
+use cadet_base::math;
 
 /// A box in KITTI's rectified camera frame (x right, y down, z forward): meters and radians, bottom center.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! The text of label and result files, by the same rules as `cadet.kitti.text`, which reads them elsewhere.
 
-use crate::error::{Error, Result};
+use cadet_base::error::{Error, Result};
 
 const MARK: &[u8] = b"\xef\xbb\xbf";
 const MAX_NAME: usize = 64;

@@ -3,20 +3,22 @@
 use std::sync::Arc;
 
 use super::Scene;
-use crate::actor::ActorState;
-use crate::camera::{
+use cadet_base::actor::ActorState;
+use cadet_base::error::{Error, Result};
+use cadet_base::math::{DPose3, DVec2, DVec3};
+use cadet_sensors::camera::{
     CameraModel, Foreground, LensDrops, Moving, Precipitation, Rendered, View, Visibility, render_rolling,
     render_through, visibility_pass,
 };
-use crate::error::{Error, Result};
-use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
-use crate::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
-use crate::math::{DPose3, DVec2, DVec3};
-use crate::rig::Mounted;
-use crate::sense::RigidMotion;
-use crate::spray::Spray;
-use crate::town::GroundKind;
-use crate::world::{EgoState, Snapshot};
+use cadet_sensors::label::{
+    Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
+};
+use cadet_sensors::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
+use cadet_sensors::rig::Mounted;
+use cadet_sensors::sense::RigidMotion;
+use cadet_sensors::spray::Spray;
+use cadet_town::GroundKind;
+use cadet_world::{EgoState, Snapshot};
 
 /// Request for more than the first camera's image and the first LIDAR's scan. What is not asked for costs nothing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -27,9 +29,9 @@ pub struct CaptureRequest {
     pub with_maps: bool,
     /// How much of each actor the images show together.
     pub with_pixels: bool,
-    /// More cameras, by their place in [`Rig::cameras`](crate::rig::Rig::cameras).
+    /// More cameras, by their place in [`Rig::cameras`](cadet_sensors::rig::Rig::cameras).
     pub cameras: Vec<usize>,
-    /// More LIDARs, by their place in [`Rig::lidars`](crate::rig::Rig::lidars).
+    /// More LIDARs, by their place in [`Rig::lidars`](cadet_sensors::rig::Rig::lidars).
     pub lidars: Vec<usize>,
 }
 

@@ -1,0 +1,11 @@
+//! Parametric shapes: every asset is a pure function of its parameters and a seed.
+
+mod annotated_sizes;
+pub mod annotation;
+pub mod belongings;
+pub mod cyclist;
+pub mod person;
+pub mod props;
+pub mod scenery;
+pub mod source_mesh;
+pub mod vehicle;

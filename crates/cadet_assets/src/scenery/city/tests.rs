@@ -1,0 +1,155 @@
+//! Properties of houses of closed rows, checked with plain ray casts.
+
+use strum::VariantArray;
+
+use super::super::materials::house_slot;
+use super::super::tests::hits;
+use super::super::{HouseKind, SceneryModel, city_house, house, num_variants};
+use super::*;
+use cadet_base::math::{cosf, sinf};
+
+fn every_house() -> impl Iterator<Item = (CityKind, SceneryModel, Option<CityCorner>)> {
+    CityKind::VARIANTS.iter().flat_map(|&kind| {
+        (0..NUM_CITY_HOUSES[kind as usize]).map(move |variant| {
+            let house = city_house(kind, variant);
+            let corner = house.corner();
+            let model = house.model;
+            (kind, model, corner)
+        })
+    })
+}
+
+#[test]
+fn walls_and_roofs_are_closed_from_every_side() {
+    let mut s = Stream::from_seed("closed city", 0);
+    let (mut num_rays, mut num_backs) = (0, 0);
+    for (kind, model, _) in every_house() {
+        let half = (model.footprint_size() / 2.0).as_vec2();
+        for (k, (_, mesh)) in model.shape.levels.iter().enumerate() {
+            for _ in 0..120 {
+                // A ray to the middle of the house from anywhere meets a face that looks at it first.
+                let target = Vec3::new(range(&mut s, -0.3, 0.3) * half.x, range(&mut s, -0.3, 0.3) * half.y, 0.0)
+                    + Vec3::Z * range(&mut s, 0.3, model.height_m as f32 * 0.9);
+                let angle = range(&mut s, 0.0, std::f32::consts::TAU);
+                let away = Vec3::new(cosf(angle), sinf(angle), range(&mut s, -0.01, 0.8));
+                let from = target + away * 60.0;
+                let toward = (target - from).normalize();
+                let mut first: Option<(f32, bool)> = None;
+                for face in &mesh.faces {
+                    let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+                    let normal = (b - a).cross(c - a);
+                    let one = SingleFace([a, b, c]);
+                    if let Some(t) = one.hit(from, toward)
+                        && first.is_none_or(|(nearest, _)| t < nearest)
+                    {
+                        first = Some((t, normal.dot(toward) < 0.0));
+                    }
+                }
+                let (_, faces_us) = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}"));
+                (num_rays, num_backs) = (num_rays + 1, num_backs + usize::from(!faces_us));
+            }
+        }
+    }
+    // Panels lie a finger before walls, letters before boards: along the wall a ray may get behind one.
+    assert!(500 * num_backs <= num_rays, "{num_backs} of {num_rays} rays meet the back of a face first");
+}
+
+struct SingleFace([Vec3; 3]);
+
+impl SingleFace {
+    /// Distance along a ray, by Moeller and Trumbore.
+    fn hit(&self, from: Vec3, toward: Vec3) -> Option<f32> {
+        let [a, b, c] = self.0;
+        let (e1, e2) = (b - a, c - a);
+        let p = toward.cross(e2);
+        let det = e1.dot(p);
+        if det.abs() < 1e-9 {
+            return None;
+        }
+        let t = from - a;
+        let (u, q) = (t.dot(p) / det, t.cross(e1));
+        let (v, distance) = (toward.dot(q) / det, e2.dot(q) / det);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some(distance)
+    }
+}
+
+#[test]
+fn heights_and_sizes_are_those_of_an_inner_city() {
+    for (_, model, _) in every_house() {
+        let size = model.footprint_size();
+        // Of closed rows: 12 to 14 m deep, fronts of 12 to 20 m (narrower ones fill gaps), eaves at 10 to 17 m.
+        assert!((12.0..=14.0).contains(&size.x) && (6.0..=20.0).contains(&size.y), "{}: {size}", model.name);
+        assert!((13.0..=27.0).contains(&model.height_m), "{}: {} m", model.name, model.height_m);
+    }
+}
+
+#[test]
+fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
+    let mut num_deep = 0;
+    for (_, model, _) in every_house() {
+        let mesh: &Mesh = &model.shape.levels[0].1;
+        let glass = &model.palette.materials()[usize::from(house_slot::GLASS)].lidar;
+        assert!((0.3..0.9).contains(&glass.transmission), "{}", glass.transmission);
+        let front = model.footprint_max.x as f32;
+        let mut y = -model.footprint_max.y as f32 + 0.5;
+        while f64::from(y) < model.footprint_max.y - 0.5 {
+            // At the eyes' height of somebody on the sidewalk.
+            let seen = hits(mesh, Vec3::new(front + 3.0, y, 1.6), -Vec3::X, |_| true);
+            y += 0.37;
+            let Some((near, slot)) = seen.first() else { panic!("{}: a hole at {y}", model.name) };
+            if *slot != house_slot::GLASS {
+                continue;
+            }
+            let behind = seen.iter().find(|hit| hit.1 != house_slot::GLASS);
+            let (far, slot) = behind.unwrap_or_else(|| panic!("{}: nothing behind glass at {y}", model.name));
+            assert!(far - near > 0.04 && far - near < 4.5, "{}: {seen:?}", model.name);
+            num_deep += usize::from(far - near > 1.5 && *slot == city_slot::INSIDE);
+        }
+    }
+    // Most panes show the room behind the goods: no wall stands directly behind the glass.
+    assert!(num_deep > 40, "{num_deep}");
+}
+
+#[test]
+fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
+    let rows = CityKind::VARIANTS.iter().flat_map(|&kind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |v| (kind, v)));
+    for (kind, variant) in rows {
+        let house = city_house(kind, variant);
+        let (model, doorways) = (&house.model, house.doorways_m());
+        if kind == CityKind::Row {
+            assert!(!doorways.is_empty(), "{}", model.name);
+        }
+        let mesh: &Mesh = &model.shape.levels[0].1;
+        for [y0, y1] in doorways {
+            let door = (y0 + y1) / 2.0;
+            // Somebody who walks in at the door meets nothing in front of the wall.
+            let front = model.footprint_max.x as f32;
+            let first = hits(mesh, Vec3::new(front + 2.0, door as f32, 1.2), -Vec3::X, |_| true)[0].0;
+            assert!(first > 1.99, "{}: something {first} m before the door at {door}", model.name);
+        }
+    }
+}
+
+#[test]
+fn doorways_are_where_doors_are_drawn_at_the_front() {
+    let rows = CityKind::VARIANTS.iter().flat_map(|&k| (0..NUM_CITY_HOUSES[k as usize]).map(move |v| city_house(k, v)));
+    let [variants, ..] = num_variants();
+    let in_gardens = HouseKind::VARIANTS.iter().flat_map(|&k| (0..variants).map(move |v| house(k, v)));
+    for house in rows.chain(in_gardens) {
+        let (model, doorways) = (&house.model, house.doorways_m());
+        let mesh: &Mesh = &model.shape.levels[0].1;
+        let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
+        let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize].as_dvec3()));
+        let at_front = corners.filter(|p| p.x > model.footprint_max.x - 0.6);
+        // The wall of a cut corner begins beside the front, and its niches reach a little over that end.
+        let is_front = |y: f64| house.corner().is_none_or(|c| y * c.side < model.footprint_max.y - c.cut_m - 0.05);
+        let drawn: Vec<f64> = at_front.map(|p| p.y).filter(|y| is_front(*y)).collect();
+        let is_in = |y: f64, [y0, y1]: [f64; 2]| (y0 - 1e-4..y1 + 1e-4).contains(&y);
+        for y in &drawn {
+            assert!(doorways.iter().any(|d| is_in(*y, *d)), "{}: a door at {y} out of {doorways:?}", model.name);
+        }
+        for doorway in &doorways {
+            assert!(drawn.iter().any(|y| is_in(*y, *doorway)), "{}: no door in {doorway:?}", model.name);
+        }
+    }
+}

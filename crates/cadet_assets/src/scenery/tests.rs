@@ -1,0 +1,281 @@
+//! Properties of the prototypes, checked with plain ray casts.
+
+use strum::VariantArray;
+
+use super::materials::{house_slot, plant_slot};
+use super::tree::TreeDesign;
+use super::*;
+use crate::props::*;
+use cadet_base::math::Vec3;
+use cadet_base::rng::Stream;
+
+/// Distances at which a ray meets the faces of a mesh that a filter lets through, by Moeller and Trumbore.
+pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u8) -> bool) -> Vec<(f32, u8)> {
+    let mut found = Vec::new();
+    for (face, slot) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| wanted(**s)) {
+        let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+        let (e1, e2) = (b - a, c - a);
+        let p = direction.cross(e2);
+        let det = e1.dot(p);
+        if det.abs() < 1e-9 {
+            continue;
+        }
+        let t = origin - a;
+        let u = t.dot(p) / det;
+        let q = t.cross(e1);
+        let v = direction.dot(q) / det;
+        let distance = e2.dot(q) / det;
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 {
+            found.push((distance, *slot));
+        }
+    }
+    found.sort_by(|x, y| x.0.total_cmp(&y.0));
+    found
+}
+
+fn every_model() -> Vec<SceneryModel> {
+    let [houses, trees, hedges] = num_variants();
+    let mut models = vec![garage(1), garage(2)];
+    models.extend(HouseKind::VARIANTS.iter().flat_map(|k| (0..houses).map(|v| house(*k, v).model)));
+    models.extend(TreeKind::VARIANTS.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
+    models.extend(shipped().iter().flat_map(|p| (0..p.num_variants()).map(|v| p.model(v))));
+    models.extend(
+        CityKind::VARIANTS.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).model)),
+    );
+    models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
+    models.extend((0..hedges).map(|v| hedge(v, 1)));
+    models
+}
+
+#[test]
+fn leaves_are_flat_so_that_each_is_drawn_as_one() {
+    for &kind in TreeKind::VARIANTS {
+        for (_, mesh) in &tree(kind, 0).shape.levels {
+            let is_leaf = |face: u32| mesh.slots[face as usize] != plant_slot::BARK;
+            let leaves = (0..mesh.faces.len() as u32).filter(|f| is_leaf(*f)).count();
+            let pieces = mesh.clusters.iter().flat_map(|c| c.pieces.iter().map(|p| (c.faces[usize::from(p.first)], p)));
+            let flat = pieces.filter(|(face, piece)| is_leaf(*face) && piece.is_quad()).count();
+            assert!(200 * flat >= 95 * leaves, "{kind:?}: {flat} of {leaves}");
+        }
+    }
+}
+
+#[test]
+fn every_mesh_is_sound_and_stands_in_the_ground() {
+    for model in every_model() {
+        for (_, mesh) in &model.shape.levels {
+            let name = &model.name;
+            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()), "{name}: slot");
+            assert!(mesh.vertices.iter().all(|v| v.is_finite()), "{name}: coordinate");
+            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
+            let tallest = f64::from(mesh.bounds.max.z);
+            assert!(tallest <= model.height_m + 1.2 && tallest >= model.height_m * 0.7, "{name}: {tallest}");
+            // Props may stand on wheels, all else is set into the ground.
+            let is_prop = shipped().iter().any(|prop| name.starts_with(prop.name()));
+            assert!(mesh.bounds.min.z < if is_prop { 0.09 } else { -0.05 }, "{name} floats");
+            let out = model.footprint_max.max(-model.footprint_min).as_vec2().max_element() + 2.6;
+            assert!(mesh.bounds.max.truncate().max_element() < out, "{name}: sticks out");
+        }
+        let counts: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
+        assert!(counts.windows(2).all(|c| c[1] <= c[0]), "{}: {counts:?}", model.name);
+        // Trees beside the ego show single leaves; the largest are those of woods and streets.
+        let is_large = [TreeKind::Wood, TreeKind::Street].iter().any(|kind| model.name.starts_with(kind.as_ref()));
+        assert!(counts[0] <= if is_large { 44_000 } else { 24_000 }, "{}: {counts:?}", model.name);
+    }
+}
+
+#[test]
+fn levels_of_detail_keep_the_silhouette() {
+    for model in every_model() {
+        let size = |k: usize| model.shape.levels[k].1.bounds.size();
+        for k in 1..model.shape.levels.len() {
+            let change = (size(k) - size(0)).abs().max_element();
+            assert!(change < 0.25 * size(0).max_element() + 0.3, "{}: {} {}", model.name, size(0), size(k));
+        }
+    }
+}
+
+#[test]
+fn windows_are_openings_with_rooms_behind() {
+    for &kind in HouseKind::VARIANTS {
+        let model = house(kind, 0).model;
+        let mesh: &Mesh = &model.shape.levels[0].1;
+        let mut panes = 0;
+        for (face, _) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == house_slot::GLASS) {
+            let corners = face.map(|i| mesh.vertices[i as usize]);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+            let seen =
+                hits(mesh, middle + normal * 0.6, -normal, |s| s != house_slot::SHUTTER && s != house_slot::FRAME);
+            if seen.first().is_none_or(|h| h.1 != house_slot::GLASS) {
+                continue; // A downpipe, a step or a balcony before it.
+            }
+            panes += 1;
+            let behind = seen.iter().find(|h| h.1 != house_slot::GLASS).unwrap();
+            assert!([house_slot::ROOM, house_slot::CURTAIN].contains(&behind.1), "{kind:?}: slot {}", behind.1);
+            assert!(behind.0 - seen[0].0 > 0.05, "{kind:?}: {seen:?}");
+        }
+        assert!(panes >= 10, "{kind:?}: {panes} panes");
+    }
+}
+
+#[test]
+fn windows_keep_their_panes_nets_and_frames_at_every_level() {
+    let area_m2 = |mesh: &Mesh, wanted: &[u8]| -> f32 {
+        let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| wanted.contains(*slot));
+        let corners = faces.map(|(face, _)| face.map(|i| mesh.vertices[i as usize]));
+        corners.map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
+    };
+    let mut nets_m2 = 0.0;
+    let variants = num_variants()[0];
+    for (kind, variant) in HouseKind::VARIANTS.iter().flat_map(|k| (0..variants).map(|v| (*k, v))) {
+        let model = house(kind, variant).model;
+        let [near, mid, far] = [0, 1, 2].map(|k| &model.shape.levels[k].1);
+        let panes_m2 = |mesh| area_m2(mesh, &[house_slot::GLASS, house_slot::DARK_GLASS, house_slot::NET_GLASS]);
+        for (level, mesh) in [("middle", mid), ("far", far)] {
+            let ratio = panes_m2(mesh) / panes_m2(near);
+            assert!((0.88..1.02).contains(&ratio), "{}, {level}: {ratio} of the panes", model.name);
+        }
+        let [mid_m2, far_m2] = [mid, far].map(|mesh| area_m2(mesh, &[house_slot::NET_GLASS]));
+        assert!((mid_m2 - far_m2).abs() < 0.01, "{}: nets of {mid_m2} and {far_m2} m²", model.name);
+        assert!(mid_m2 <= area_m2(near, &[house_slot::CURTAIN]) + 0.01, "{}: nets before nothing", model.name);
+        assert!(area_m2(far, &[house_slot::FRAME]) > panes_m2(far), "{}: frames behind all far panes", model.name);
+        nets_m2 += far_m2;
+    }
+    assert!(nets_m2 > 10.0, "{nets_m2} m² of nets");
+}
+
+#[test]
+fn house_walls_have_no_holes_but_windows() {
+    let mut s = Stream::from_seed("walls", 0);
+    for &kind in HouseKind::VARIANTS {
+        let model = house(kind, 1).model;
+        for level in &model.shape.levels {
+            let mesh = &level.1;
+            for _ in 0..150 {
+                let y = (s.range(-0.49, 0.49) * model.footprint_size().y) as f32;
+                let z = s.range(0.05, 0.5 * model.height_m) as f32;
+                assert!(!hits(mesh, Vec3::new(40.0, y, z), -Vec3::X, |_| true).is_empty(), "{kind:?} at {y} {z}");
+            }
+        }
+    }
+}
+
+#[test]
+fn crowns_let_a_third_to_a_half_of_the_beams_through_a_meter() {
+    for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood] {
+        for (detail, level) in [(0, "finest"), (1, "next"), (2, "third")] {
+            let (mut open, mut all) = (0_usize, 0_usize);
+            for variant in 0..4 {
+                let design = TreeDesign::new(kind, variant);
+                let model = tree(kind, variant);
+                let mesh = &model.shape.levels[detail].1;
+                let mut s = Stream::from_seed("beams", variant as u64);
+                for _ in 0..250 {
+                    let blob = design.blobs[s.below(design.blobs.len())];
+                    let p = blob.center + draw::direction(&mut s) * (blob.radius_m * 0.75 * s.unit() as f32);
+                    let d = draw::direction(&mut s);
+                    let near = hits(mesh, p - d * 0.5, d, |slot| slot != plant_slot::BARK);
+                    open += usize::from(near.first().is_none_or(|h| h.0 > 1.0));
+                    all += 1;
+                }
+            }
+            let gap = open as f64 / all as f64;
+            assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per meter");
+        }
+    }
+}
+
+#[test]
+fn every_part_of_a_crown_has_its_leaves_at_every_level() {
+    for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood] {
+        for variant in 0..num_variants()[1] {
+            let (design, model) = (TreeDesign::new(kind, variant), tree(kind, variant));
+            for (to_m, mesh) in &model.shape.levels {
+                let middles = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s != plant_slot::BARK);
+                let middles: Vec<Vec3> = middles
+                    .map(|(f, _)| f.map(|i| mesh.vertices[i as usize]).into_iter().sum::<Vec3>() / 3.0)
+                    .collect();
+                let fewest = design.blobs.iter().map(|blob| {
+                    let reach = blob.radius_m * 1.1;
+                    middles.iter().filter(|m| m.distance(blob.center) < reach).count()
+                });
+                if middles.len() < 150 {
+                    continue; // The horizon's.
+                }
+                // A fair share would be a twentieth or more of all.
+                let least = (middles.len() / 40).max(1);
+                let fewest = fewest.min().unwrap();
+                assert!(fewest >= least, "{kind:?} {variant} to {to_m} m: {fewest} of {}", middles.len());
+            }
+        }
+    }
+}
+
+#[test]
+fn picket_fences_have_gaps_at_every_level() {
+    let model = PICKET.piece(1, 1);
+    for (_, mesh) in &model.shape.levels {
+        let seen = (0..960).map(|i| Vec3::new(0.0025 + 0.005 * i as f32, -2.0, 0.6));
+        let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |_| true).is_empty()).count();
+        assert!((0.25..0.5).contains(&(open as f64 / 960.0)), "{open} of 960");
+    }
+}
+
+#[test]
+fn wire_fences_stop_few_beams() {
+    for variant in 0..2 {
+        let model = WIRE.piece(variant, 1);
+        for (_, mesh) in &model.shape.levels {
+            let seen = (0..960).map(|i| Vec3::new(0.0025 + 0.005 * i as f32, -2.0, 0.001 * i as f32));
+            let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |_| true).is_empty()).count();
+            assert!((0.92..0.999).contains(&(open as f64 / 960.0)), "{open} of 960");
+        }
+    }
+}
+
+#[test]
+fn signs_are_retro_reflective_and_face_the_driver() {
+    let model = ZONE_SIGN.model(0);
+    let mesh: &Mesh = &model.shape.levels[0].1;
+    let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
+    assert!(model.palette.materials()[usize::from(first.1)].lidar.retro);
+    let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];
+    assert!(!model.palette.materials()[usize::from(behind.1)].lidar.retro);
+}
+
+#[test]
+fn backs_of_signs_are_gray_metal() {
+    let signs = [ROUND_SIGN, TRIANGLE_SIGN, DIAMOND_SIGN, ZONE_SIGN, PARKING_SIGN];
+    for (kind, variant) in signs.into_iter().flat_map(|kind| (0..3).map(move |variant| (kind, variant))) {
+        let sign = kind.model(variant);
+        for (_, mesh) in &sign.shape.levels {
+            // From behind, beside the post.
+            let met = hits(mesh, Vec3::new(-5.0, 0.12, 2.42), Vec3::X, |_| true);
+            let (_, slot) = met.first().unwrap_or_else(|| panic!("{} has no back", sign.name));
+            let [r, g, b] = sign.palette.materials()[usize::from(*slot)].albedo;
+            assert!(g > 0.25 && (r - g).abs().max((b - g).abs()) < 0.05, "{}: {r} {g} {b}", sign.name);
+        }
+    }
+}
+
+#[test]
+fn leaves_beside_the_camera_are_no_plates() {
+    for &kind in TreeKind::VARIANTS {
+        for variant in 0..num_variants()[1] {
+            let model = tree(kind, variant);
+            let mesh = model.shape.select(4.0, 1.0).expect("near enough to be drawn");
+            let area = |face: &[u32; 3]| {
+                let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+                (b - a).cross(c - a).length() / 2.0
+            };
+            let leaves = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot != plant_slot::BARK);
+            // A card is two triangles.
+            let mut sides: Vec<f32> = leaves.map(|(face, _)| (2.0 * area(face)).sqrt()).collect();
+            sides.sort_by(f32::total_cmp);
+            let [middle, large] = [0.5, 0.99].map(|share| sides[(share * sides.len() as f64) as usize]);
+            // Without the finest levels those of the largest crowns were 0.33 to 0.5 m.
+            assert!(middle < 0.3 && large < 0.33, "{}: leaf cards of {middle} m, some of {large} m", model.name);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Whether a user's mesh has the size of a vehicle, how it comes into its box frame, and what stands out of it.
+
+use std::collections::BTreeMap;
+
+use crate::source_mesh::{SourceMesh, SourceTriangle};
+use cadet_base::geometry::Bounds;
+use cadet_base::math::{DVec3, Vec3};
+
+/// What can pass for a vehicle: length, width, height in meters.
+const LIMITS_M: [(&str, f64, f64); 3] = [("long", 1.0, 30.0), ("wide", 0.3, 5.0), ("high", 0.3, 6.0)];
+/// Of more parts or materials than these none is looked for.
+const MOST_GROUPS: usize = 2_000;
+
+/// Moves a mesh into its box frame.
+pub(super) struct Fit {
+    foot: Vec3,
+    scale: Vec3,
+    /// Length, width and height, meters.
+    pub size: DVec3,
+}
+
+impl Fit {
+    /// Checks the size; the reason where it is none of a vehicle.
+    pub(super) fn new(bounds: &Bounds, wanted: Option<DVec3>) -> Result<Self, String> {
+        let found = bounds.size();
+        let is_flat = found.min_element() < 1e-4 * found.max_element();
+        if !found.is_finite() || is_flat {
+            return Err(format!("no body: its bounds are {:.3} x {:.3} x {:.3}", found.x, found.y, found.z));
+        }
+        let size = wanted.unwrap_or(found.as_dvec3());
+        for ((side, lo, hi), value) in LIMITS_M.iter().zip(size.to_array()) {
+            if !(*lo..=*hi).contains(&value) {
+                let which = if wanted.is_some() { "size_lwh" } else { "scale" };
+                return Err(format!("{value:.3} m {side}, expected {lo} to {hi} m: check {which}"));
+            }
+        }
+        if found.y > found.x {
+            let (x, y) = (found.x, found.y);
+            return Err(format!("wider ({y:.2} m) than long ({x:.2} m): turn its front to +x with yaw_deg"));
+        }
+        let foot = Vec3::new(bounds.center().x, bounds.center().y, bounds.min.z);
+        Ok(Self { foot, scale: wanted.map_or(Vec3::ONE, |w| w.as_vec3() / found), size })
+    }
+
+    pub(super) fn point(&self, p: Vec3) -> Vec3 {
+        (p - self.foot) * self.scale
+    }
+}
+
+/// The reason why a mesh has no vehicle's size, and the part or material without which it would have one.
+pub(super) fn or_what_to_leave_out(reason: String, source: &SourceMesh, triangles: &[SourceTriangle]) -> String {
+    let part = |t: &SourceTriangle| source.parts[t.part as usize].last().filter(|name| !name.is_empty());
+    let material = |t: &SourceTriangle| Some(&source.materials[t.material as usize].name).filter(|n| !n.is_empty());
+    match outlier(triangles, part).or_else(|| outlier(triangles, material)) {
+        None => reason,
+        Some(name) => format!(
+            "{reason}; without {name:?} it would do: materials.leave_out = [{name:?}] in assets.toml leaves that out"
+        ),
+    }
+}
+
+/// The one name without whose triangles the rest, at least half of all, has a vehicle's size.
+fn outlier<'a>(
+    triangles: &[SourceTriangle],
+    name_of: impl Fn(&SourceTriangle) -> Option<&'a String>,
+) -> Option<&'a String> {
+    let mut groups: BTreeMap<Option<&String>, (Bounds, usize)> = BTreeMap::new();
+    for triangle in triangles {
+        let (bounds, count) = groups.entry(name_of(triangle)).or_insert((Bounds::EMPTY, 0));
+        *bounds = union(bounds, &Bounds::of(triangle.corners));
+        *count += 1;
+    }
+    if groups.len() > MOST_GROUPS {
+        return None;
+    }
+    let without = |name| {
+        let others = groups.iter().filter(|(other, _)| **other != name);
+        others.fold(Bounds::EMPTY, |bounds, (_, (other, _))| union(&bounds, other))
+    };
+    let is_outlier = |name: Option<&'a String>, count: usize| {
+        name.is_some() && 2 * count <= triangles.len() && Fit::new(&without(name), None).is_ok()
+    };
+    groups.iter().find(|(name, (_, count))| is_outlier(**name, *count)).and_then(|(name, _)| *name)
+}
+
+fn union(a: &Bounds, b: &Bounds) -> Bounds {
+    Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }
+}

@@ -1,0 +1,122 @@
+//! Sheets of quadrilaterals that face the right way, and their mirror images.
+
+use super::paint::slot;
+use cadet_base::geometry::MeshBuilder;
+use cadet_base::math::{Mat3, Vec3, cosf, sinf};
+
+/// Which side of a sheet is its outside.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Outward {
+    /// Away from a point.
+    From(Vec3),
+    /// Towards a point: the inside of a hollow.
+    Towards(Vec3),
+    /// Along a direction.
+    Along(Vec3),
+}
+
+/// A mesh in the making, fed with sheets.
+#[derive(Debug, Default)]
+pub(super) struct Surface {
+    pub builder: MeshBuilder,
+}
+
+/// The point mirrored at the plane y = 0.
+pub(super) fn mirrored(p: Vec3) -> Vec3 {
+    Vec3::new(p.x, -p.y, p.z)
+}
+
+/// The material of the mirror image: turn signals are of one side.
+fn mirrored_slot(of_left: u8) -> u8 {
+    if of_left == slot::LEFT_SIGNAL { slot::RIGHT_SIGNAL } else { of_left }
+}
+
+impl Surface {
+    /// Adds a sheet of rows of points; `slot` names the material of the cell behind row i, column j, or leaves it open.
+    pub fn sheet(&mut self, grid: &[Vec<Vec3>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
+        self.cells(grid, is_flipped(grid, outward), &slot);
+    }
+
+    /// Adds a sheet of the left side and its mirror image on the right.
+    pub fn pair(&mut self, grid: &[Vec<Vec3>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
+        let flipped = is_flipped(grid, outward);
+        self.cells(grid, flipped, &slot);
+        let right: Vec<Vec<Vec3>> = grid.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect();
+        self.cells(&right, !flipped, &|i, j| slot(i, j).map(mirrored_slot));
+    }
+
+    fn cells(&mut self, grid: &[Vec<Vec3>], flipped: bool, slot: &impl Fn(usize, usize) -> Option<u8>) {
+        let index: Vec<Vec<u32>> =
+            grid.iter().map(|row| row.iter().map(|p| self.builder.vertex(*p)).collect()).collect();
+        for i in 1..grid.len() {
+            for j in 1..grid[i].len().min(grid[i - 1].len()) {
+                let Some(s) = slot(i - 1, j - 1) else { continue };
+                let [a, b, c, d] = [index[i - 1][j - 1], index[i][j - 1], index[i][j], index[i - 1][j]];
+                // The shorter diagonal bends less.
+                let short = grid[i - 1][j - 1].distance_squared(grid[i][j])
+                    <= grid[i][j - 1].distance_squared(grid[i - 1][j]) * 1.0001;
+                let halves = if short { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                for [p, q, r] in halves {
+                    self.builder.face(if flipped { [p, r, q] } else { [p, q, r] }, s);
+                }
+            }
+        }
+    }
+
+    /// Adds a soft-edged block: a superellipse section swept along the local z axis of `axes`, half extents `half`.
+    /// Four sides make a plain box.
+    pub fn block(&mut self, center: Vec3, half: Vec3, axes: Mat3, sides: usize, slot: u8) {
+        let soft = [(-1.0, 0.72), (-0.8, 1.0), (0.8, 1.0), (1.0, 0.72)];
+        let plain = [(-1.0, 0.95), (1.0, 0.95)];
+        let profile: &[(f32, f32)] = if sides > 4 { &soft } else { &plain };
+        let rings: Vec<Vec<Vec3>> = profile
+            .iter()
+            .map(|(z, scale)| {
+                (0..sides)
+                    .map(|k| {
+                        let (x, y) = soft_square((k as f32 + 0.5) / sides as f32);
+                        center + axes * (Vec3::new(x * scale, y * scale, *z) * half)
+                    })
+                    .collect()
+            })
+            .collect();
+        self.builder.loft(&rings, slot, true);
+    }
+
+    /// Adds a block and its mirror image.
+    pub fn block_pair(&mut self, center: Vec3, half: Vec3, axes: Mat3, sides: usize, slot: u8) {
+        self.block(center, half, axes, sides, slot);
+        let mirror = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0));
+        self.block(mirrored(center), half, mirror * axes * mirror, sides, mirrored_slot(slot));
+    }
+
+    /// Adds a plain box and its mirror image.
+    pub fn cuboid_pair(&mut self, min: Vec3, max: Vec3, slot: u8) {
+        self.builder.cuboid(min, max, slot);
+        self.builder.cuboid(Vec3::new(min.x, -max.y, min.z), Vec3::new(max.x, -min.y, max.z), mirrored_slot(slot));
+    }
+}
+
+/// A rounded square of half width 1, once around for t in 0..1.
+fn soft_square(t: f32) -> (f32, f32) {
+    let (c, s) = (cosf(t * std::f32::consts::TAU), sinf(t * std::f32::consts::TAU));
+    // The exponent 4 superellipse, radially.
+    let scale = 1.0 / (c * c * c * c + s * s * s * s).sqrt().sqrt();
+    (c * scale, s * scale)
+}
+
+fn is_flipped(grid: &[Vec<Vec3>], outward: Outward) -> bool {
+    let mut sum = 0.0;
+    for i in 1..grid.len() {
+        for j in 1..grid[i].len().min(grid[i - 1].len()) {
+            let [a, b, c, d] = [grid[i - 1][j - 1], grid[i][j - 1], grid[i][j], grid[i - 1][j]];
+            let normal = (c - a).cross(d - b);
+            sum += match outward {
+                Outward::From(p) => normal.dot((a + b + c + d) * 0.25 - p),
+                Outward::Towards(p) => normal.dot(p - (a + b + c + d) * 0.25),
+                Outward::Along(v) => normal.dot(v),
+            };
+        }
+    }
+    sum < 0.0
+}

@@ -1,0 +1,127 @@
+//! Trams: trains of cars with bellows between, and single cars.
+
+mod equipment;
+mod inside;
+mod plan;
+mod shell;
+#[cfg(test)]
+mod tests;
+
+use std::sync::{Arc, OnceLock};
+
+use super::paint::Livery;
+use super::surface::Surface;
+use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, levels_of, work_paint};
+use cadet_base::actor::{AnnotatedBox, ObjectClass};
+use cadet_base::math::{DVec3, Vec3};
+use cadet_base::rng::Stream;
+
+use plan::CarPlan;
+use shell::Shell;
+
+/// Designs of trains, each made once a process when it is first asked for.
+const NUM_TRAINS: usize = 12;
+static TRAINS: [OnceLock<Vec<Arc<VehicleModel>>>; NUM_TRAINS] = [const { OnceLock::new() }; NUM_TRAINS];
+
+/// From the middle of the track to the middle of a wheel's tread.
+const HALF_TRACK_M: f32 = 0.75;
+const WHEEL_RADIUS_M: f32 = 0.33;
+
+/// The single car of a seed.
+pub(super) fn single_car(model_seed: u64, s: &mut Stream) -> VehicleModel {
+    model(&plan::single(s), model_seed, s)
+}
+
+/// The cars of a tram of traffic, the first ahead, all in the same colors; each has a label of its own.
+#[must_use]
+pub fn train_of_traffic(seed: u64) -> Vec<Arc<VehicleModel>> {
+    let mut s = Stream::from_seed("traffic tram", seed);
+    let number = s.below(NUM_TRAINS);
+    let paint_seed = s.next_u64();
+    let design = TRAINS[number].get_or_init(|| {
+        let mut s = Stream::from_seed("tram", number as u64);
+        plan::train(&mut s).iter().map(|car| Arc::new(model(car, number as u64, &mut s))).collect()
+    });
+    // One palette for all: a stream of its own for each car's box.
+    let palette = Arc::new(work_paint::palette(
+        ObjectClass::Tram,
+        Livery::Tram,
+        &mut Stream::from_seed("vehicle paint", paint_seed),
+    ));
+    let cars = design.iter().map(|car| {
+        let annotated = VehicleModel::clone(car).annotated_by(s.next_u64());
+        Arc::new(VehicleModel { palette: Arc::clone(&palette), ..annotated })
+    });
+    cars.collect()
+}
+
+fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
+    let palette = work_paint::palette(ObjectClass::Tram, Livery::Tram, s);
+    let size = Vec3::new(p.length_m, p.width_m, p.height_m);
+    let shell = Shell::new(p);
+    let mut fits = Vec::with_capacity(LEVELS);
+    let body = levels_of(
+        p.name,
+        &mut |level| {
+            let mut surface = Surface::default();
+            shell.add(&mut surface, level);
+            equipment::add_bellows(&mut surface, p, level);
+            equipment::add_roof_boxes(&mut surface, p, level);
+            equipment::add_bogies(&mut surface, p, level);
+            equipment::add_ends(&mut surface, p, level);
+            let fit = Fit::of(&surface, size);
+            fits.push(fit);
+            if level < LEVELS - 1 {
+                inside::add(&mut surface, p, level);
+            }
+            equipment::add_what_sticks_out(&mut surface, p, level);
+            fit.apply(&mut surface);
+            surface
+        },
+        CREASE_RAD,
+        f32::INFINITY,
+    );
+    // In a short car between two others there may be nobody.
+    let is_empty = inside::occupants(p, LEVELS - 1).builder.num_faces() == 0;
+    let mut occupants = || {
+        levels_of(
+            p.name,
+            &mut |level| {
+                let mut surface = inside::occupants(p, level);
+                fits[level].apply(&mut surface);
+                surface
+            },
+            1.2,
+            OCCUPANTS_TO_M,
+        )
+    };
+    let driver = (!is_empty).then(&mut occupants);
+    // The outermost wheels stand on the ground: those of a single bogie 0.9 m before and behind its middle.
+    let (front, rear) = match p.bogies[..] {
+        [only] => (only + 0.9, only - 0.9),
+        _ => (p.bogies[0], p.bogies[p.bogies.len() - 1]),
+    };
+    let wheel_centers = std::array::from_fn(|k| {
+        Vec3::new(
+            if k < 2 { front } else { rear },
+            if k % 2 == 0 { HALF_TRACK_M } else { -HALF_TRACK_M },
+            WHEEL_RADIUS_M,
+        )
+    });
+    let size: DVec3 = size.as_dvec3();
+    VehicleModel {
+        name: format!("{}/{number}", p.name),
+        class: ObjectClass::Tram,
+        size_lwh: size,
+        annotated: AnnotatedBox::exact(size),
+        body,
+        driver,
+        wheel: None,
+        wheel_centers,
+        wheel_radius_m: f64::from(WHEEL_RADIUS_M),
+        palette: Arc::new(palette),
+        has_lenses: true,
+        openings: None,
+        livery: Livery::Tram,
+    }
+}

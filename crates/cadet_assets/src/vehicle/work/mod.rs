@@ -1,0 +1,160 @@
+//! Vehicles that work: trucks and buses, and what is parked beside the road without an engine or with two wheels.
+
+mod bay;
+mod cab;
+mod caravan;
+mod closed_load;
+mod coach;
+mod frame;
+mod hull;
+mod load;
+mod motorbike;
+mod plan;
+mod special_load;
+#[cfg(test)]
+mod tests;
+mod towed;
+
+use std::sync::Arc;
+
+use super::surface::Surface;
+use super::wheels::wheel;
+use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, WHEELS_TO_M, levels_of, work_paint};
+use cadet_base::actor::{AnnotatedBox, ObjectClass};
+use cadet_base::math::{DVec3, Vec3};
+use cadet_base::rng::Stream;
+
+use cab::Cab;
+use coach::Coach;
+use plan::{Plan, TowedPlan, WorkKind};
+
+pub(super) use hull::{Cell, Hull, Part};
+
+/// Length, width and height of the truck or trailer of a seed.
+pub(super) fn size_of_seed(class: ObjectClass, model_seed: u64) -> DVec3 {
+    let mut s = Stream::from_seed("vehicle", model_seed);
+    let size = |l: f32, w: f32, h: f32| Vec3::new(l, w, h).as_dvec3();
+    if class == ObjectClass::Truck {
+        let p = Plan::draw(&mut s);
+        size(p.length_m, p.width_m, p.height_m)
+    } else {
+        let p = TowedPlan::draw(&mut s);
+        size(p.length_m, p.width_m, p.height_m)
+    }
+}
+
+/// The truck of a seed.
+pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
+    let p = Plan::draw(s);
+    let palette = work_paint::palette(ObjectClass::Truck, p.livery(), s);
+    let has_passenger = s.chance(0.35);
+    let front: Front = if p.kind == WorkKind::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
+    let size = Vec3::new(p.length_m, p.width_m, p.height_m);
+    let mut fits = Vec::with_capacity(LEVELS);
+    let body = levels_of(
+        p.name(),
+        &mut |level| {
+            let mut surface = Surface::default();
+            match &front {
+                Front::Coach(coach) => coach.add(&mut surface, &p, level),
+                Front::Cab(cab) => {
+                    cab.add(&mut surface, &p, level);
+                    frame::add_frame(&mut surface, &p, level);
+                    frame::add_coupling(&mut surface, &p, level);
+                    load::add_load(&mut surface, &p, level);
+                }
+            }
+            frame::add_fixed_wheels(&mut surface, &p, level);
+            let fit = Fit::of(&surface, size);
+            fits.push(fit);
+            match &front {
+                Front::Coach(coach) => coach.add_mirrors(&mut surface, level),
+                Front::Cab(cab) => cab.add_mirrors(&mut surface, level),
+            }
+            fit.apply(&mut surface);
+            surface
+        },
+        CREASE_RAD,
+        f32::INFINITY,
+    );
+    let driver = levels_of(
+        p.name(),
+        &mut |level| {
+            let mut surface = match &front {
+                Front::Coach(coach) => coach.occupants(level),
+                Front::Cab(cab) => cab.occupants(has_passenger, level),
+            };
+            fits[level].apply(&mut surface);
+            surface
+        },
+        1.2,
+        OCCUPANTS_TO_M,
+    );
+    let wheel = levels_of(
+        p.name(),
+        &mut |level| wheel(p.wheel_radius_m, p.tyre_width_m, frame::RIM, level),
+        CREASE_RAD,
+        WHEELS_TO_M,
+    );
+    let wheel_centers = std::array::from_fn(|k| {
+        let y = if k % 2 == 0 { p.hub_y() } else { -p.hub_y() };
+        Vec3 { z: p.wheel_radius_m, ..fits[0].point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius_m)) }
+    });
+    VehicleModel {
+        name: format!("{}/{model_seed}", p.name()),
+        class: ObjectClass::Truck,
+        size_lwh: size.as_dvec3(),
+        annotated: AnnotatedBox::exact(size.as_dvec3()),
+        body,
+        driver: Some(driver),
+        wheel: Some(wheel),
+        wheel_centers,
+        wheel_radius_m: f64::from(p.wheel_radius_m),
+        palette: Arc::new(palette),
+        has_lenses: true,
+        openings: None,
+        livery: p.livery(),
+    }
+}
+
+enum Front {
+    Cab(Cab),
+    Coach(Coach),
+}
+
+/// The trailer or motorbike of a seed.
+pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
+    let p = TowedPlan::draw(s);
+    let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
+    let size = Vec3::new(p.length_m, p.width_m, p.height_m);
+    let body = levels_of(
+        p.name(),
+        &mut |level| {
+            let mut surface = p.body(level);
+            Fit::of(&surface, size).apply(&mut surface);
+            surface
+        },
+        CREASE_RAD,
+        f32::INFINITY,
+    );
+    let stand = p.stand();
+    let wheel_centers = std::array::from_fn(|k| {
+        let x = if k < 2 { stand.leg_x } else { stand.wheels_x };
+        Vec3::new(x, if k % 2 == 0 { stand.half_track_m } else { -stand.half_track_m }, 0.2)
+    });
+    VehicleModel {
+        name: format!("{}/{model_seed}", p.name()),
+        class: ObjectClass::Misc,
+        size_lwh: size.as_dvec3(),
+        annotated: AnnotatedBox::exact(size.as_dvec3()),
+        body,
+        driver: None,
+        wheel: None,
+        wheel_centers,
+        wheel_radius_m: 0.2,
+        palette: Arc::new(palette),
+        has_lenses: true,
+        openings: None,
+        livery: p.livery(),
+    }
+}

@@ -1,0 +1,210 @@
+//! The bodies of trucks and trailers: they fill their boxes, stand on their wheels, and look as KITTI's are large.
+
+use parry3d::query::{Ray, RayCast};
+use parry3d::shape::TriMesh;
+
+use super::super::paint;
+use super::*;
+use crate::annotation::vehicle_size;
+use cadet_base::geometry::Mesh;
+
+const SEEDS: u64 = 120;
+
+fn models() -> impl Iterator<Item = VehicleModel> {
+    let classes = [ObjectClass::Truck, ObjectClass::Misc];
+    classes.into_iter().flat_map(|c| (0..SEEDS).map(move |seed| VehicleModel::generate(c, seed).unwrap()))
+}
+
+fn kind(model: &VehicleModel) -> &str {
+    model.name.split('/').next().unwrap()
+}
+
+/// Slot of the first face that a ray meets, and where.
+fn first_hit(mesh: &Mesh, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
+    let shape = TriMesh::new(mesh.vertices.clone(), mesh.faces.clone()).unwrap();
+    let direction = (to - from).normalize();
+    let hit = shape.cast_local_ray_and_get_normal(&Ray::new(from, direction), 100.0, false)?;
+    Some((mesh.slots[hit.subshape as usize], from + direction * hit.time_of_impact))
+}
+
+#[test]
+fn bodies_fill_their_boxes_at_every_level() {
+    for model in models() {
+        let size = model.size_lwh.as_vec3();
+        for (_, mesh) in &model.body.levels {
+            let b = mesh.bounds;
+            let name = &model.name;
+            assert!((b.max.x - size.x / 2.0).abs() < 2e-3 && (b.min.x + size.x / 2.0).abs() < 2e-3, "{name}: {b:?}");
+            assert!((b.max.z - size.z).abs() < 2e-3, "{name} is {} high, not {}", b.max.z, size.z);
+            // Mirrors stick out, to both sides alike.
+            let out = b.max.y - size.y / 2.0;
+            let most = if model.class == ObjectClass::Truck { 0.30 } else { 0.05 };
+            assert!((-0.05..most).contains(&out) && (b.max.y + b.min.y).abs() < 0.06, "{name}: {b:?}");
+            assert!(b.min.z > -0.03, "{name} reaches {} into the ground", b.min.z);
+        }
+    }
+}
+
+#[test]
+fn every_kind_is_made_and_none_prevails() {
+    let mut counts = std::collections::BTreeMap::new();
+    for model in models() {
+        *counts.entry(kind(&model).to_owned()).or_insert(0) += 1;
+    }
+    assert_eq!(counts.len(), 15, "{counts:?}");
+    assert!(counts.values().all(|n| *n <= SEEDS as usize / 2), "{counts:?}");
+}
+
+#[test]
+fn wheels_stand_on_the_ground_below_the_body() {
+    for model in models() {
+        let size = model.size_lwh.as_vec3();
+        let Some(wheel) = &model.wheel else {
+            let low = model.body.levels[0].1.bounds.min.z;
+            assert!(low.abs() < 0.03, "{} ends {low} over the ground", model.name);
+            continue;
+        };
+        let r = model.wheel_radius_m as f32;
+        for (_, mesh) in &wheel.levels {
+            assert!((mesh.bounds.min.z + r).abs() < 1e-4);
+            let outer = model.wheel_centers[0].y + mesh.bounds.max.y;
+            assert!(outer < size.y / 2.0 + 1e-3 && outer > 0.36 * size.y, "{}: a wheel at {outer}", model.name);
+        }
+        for (k, c) in model.wheel_centers.iter().enumerate() {
+            assert!(c.z == r && (c.y > 0.0) == (k % 2 == 0) && (c.x > 0.0) == (k < 2), "{}", model.name);
+        }
+        assert!((0.38..0.75).contains(&(model.wheelbase_m() / model.size_lwh.x)), "{}", model.name);
+    }
+}
+
+#[test]
+fn one_sees_through_below_the_load_and_through_the_windows() {
+    let (mut gaps, mut trucks) = (0, 0);
+    for seed in 0..40 {
+        let model = VehicleModel::generate(ObjectClass::Truck, seed).unwrap();
+        let size = model.size_lwh.as_vec3();
+        let mesh = &model.body.levels[0].1;
+        // Into the windscreen: a pane first.
+        let z = if kind(&model) == "bus" { 1.7 } else { 0.0 };
+        let from_floor = |k: f32| Vec3::new(size.x, 0.3, if z > 0.0 { z } else { k });
+        let sees_glass = (0..40).any(|k| {
+            let from = from_floor(1.2 + 0.05 * k as f32);
+            let hit = first_hit(mesh, from, from - Vec3::X);
+            hit.is_some_and(|(slot, _)| slot == paint::slot::SCREEN)
+        });
+        assert!(sees_glass, "{}: no windscreen", model.name);
+        assert!(first_hit(&model.body.levels[3].1, from_floor(0.6), Vec3::new(0.0, 0.3, 0.6)).is_some());
+        if kind(&model) != "bus" {
+            trucks += 1;
+            // From the side, between the axles at the height of the hubs: free but for tanks and posts.
+            let (front, rear) = (model.wheel_centers[0].x, model.wheel_centers[2].x);
+            let free = (1..30).filter(|k| {
+                let x = rear + (front - rear) * *k as f32 / 30.0;
+                first_hit(mesh, Vec3::new(x, 4.0, 0.42), Vec3::new(x, 0.0, 0.42)).is_none()
+            });
+            gaps += usize::from(free.count() >= 5);
+        }
+    }
+    assert!(2 * gaps > trucks, "{gaps} of {trucks} can be looked through below");
+}
+
+#[test]
+fn flanks_of_closed_bodies_have_no_holes() {
+    for model in
+        models().filter(|m| ["box_truck", "curtain_sider", "bus", "box_trailer", "caravan"].contains(&kind(m))).take(60)
+    {
+        let size = model.size_lwh.as_vec3();
+        for (level, (_, mesh)) in model.body.levels.iter().enumerate() {
+            for k in 0..12 {
+                // The half behind the cab and the drawbar.
+                let x = size.x * (-0.46 + 0.5 * k as f32 / 11.0);
+                for z in [0.55, 0.7, 0.85] {
+                    let from = Vec3::new(x + 0.003, 4.0, z * size.z);
+                    let (_, at) = first_hit(mesh, from, from - Vec3::Y)
+                        .unwrap_or_else(|| panic!("{} level {level}: open at {x} {z}", model.name));
+                    assert!(at.y > 0.5 * size.y - 0.25, "{} level {level}: {at} lies deep inside", model.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn occupants_sit_inside_of_what_is_driven() {
+    for model in models() {
+        let Some(driver) = &model.driver else {
+            assert_eq!(model.class, ObjectClass::Misc);
+            continue;
+        };
+        let (b, size) = (driver.levels[0].1.bounds, model.size_lwh.as_vec3());
+        assert!(b.max.z < size.z && b.max.y < size.y / 2.0 && b.max.x < size.x / 2.0 - 0.3, "{}: {b:?}", model.name);
+        assert!(b.max.x > size.x / 2.0 - 2.2 && b.min.z > 0.5, "{}: {b:?}", model.name);
+    }
+}
+
+#[test]
+fn faces_are_sound_and_few() {
+    for model in models() {
+        let shapes = [Some(&model.body), model.wheel.as_ref(), model.driver.as_ref()];
+        for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
+            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()), "{}", model.name);
+            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
+        }
+        let faces = |level: usize| model.body.levels[level].1.faces.len();
+        assert!(
+            faces(0) < 9000 && faces(1) < 5200 && faces(2) < 2400 && faces(3) < 1500,
+            "{}: {:?}",
+            model.name,
+            [0, 1, 2, 3].map(faces)
+        );
+        assert!(faces(3) < faces(1) && faces(1) <= faces(0), "{}", model.name);
+    }
+}
+
+/// Quantiles of KITTI's 1,094 labels of trucks and 973 of Misc.
+#[test]
+fn sizes_follow_the_labels_of_kitti() {
+    type Quantiles = [[f64; 5]; 3];
+    let cases: [(ObjectClass, Quantiles, f64); 2] = [
+        (
+            ObjectClass::Truck,
+            [[6.08, 7.05, 10.81, 12.34, 16.44], [2.19, 2.39, 2.63, 2.89, 2.89], [2.60, 2.85, 3.34, 3.57, 4.05]],
+            0.25,
+        ),
+        (
+            ObjectClass::Misc,
+            [[1.47, 1.75, 2.52, 5.57, 11.68], [0.51, 0.71, 1.51, 2.22, 2.57], [0.93, 1.04, 1.65, 2.85, 3.48]],
+            0.30,
+        ),
+    ];
+    for (class, quantiles, tolerance) in cases {
+        let n = 6000;
+        let sizes: Vec<DVec3> =
+            (0..n).map(|k| vehicle_size(class, &mut Stream::from_seed("size", k)).unwrap()).collect();
+        for (axis, expected) in quantiles.iter().enumerate() {
+            let mut values: Vec<f64> = sizes.iter().map(|s| s[axis]).collect();
+            values.sort_by(f64::total_cmp);
+            for (share, expected) in [0.05, 0.16, 0.5, 0.84, 0.95].iter().zip(expected) {
+                let got = values[(share * n as f64) as usize];
+                let allowed = tolerance.max(0.06 * expected);
+                assert!((got - expected).abs() < allowed, "{class:?} axis {axis} at {share}: {got}, labels {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn traffic_wears_designs_near_its_size() {
+    for class in [ObjectClass::Truck, ObjectClass::Misc] {
+        let mut far = 0;
+        for seed in 0..300 {
+            let model = VehicleModel::of_traffic(class, seed).unwrap();
+            let number: u64 = model.name.rsplit('/').next().unwrap().parse().unwrap();
+            let ratio = model.size_lwh / size_of_seed(class, number);
+            far += usize::from(ratio.max_element() > 1.12 || ratio.min_element() < 0.89);
+            let over = model.size_lwh - model.annotated.size_lwh;
+            assert!(over.x > -0.18 && over.x < 0.54 && over.y.abs() < 0.23, "{over}");
+        }
+        assert!(far < 36, "{class:?}: {far} of 300 are stretched by more than 12 %");
+    }
+}

@@ -1,0 +1,21 @@
+//! Lines and rectangles in the plane.
+
+mod polyline;
+mod rect;
+
+pub use polyline::{Polyline, nearest, piece_at};
+pub use rect::OrientedRect;
+
+use crate::math::{self, DVec2};
+
+/// Unit vector at an angle from x.
+#[inline]
+pub fn unit(heading_rad: f64) -> DVec2 {
+    DVec2::new(math::cos(heading_rad), math::sin(heading_rad))
+}
+
+/// The least and the greatest corner of a box about points: infinite, and inside out, about none.
+pub fn bounds(points: impl IntoIterator<Item = DVec2>) -> (DVec2, DVec2) {
+    let nowhere = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    points.into_iter().fold(nowhere, |(low, high), p| (low.min(p), high.max(p)))
+}

@@ -1,6 +1,0 @@
-//! Numbers that a plan and those who read it back agree on.
-
-/// Height of a curb: a sidewalk's lane lies this much above the carriageway.
-pub(in crate::town) const CURB_HEIGHT_M: f64 = 0.12;
-/// Speed limit of aisles between rows of bays.
-pub(in crate::town) const AISLE_KMH: u32 = 20;

@@ -1,0 +1,325 @@
+//! The sensor: point spread, color filters, Poisson-Gauss noise as measured behind them, rounding to 8 bits.
+
+use macro_rules_attribute::apply;
+
+use super::exposure::Exposure;
+use super::mosaic::Demosaic;
+use cadet_base::math;
+use cadet_base::rng::Stream;
+
+/// Noise variance in squared 8-bit values, for R, G, B: constant, and per value.
+const READ_OUT_VARIANCE: [f32; 3] = [0.5, 0.3, 0.7];
+const VARIANCE_PER_VALUE: [f32; 3] = [0.035, 0.018, 0.040];
+/// Neighbor tap of the noise filter: neighbors correlate with 0.35 across and down, as demosaiced noise does.
+const NEIGHBOUR: f32 = 0.187;
+/// How far the middle of a pixel's two samples lies right of and below its center, so that one of them lies on it.
+pub const MIDDLE_PX: f32 = 0.25;
+/// Sigma of the point spread in pixels: with the pixel's own width and the color filters' the power at 0.2 to 0.45 cycles a
+/// pixel is that of KITTI's frames.
+const PSF_SIGMA_PX: f32 = 0.50;
+
+/// Taps of the point spread, along and across.
+const TAPS: usize = 5;
+/// Values of a pixel, R, G, B, side by side.
+const RGB: usize = 3;
+/// Pixels by which the filters of a row reach beyond it.
+const PSF_REACH: usize = TAPS / 2;
+const NOISE_REACH: usize = 1;
+/// Sums of a row are kept apart so that their order does not depend on the registers: whole registers and whole pixels.
+const SUMS: usize = 24;
+/// Values far above white get no more noise.
+const MAX_VALUE: f32 = 2000.0;
+const WHITE: f32 = 255.0;
+/// 2^23: added to a number it leaves the nearest integer in the lowest bits.
+const ROUNDER: f32 = 8_388_608.0;
+/// Two of a number's four bytes.
+const EVEN_BYTES: u32 = 0x00FF_00FF;
+const LOW_HALF: u32 = 0xFFFF;
+/// Factors and shifts of a 32-bit hash (Wellons, "Prospecting for Hash Functions", 2018).
+const HASH_FACTORS: [u32; 2] = [0x7FEB_352D, 0x846C_A68B];
+const HASH_SHIFTS: [u32; 2] = [16, 15];
+
+/// Rows that must be free before the image that is blurred: it moves up into them.
+pub const ROWS_BEFORE: usize = 2;
+
+/// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centers. The image
+/// begins after `ROWS_BEFORE` rows; blurred, it begins where `rgb` does.
+///
+/// Returns the sums over all pixels of R, G and B, of which none counts for more than `radiance_ceiling`.
+pub fn blur(rgb: &mut [f32], width: usize, height: usize, radiance_ceiling: f32) -> [f64; 3] {
+    let tap = |k: f32| math::expf(-0.5 * (k + MIDDLE_PX) * (k + MIDDLE_PX) / (PSF_SIGMA_PX * PSF_SIGMA_PX));
+    let taps = [tap(-2.0), tap(-1.0), tap(0.0), tap(1.0), tap(2.0)];
+    let sum: f32 = taps.iter().sum();
+    let taps = taps.map(|w| w / sum);
+    let stride = width * 3;
+    let mut total = [0.0_f64; 3];
+    if height == 0 || width == 0 {
+        return total;
+    }
+    // Above the first row it goes on.
+    for row in 0..ROWS_BEFORE {
+        rgb.copy_within(ROWS_BEFORE * stride..(ROWS_BEFORE + 1) * stride, row * stride);
+    }
+    let mut padded = vec![0.0_f32; stride + 2 * PSF_REACH * RGB];
+    for row in 0..height {
+        let line = |r: usize| &rgb[r.min(height + 1) * stride..][..stride];
+        blur_down(
+            &taps,
+            std::array::from_fn(|k| line(row + k)),
+            &mut padded[PSF_REACH * RGB..PSF_REACH * RGB + stride],
+        );
+        for i in 0..PSF_REACH * RGB {
+            padded[i] = padded[PSF_REACH * RGB + i % RGB];
+            padded[PSF_REACH * RGB + stride + i] = padded[(PSF_REACH - 1) * RGB + stride + i % RGB];
+        }
+        let out = &mut rgb[row * stride..(row + 1) * stride];
+        let sums = blur_across(&taps, &padded, out, radiance_ceiling);
+        for (k, s) in sums.iter().enumerate() {
+            total[k % 3] += f64::from(*s);
+        }
+    }
+    total
+}
+
+#[apply(for_wide_registers)]
+fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32]) {
+    let n = out.len();
+    let (a, b, c, d, e) = (&a[..n], &b[..n], &c[..n], &d[..n], &e[..n]);
+    let [wa, wb, wc, wd, we] = *taps;
+    for i in 0..n {
+        out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
+    }
+}
+
+/// Returns sums of every [`SUMS`]th value, none above the ceiling: a fixed order whatever the instruction set.
+#[apply(for_wide_registers)]
+fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; SUMS] {
+    let n = out.len();
+    let [a, b, c, d, e]: [&[f32]; TAPS] = std::array::from_fn(|k| &padded[k * RGB..][..n]);
+    let [wa, wb, wc, wd, we] = *taps;
+    for i in 0..n {
+        out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
+    }
+    let mut sums = [0.0; SUMS];
+    for some in out.chunks(SUMS) {
+        for (s, v) in sums.iter_mut().zip(some) {
+            *s += v.min(ceiling);
+        }
+    }
+    sums
+}
+
+/// Adds the veil, applies the gains, takes one color a pixel, adds the noise, and rounds to 8 bits.
+///
+/// Where the signal is amplified, the variance of the photons' noise grows with it and that of the read-out with its square
+/// (EMVA 1288).
+#[must_use]
+pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, stream: &mut Stream) -> Vec<u8> {
+    let &Exposure { veil, gains, amplification } = exposure;
+    let seed = stream.next_u64();
+    let stride = width * 3;
+    let sensor = Sensor {
+        gain: (0..stride).map(|i| gains[i % 3]).collect(),
+        offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
+        variance: (0..stride).map(|i| READ_OUT_VARIANCE[i % 3] * (amplification * amplification)).collect(),
+        per_value: (0..stride).map(|i| VARIANCE_PER_VALUE[i % 3] * amplification).collect(),
+    };
+    // White noise with a border of one pixel; three rows of it are alive at a time.
+    let wide = stride + 2 * NOISE_REACH * RGB;
+    let mut rows = [vec![0.0_f32; wide], vec![0.0_f32; wide], vec![0.0_f32; wide]];
+    let fill = |row: usize, out: &mut [f32]| white_noise(seed, (row * wide) as u32, out);
+    fill(0, &mut rows[1]);
+    fill(1, &mut rows[2]);
+    let mut down = vec![0.0_f32; wide];
+    let mut image = vec![0_u8; rgb.len()];
+    let mut demosaic = Demosaic::new(width);
+    let mut values = vec![0.0_f32; stride];
+    for (row, out) in image.chunks_exact_mut(stride.max(1)).enumerate() {
+        if row == 0 {
+            measure_row(&sensor, &rgb[..stride], &mut demosaic);
+        }
+        if row + 1 < height {
+            measure_row(&sensor, &rgb[(row + 1) * stride..][..stride], &mut demosaic);
+        } else {
+            demosaic.mirror_below();
+        }
+        if row == 0 {
+            demosaic.mirror_above();
+        }
+        demosaic.interpolate(row, &mut values);
+        rows.rotate_left(1);
+        fill(row + 2, &mut rows[2]);
+        let [above, here, below] = &rows;
+        expose_row(&sensor, [above, here, below], &mut down, &values, out);
+    }
+    image
+}
+
+/// Per value of a row: gain, offset, and variance of the noise, constant and per value.
+struct Sensor {
+    gain: Vec<f32>,
+    offset: Vec<f32>,
+    variance: Vec<f32>,
+    per_value: Vec<f32>,
+}
+
+/// Applies veil and gains to a row, as it falls on the color filters.
+fn measure_row(s: &Sensor, input: &[f32], demosaic: &mut Demosaic) {
+    apply_gains(s, input, demosaic.next_row());
+    demosaic.close_row();
+}
+
+#[apply(for_wide_registers)]
+fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
+    let n = out.len();
+    let (gain, offset, input) = (&s.gain[..n], &s.offset[..n], &input[..n]);
+    for i in 0..n {
+        out[i] = (input[i] * gain[i] + offset[i]).clamp(0.0, MAX_VALUE);
+    }
+}
+
+#[apply(for_wide_registers)]
+fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], values: &[f32], out: &mut [u8]) {
+    let (n, wide) = (out.len(), down.len());
+    let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
+    // The filter keeps the variance.
+    let normal = 1.0 / (1.0 + 2.0 * NEIGHBOUR * NEIGHBOUR);
+    for i in 0..wide {
+        down[i] = (here[i] + NEIGHBOUR * (above[i] + below[i])) * normal;
+    }
+    let values = &values[..n];
+    let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
+    let (left, middle, right) = (&down[..n], &down[RGB..][..n], &down[2 * RGB..][..n]);
+    for i in 0..n {
+        let value = values[i];
+        let sd = (variance[i] + per_value[i] * value).sqrt();
+        let noisy = value + sd * (middle[i] + NEIGHBOUR * (left[i] + right[i]));
+        // Rounded to the nearest by the mantissa's last bits.
+        let rounded = noisy.clamp(0.0, WHITE) + ROUNDER;
+        out[i] = rounded.to_bits() as u8;
+    }
+}
+
+/// Standard normal deviates from a counter: two hashes' eight bytes, whose sum is nearly normal (excess kurtosis -0.15).
+#[apply(for_wide_registers)]
+fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
+    // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
+    const MEAN: f32 = 1020.0;
+    const PER_SD: f32 = 1.0 / 209.021_5;
+    let (low, high) = (seed as u32, (seed >> u32::BITS) as u32);
+    for (i, v) in out.iter_mut().enumerate() {
+        let a = mix(first.wrapping_add(i as u32) ^ low);
+        let b = mix(a ^ high);
+        let pairs = (a & EVEN_BYTES) + (a >> 8 & EVEN_BYTES) + (b & EVEN_BYTES) + (b >> 8 & EVEN_BYTES);
+        let sum = (pairs & LOW_HALF) + (pairs >> 16);
+        *v = (sum as i32 as f32 - MEAN) * PER_SD;
+    }
+}
+
+/// A well mixed 32-bit hash: xorshifts and multiplications, as the finaliser of a hash has them.
+#[inline(always)]
+fn mix(mut x: u32) -> u32 {
+    x = (x ^ x >> HASH_SHIFTS[0]).wrapping_mul(HASH_FACTORS[0]);
+    x = (x ^ x >> HASH_SHIFTS[1]).wrapping_mul(HASH_FACTORS[1]);
+    x ^ x >> HASH_SHIFTS[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gain(gain: f32) -> Exposure {
+        Exposure { veil: [0.0; 3], gains: [gain; 3], amplification: 1.0 }
+    }
+
+    #[test]
+    fn amplified_noise_grows_as_its_parts_do() {
+        let (w, h) = (400, 300);
+        let rgb = vec![60.0_f32; w * h * 3];
+        let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
+        let image = expose(&rgb, w, h, &amplified, &mut Stream::from_seed("amplified", 3));
+        for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
+            let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
+            let mean = v.iter().sum::<f64>() / v.len() as f64;
+            let variance = v.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / v.len() as f64;
+            let want = f64::from(16.0 * constant + 4.0 * slope * 60.0);
+            assert!((variance - want).abs() < 0.12 * want, "{channel}: {variance} {want}");
+        }
+    }
+
+    #[test]
+    fn noise_has_the_measured_variance_and_correlation() {
+        let (w, h) = (400, 300);
+        let rgb = vec![120.0_f32; w * h * 3];
+        let image = expose(&rgb, w, h, &gain(1.0), &mut Stream::from_seed("noise", 3));
+        for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
+            let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
+            let mean = v.iter().sum::<f64>() / v.len() as f64;
+            let cov = |shift: usize| {
+                (0..v.len() - shift).map(|i| (v[i] - mean) * (v[i + shift] - mean)).sum::<f64>()
+                    / (v.len() - shift) as f64
+            };
+            let want = f64::from(constant + slope * 120.0);
+            assert!((mean - 120.0).abs() < 0.1, "{mean}");
+            // Rounding adds 1/12.
+            assert!((cov(0) - want - 1.0 / 12.0).abs() < 0.12 * want, "{channel}: {} {want}", cov(0));
+            for shift in [1, w] {
+                let r = cov(shift) / cov(0);
+                assert!((0.27..0.42).contains(&r), "{channel} {shift}: {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_rises_over_the_measured_width_where_it_is_and_light_is_kept() {
+        let (w, h) = (40, 90);
+        // Samples lie a quarter pixel right of the pixels' centers: this edge is at 19.5 + 0.25.
+        let mut rgb: Vec<f32> = (0..w * h * 3).map(|i| f32::from(u8::from((i / 3) % w >= 20))).collect();
+        rgb.splice(0..0, vec![0.0; ROWS_BEFORE * w * 3]);
+        let _ = blur(&mut rgb, w, h, 1.0);
+        rgb.truncate(w * h * 3);
+        // Behind lens and color filters, the mean green of all rows: the filters for it lie alike in all columns.
+        let image = expose(&rgb, w, h, &gain(200.0), &mut Stream::from_seed("edge", 1));
+        let row: Vec<f32> = (0..w)
+            .map(|x| (0..h).map(|y| f32::from(image[(y * w + x) * 3 + 1])).sum::<f32>() / (200 * h) as f32)
+            .collect();
+        let at = |level: f32| {
+            let i = row.iter().position(|v| *v > level).unwrap();
+            i as f32 - (row[i] - level) / (row[i] - row[i - 1])
+        };
+        let rise = at(0.9) - at(0.1);
+        // The pixels' own width comes to it.
+        assert!((1.6..2.6).contains(&rise), "{rise}");
+        assert!((at(0.5) - 19.75).abs() < 0.08, "{}", at(0.5));
+
+        let mut point = vec![0.0; w * h * 3];
+        point[(4 * w + 20) * 3] = 1.0;
+        point.splice(0..0, vec![0.0; ROWS_BEFORE * w * 3]);
+        let sums = blur(&mut point, w, h, 1.0);
+        point.truncate(w * h * 3);
+        assert!((point.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+        assert!((sums[0] - 1.0).abs() < 1e-5 && sums[1] == 0.0, "{sums:?}");
+    }
+
+    #[test]
+    fn white_noise_is_normal_and_frames_are_independent() {
+        let draw = |seed: u64| {
+            let mut v = vec![0.0_f32; 200_000];
+            white_noise(Stream::from_seed("white", seed).next_u64(), 0, &mut v);
+            v
+        };
+        let (a, b) = (draw(0), draw(1));
+        let n = a.len() as f64;
+        let moment = |p: i32| a.iter().map(|v| (0..p).fold(1.0, |m, _| m * f64::from(*v))).sum::<f64>() / n;
+        assert!(moment(1).abs() < 0.01 && (moment(2) - 1.0).abs() < 0.015, "{} {}", moment(1), moment(2));
+        assert!(moment(3).abs() < 0.03 && (moment(4) - 2.85).abs() < 0.08, "{} {}", moment(3), moment(4));
+        // Normal: 4.55 % lie beyond two standard deviations.
+        let beyond = a.iter().filter(|v| v.abs() > 2.0).count() as f64 / n;
+        assert!((beyond - 0.0455).abs() < 0.004, "{beyond}");
+        let product = |x: &[f32], y: &[f32]| x.iter().zip(y).map(|(x, y)| f64::from(x * y)).sum::<f64>() / n;
+        assert!(product(&a, &b).abs() < 0.01);
+        for shift in [1, 2, 3, 1248, 3732] {
+            assert!(product(&a[shift..], &a).abs() < 0.01, "{shift}");
+        }
+    }
+}

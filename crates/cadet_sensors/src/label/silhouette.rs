@@ -1,0 +1,175 @@
+//! An actor's outline alone, as the camera would see it with nothing else in the world.
+
+use crate::camera::{CameraModel, Visibility};
+use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, rasterize_instances};
+use cadet_base::actor::ActorState;
+use cadet_base::math::{DPose3, DVec3};
+
+use super::box_cam::Rect;
+
+/// Samples a pixel, where the camera has them ([`PinholeGrid::quincunx`]).
+pub(super) const SAMPLES_PER_PIXEL: usize = 2;
+
+/// How much of an actor there is in the image, and how much of it is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Silhouette {
+    /// Samples of the outline inside the image.
+    pub samples: usize,
+    /// Those where nothing is in front.
+    pub visible_samples: usize,
+    /// Rectangle round the outline inside the image.
+    pub bounds: Option<Rect>,
+}
+
+/// What becomes of actors of which nothing is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hidden {
+    /// Their outlines are drawn.
+    Drawn,
+    /// They are taken to have none.
+    Skipped,
+}
+
+/// The instances of every actor, by the actor's id.
+pub(super) struct ActorInstances(Vec<(i32, usize)>);
+
+impl ActorInstances {
+    pub fn new(scene: &PosedScene) -> Self {
+        let actors = scene.instances.iter().enumerate().filter(|(_, i)| i.actor_id > 0);
+        let mut pairs: Vec<_> = actors.map(|(index, i)| (i.actor_id, index)).collect();
+        pairs.sort_unstable();
+        Self(pairs)
+    }
+
+    /// Indices into [`PosedScene::instances`], rising.
+    fn of(&self, actor_id: i32) -> impl Iterator<Item = usize> {
+        let start = self.0.partition_point(|(id, _)| *id < actor_id);
+        self.0[start..].iter().take_while(move |(id, _)| *id == actor_id).map(|(_, index)| *index)
+    }
+}
+
+/// Draws the actor alone over the part of the camera's samples that its bounds cover; of an actor of which nothing is
+/// seen only if `hidden` says so.
+pub(super) fn silhouette(
+    scene: &PosedScene,
+    instances: &ActorInstances,
+    actor_id: i32,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+    seen: &Visibility,
+    hidden: Hidden,
+    buffer: &mut VisibilityBuffer,
+) -> Silhouette {
+    let mut found = Silhouette { samples: 0, visible_samples: 0, bounds: None };
+    let Some([u1, v1, u2, v2]) =
+        pixel_bounds(instances.of(actor_id).map(|i| &scene.instances[i]), camera, world_from_cam)
+    else {
+        return found;
+    };
+    // Sample (r, c) lies at v = r / 2 and u = c, in odd rows u = c + 1/2. Windows begin at even rows.
+    let lo = |p: f64| p.floor().max(0.0) as usize;
+    let hi = |p: f64, end: usize| (p.ceil() + 1.0).clamp(0.0, end as f64) as usize;
+    let (c1, c2, r1, r2) = (lo(u1), hi(u2, camera.width), 2 * lo(v1), 2 * hi(v2, camera.height));
+    if c1 >= c2 || r1 >= r2 {
+        return found;
+    }
+    found.visible_samples = seen.samples_of_actor(actor_id, r1..r2, c1..c2);
+    if found.visible_samples == 0 && hidden == Hidden::Skipped {
+        return found;
+    }
+    let (rows, columns) = (r2 - r1, c2 - c1);
+    let first = [c1 as f64, r1 as f64 / 2.0];
+    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics_px(), first, rows, columns)
+        .expect("a checked camera and a window that is not empty");
+    rasterize_instances(scene, &grid, instances.of(actor_id), buffer);
+    // Rows and columns by halves of a pixel.
+    let (mut of_rows, mut of_columns) = (rows..0, 2 * columns..0);
+    for r in 0..rows {
+        let (count, span) = buffer.covered(r);
+        if count > 0 {
+            found.samples += count;
+            of_rows = of_rows.start.min(r)..r + 1;
+            let halves = 2 * span.start + r % 2..2 * span.end - 1 + r % 2;
+            of_columns = of_columns.start.min(halves.start)..of_columns.end.max(halves.end);
+        }
+    }
+    if found.samples > 0 {
+        let (u, v) = (|h: usize| (2 * c1 + h) as f64 / 2.0, |r: usize| (r1 + r) as f64 / 2.0);
+        let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
+        found.bounds =
+            Some(Rect { left_px: u1, top_px: v(of_rows.start), right_px: u2, bottom_px: v(of_rows.end - 1) });
+    }
+    found
+}
+
+/// Pixels of each actor's outline inside a camera's image, and those of them where nothing is in front: what is counted
+/// over several cameras tells how much of an actor any of them sees.
+#[must_use]
+pub fn pixels_of_actors(
+    actors: &[ActorState],
+    scene: &PosedScene,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+    seen: &Visibility,
+) -> Vec<[f64; 2]> {
+    let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
+    let mut buffer = VisibilityBuffer::default();
+    let pixels = |samples: usize| samples as f64 / SAMPLES_PER_PIXEL as f64;
+    let of = |actor: &ActorState| {
+        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, Hidden::Drawn, &mut buffer);
+        [pixels(found.samples), pixels(found.visible_samples)]
+    };
+    actors.iter().map(of).collect()
+}
+
+/// Pixels that hold what of the instances' bounds lies in front of the camera; infinite on a side where they reach
+/// beside it. `None` behind.
+fn pixel_bounds<'a>(
+    instances: impl Iterator<Item = &'a PosedInstance>,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+) -> Option<[f64; 4]> {
+    let cam_from_world = world_from_cam.inverse();
+    let mut bounds: Option<[f64; 4]> = None;
+    for instance in instances {
+        // Homogeneous pixels: affine in the point.
+        let corners = corners_world(instance)
+            .map(|corner| camera.homogeneous(cam_from_world.rotation * corner + cam_from_world.translation));
+        if corners.iter().all(|h| h.z <= 0.0) {
+            continue;
+        }
+        let [mut u1, mut v1, mut u2, mut v2] =
+            bounds.unwrap_or([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+        let mut widen = |u: f64, v: f64| {
+            (u1, v1, u2, v2) = (u1.min(u), v1.min(v), u2.max(u), v2.max(v));
+        };
+        for (i, a) in corners.iter().enumerate() {
+            if a.z > 0.0 {
+                widen(a.x / a.z, a.y / a.z);
+            }
+            // Where an edge of the box crosses the plane of the camera, its image runs to infinity.
+            for b in (0..3).filter(|axis| i >> axis & 1 == 0).map(|axis| corners[i | 1 << axis]) {
+                if (a.z > 0.0) != (b.z > 0.0) {
+                    let at = a.truncate() + (b - a).truncate() * (a.z / (a.z - b.z));
+                    let least = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+                    let most = |p: f64| if p < 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
+                    widen(least(at.x), least(at.y));
+                    widen(most(at.x), most(at.y));
+                }
+            }
+        }
+        bounds = Some([u1, v1, u2, v2]);
+    }
+    bounds
+}
+
+/// The corners of a box round an instance, widened by what rounding vertices to single precision may move them.
+fn corners_world(instance: &PosedInstance) -> [DVec3; 8] {
+    let bounds = &instance.mesh.bounds;
+    let (center, half) = (bounds.center().as_dvec3(), bounds.size().as_dvec3() * 0.5 + 1e-3);
+    std::array::from_fn(|i| {
+        let side = |axis: usize| if i >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let local = center + half * DVec3::new(side(0), side(1), side(2));
+        instance.placement.rotation * local + instance.placement.translation
+    })
+}

@@ -1,0 +1,143 @@
+//! The first step of a scan: what each beam meets.
+
+use super::divergence::DivergentBeams;
+use super::spec::LidarSpec;
+use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SurfaceFilter, cast};
+use cadet_base::math::{DMat3, DPose3, DVec3};
+
+/// What a beam or a sub-beam met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BeamHit {
+    /// Range from the laser's origin, infinite for a miss.
+    pub range_m: f32,
+    /// Index into the scene's instances, [`NO_HIT`] for a miss.
+    pub instance: u32,
+    /// Face of the instance's mesh.
+    pub face: u32,
+}
+
+impl BeamHit {
+    /// A miss.
+    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
+
+    #[inline]
+    fn of(hits: &Hits, at: usize) -> Self {
+        Self { range_m: hits.depth_m[at], instance: hits.instance[at], face: hits.face[at] }
+    }
+
+    /// True where something was met.
+    #[inline]
+    pub(super) fn is_hit(&self) -> bool {
+        self.instance != NO_HIT
+    }
+}
+
+/// What the beams of a turn meet, row-major.
+pub(super) struct TurnHits {
+    /// The first opaque surface.
+    pub opaque: Hits,
+    /// The first opaque surface, or a transparent one where it stands before that.
+    pub first: Hits,
+}
+
+/// Finds what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
+pub(super) trait Casting {
+    /// The scene, as it stands at the scan's instant.
+    fn scene(&self) -> &PosedScene;
+
+    /// Casts the middle of every beam.
+    fn cast(&self, spec: &LidarSpec) -> TurnHits;
+
+    /// Casts the sub-beams of some beams at opaque surfaces.
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]>;
+
+    /// A direction of a column's firing as it stands to an instance's triangles where [`Casting::scene`] has them.
+    fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3;
+
+    /// Where a place in the sensor's frame at a column's firing lies in the world.
+    fn place_world(&self, column: usize, place_velo: DVec3) -> DVec3;
+}
+
+/// How far from the frame's origin anything may be seen: what lies beyond the longest range is never reported.
+pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
+    spec.max_range_m + spec.rings().iter().map(|r| r.height_m.abs() + r.left_m.abs()).fold(0.0, f64::max) + 1.0
+}
+
+/// A sensor that stands still in a world that stands still.
+pub(super) struct StillCasting<'a> {
+    scene: &'a PosedScene,
+    world_from_velo: &'a DPose3,
+    rotation: DMat3,
+}
+
+impl<'a> StillCasting<'a> {
+    pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3) -> Self {
+        Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation) }
+    }
+
+    fn in_range(&self, spec: &LidarSpec) -> impl Fn(&PosedInstance) -> bool {
+        let (sensor_world, reach_m) = (self.world_from_velo.translation, reach_m(spec));
+        move |i| (i.center_world - sensor_world).length() - i.radius_m < reach_m
+    }
+}
+
+impl Casting for StillCasting<'_> {
+    fn scene(&self) -> &PosedScene {
+        self.scene
+    }
+
+    fn cast(&self, spec: &LidarSpec) -> TurnHits {
+        let grid = spec.grid(*self.world_from_velo);
+        let mut opaque = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
+        cast(self.scene, &grid, SurfaceFilter::Opaque, self.in_range(spec), &mut opaque);
+        // Only transparent surfaces in front of opaque ones matter: they alone replace them.
+        let mut first = opaque.clone();
+        cast(self.scene, &grid, SurfaceFilter::Transparent, self.in_range(spec), &mut first);
+        TurnHits { opaque, first }
+    }
+
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
+        let (rows, columns) = (2 * spec.rings().len(), spec.azimuths_rad().len());
+        let mut out = vec![[BeamHit::MISS; 4]; beams.len()];
+        for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
+            // The kernel keeps what is nearer: a depth below 0 switches a beam off.
+            let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
+            let mut hits = Hits { rows, columns, depth_m: depth, instance: nothing.clone(), face: nothing };
+            for at in beams.iter().flat_map(|beam| DivergentBeams::cells(*beam, columns)) {
+                hits.depth_m[at] = f32::INFINITY;
+            }
+            cast(self.scene, grid, SurfaceFilter::Opaque, self.in_range(spec), &mut hits);
+            for (quarters, beam) in out.iter_mut().zip(beams) {
+                for (up, at) in DivergentBeams::cells(*beam, columns).into_iter().enumerate() {
+                    quarters[2 * side + up] = BeamHit::of(&hits, at);
+                }
+            }
+        }
+        out
+    }
+
+    #[inline]
+    fn direction_world(&self, _column: usize, _instance: u32, direction_velo: DVec3) -> DVec3 {
+        self.rotation * direction_velo
+    }
+
+    #[inline]
+    fn place_world(&self, _column: usize, place_velo: DVec3) -> DVec3 {
+        self.rotation * place_velo + self.world_from_velo.translation
+    }
+}
+
+impl TurnHits {
+    /// The transparent surface before a beam's opaque one.
+    #[inline]
+    pub(super) fn transparent(&self, at: usize) -> Option<BeamHit> {
+        let (first, opaque) = (BeamHit::of(&self.first, at), BeamHit::of(&self.opaque, at));
+        ((first.instance, first.face) != (opaque.instance, opaque.face)).then_some(first)
+    }
+
+    /// A beam's opaque surface.
+    #[inline]
+    pub(super) fn opaque(&self, at: usize) -> BeamHit {
+        BeamHit::of(&self.opaque, at)
+    }
+}

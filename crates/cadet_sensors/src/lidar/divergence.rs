@@ -1,0 +1,366 @@
+//! Beams that are no lines: at depth edges a beam's spot lies partly on one surface and partly on another.
+//!
+//! A beam of divergence D (the full cone) is taken for a disc of even power. Four sub-beams at (+-D/4, +-D/4) in
+//! azimuth and elevation have the disc's second moments, and each carries a quarter of the pulse. Echoes that return
+//! within one pulse length of another reach the receiver as one, at their common center: a mixed point between two
+//! surfaces. What lies farther apart makes echoes of its own, of which the sensor reports the strongest or the last.
+//!
+//! Beams away from edges are left alone: there the middle stands for the whole spot.
+
+use super::air::Air;
+use super::echo::Echo;
+use super::return_mode::ReturnMode;
+use super::returns::{echo_power, is_echo_detected};
+use super::ring_receiver::RingReceiver;
+use crate::sense::{BeamGrid, Hits, LaserRing, SpinningGrid};
+use cadet_base::error::Result;
+use cadet_base::math::{self, DPose3, DQuat, DVec3};
+
+/// Ranges of neighboring beams that differ by more than this, and by more than twice what the slope beside them
+/// explains, belong to different surfaces.
+const EDGE_M: f32 = 0.25;
+
+/// The sub-beams of a sensor: a grid with two rings for each, turned a little to the right and to the left.
+#[derive(Debug, Clone)]
+pub(super) struct DivergentBeams {
+    /// Full cone of a beam.
+    pub divergence_rad: f64,
+    grid: SpinningGrid,
+    /// Rings by rising elevation.
+    rings_upwards: Vec<u32>,
+    /// Columns and rings that a spot reaches over.
+    reach: [usize; 2],
+}
+
+impl DivergentBeams {
+    /// The sub-beams of these rings, azimuths and offsets of rings.
+    pub(super) fn new(
+        rings: &[LaserRing],
+        azimuths_rad: &[f64],
+        offsets_rad: &[f64],
+        divergence_rad: f64,
+    ) -> Result<Self> {
+        let quarter = divergence_rad / 4.0;
+        let sub_ring = |r: &LaserRing, up: f64| LaserRing { elevation_rad: r.elevation_rad + up, ..*r };
+        let sub_rings: Vec<LaserRing> =
+            rings.iter().flat_map(|r| [sub_ring(r, -quarter), sub_ring(r, quarter)]).collect();
+        let sub_offsets: Vec<f64> = offsets_rad.iter().flat_map(|o| [*o; 2]).collect();
+        let elevation = |ring: &u32| rings[*ring as usize].elevation_rad;
+        let mut rings_upwards: Vec<u32> = (0..rings.len() as u32).collect();
+        rings_upwards.sort_by(|a, b| elevation(a).total_cmp(&elevation(b)));
+        let reach = [reach(azimuths_rad.iter().copied(), quarter), reach(rings_upwards.iter().map(elevation), quarter)];
+        let grid = SpinningGrid::staggered(DPose3::IDENTITY, &sub_rings, azimuths_rad, &sub_offsets)?;
+        Ok(Self { divergence_rad, grid, rings_upwards, reach })
+    }
+
+    /// The sub-beams to the right and to the left of the beams, as grids in the world.
+    pub(super) fn grids(&self, world_from_velo: DPose3) -> [SpinningGrid; 2] {
+        [-1.0, 1.0].map(|left| {
+            let half_rad = 0.5 * left * self.divergence_rad / 4.0;
+            let turn = DQuat::from_xyzw(0.0, 0.0, math::sin(half_rad), math::cos(half_rad));
+            self.grid.at(DPose3 { rotation: world_from_velo.rotation * turn, ..world_from_velo })
+        })
+    }
+
+    /// Where a beam's lower and upper sub-beams stand in either grid.
+    pub(super) fn cells(beam: u32, num_columns: usize) -> [usize; 2] {
+        let (ring, column) = (beam as usize / num_columns, beam as usize % num_columns);
+        [0, 1].map(|up| (2 * ring + up) * num_columns + column)
+    }
+
+    /// The directions of a beam's sub-beams: right below and above, left below and above.
+    pub(super) fn directions_velo(&self, beam: u32) -> [DVec3; 4] {
+        let num_columns = self.grid.columns();
+        let [right, left] = self.grids(DPose3::IDENTITY);
+        let [below, above] = Self::cells(beam, num_columns);
+        [(&right, below), (&right, above), (&left, below), (&left, above)]
+            .map(|(grid, at)| grid.beam(at / num_columns, at % num_columns).direction_world)
+    }
+
+    /// The beams whose spots may reach over a jump in range, rising.
+    pub(super) fn edge_beams(&self, hits: &Hits) -> Vec<u32> {
+        let columns = hits.columns as u32;
+        let mut edges = DepthEdges { hits, is_edge: vec![false; hits.depth_m.len()] };
+        let mut line: Vec<u32> = Vec::new();
+        for ring in 0..hits.rows as u32 {
+            line.clear();
+            line.extend(ring * columns..(ring + 1) * columns);
+            edges.look_along(&line, Ends::Joined, self.reach[0].min(line.len() / 2));
+        }
+        for column in 0..columns {
+            line.clear();
+            line.extend(self.rings_upwards.iter().map(|ring| ring * columns + column));
+            edges.look_along(&line, Ends::Apart, self.reach[1]);
+        }
+        edges.is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
+    }
+}
+
+/// How the ends of a line of beams lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ends {
+    /// Side by side, as in a ring.
+    Joined,
+    Apart,
+}
+
+/// Marks the beams whose spots may reach over a jump in range, and lists them, rising.
+struct DepthEdges<'a> {
+    hits: &'a Hits,
+    is_edge: Vec<bool>,
+}
+
+impl DepthEdges<'_> {
+    /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
+    fn look_along(&mut self, line: &[u32], ends: Ends, reach: usize) {
+        let (n, is_closed) = (line.len(), ends == Ends::Joined);
+        let range = |i: usize| self.hits.depth_m[line[i % n] as usize].min(FAR_M);
+        let num_steps = if is_closed { n } else { n.saturating_sub(1) };
+        for i in 0..num_steps {
+            let (here, next) = (range(i), range(i + 1));
+            let step = (next - here).abs();
+            // Most beams end here.
+            if step <= EDGE_M {
+                continue;
+            }
+            let before = (is_closed || i > 0).then(|| (here - range(i + n - 1)).abs());
+            let after = (is_closed || i + 2 < n).then(|| (range(i + 2) - next).abs());
+            let slope = before.into_iter().chain(after).fold(f32::INFINITY, f32::min);
+            if step <= EDGE_M + 2.0 * if slope.is_finite() { slope } else { 0.0 } {
+                continue;
+            }
+            for k in (i + n + 1 - reach)..=(i + n + reach) {
+                let place = if is_closed { k % n } else { k.wrapping_sub(n) };
+                if let Some(beam) = line.get(place) {
+                    self.is_edge[*beam as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+/// Further than everything, and finite so that differences are numbers.
+const FAR_M: f32 = 1e4;
+
+/// How many beams a spot's sub-beams reach over, at least 1, from sorted angles.
+fn reach(sorted_rad: impl Iterator<Item = f64> + Clone, quarter_rad: f64) -> usize {
+    let steps = sorted_rad.clone().skip(1).zip(sorted_rad).map(|(b, a)| b - a);
+    let least = steps.filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    ((quarter_rad / least).ceil() as usize).clamp(1, MAX_REACH)
+}
+
+/// Beams to either side of an edge that are split at most.
+const MAX_REACH: usize = 64;
+
+/// What the receiver makes of the echoes of a beam's four quarters: the strongest that stand apart, or the last that is
+/// detected. None where none of them returns anything.
+pub(super) fn chosen_echo(
+    quarters: [Option<Echo>; 4],
+    mode: ReturnMode,
+    air: &Air,
+    receiver: &RingReceiver,
+    detection_chance: f64,
+) -> Option<Echo> {
+    let pulse_m = receiver.receiver.pulse_m();
+    let mut sorted = quarters;
+    sorted.sort_by(|a, b| {
+        let range_m = |e: &Option<Echo>| e.map_or(f64::INFINITY, |e| e.range_m);
+        range_m(a).total_cmp(&range_m(b))
+    });
+    let mut chosen: Option<Echo> = None;
+    let mut rest = &sorted[..sorted.iter().filter(|e| e.is_some()).count()];
+    while let Some(first) = rest.first().copied().flatten() {
+        let joined = rest.iter().flatten().take_while(|e| e.range_m - first.range_m < pulse_m).count();
+        let echo = merged(&rest[..joined]);
+        rest = &rest[joined..];
+        let is_better = match mode {
+            ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
+            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection_chance),
+        };
+        if is_better {
+            chosen = Some(echo);
+        }
+    }
+    chosen
+}
+
+/// Retro-reflectors outshine whatever stands beside them.
+fn rank(echo: &Echo, air: &Air) -> f64 {
+    echo_power(echo, air) * echo.brightness()
+}
+
+/// One echo of several that arrive together, each with a quarter of the pulse: their power adds up, their range is its
+/// center, and the strongest gives its name.
+fn merged(quarters: &[Option<Echo>]) -> Echo {
+    let raw_power = |e: &Echo| e.reflectance / (e.range_m * e.range_m);
+    let echoes = || quarters.iter().flatten();
+    let mut out = *echoes().next().expect("at least one echo");
+    let total: f64 = echoes().map(raw_power).sum();
+    for echo in echoes() {
+        if raw_power(echo) > raw_power(&out) {
+            out = *echo;
+        }
+    }
+    if total > 0.0 {
+        out.range_m = echoes().map(|e| raw_power(e) * e.range_m).sum::<f64>() / total;
+    }
+    out.retro = echoes().any(|e| e.retro);
+    out.reflectance = 0.25 * total * out.range_m * out.range_m;
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lidar::{LidarSpec, Receiver};
+    use crate::weather::Weather;
+    use cadet_base::material::Semantic;
+    use cadet_base::math::TAU;
+    use cadet_base::rng::Stream;
+
+    fn echo(range_m: f64, reflectance: f64, actor_id: i32) -> Option<Echo> {
+        Some(Echo {
+            range_m,
+            reflectance,
+            cos_incidence: 1.0,
+            reading_noise: 0.05,
+            retro: false,
+            actor_id,
+            semantic: Semantic::Building,
+        })
+    }
+
+    /// Any laser whose optics lose nothing.
+    fn average(receiver: Receiver) -> RingReceiver {
+        LidarSpec::cadet().with_receiver(receiver).expect("valid").ring_receiver(0)
+    }
+
+    fn clear() -> Air {
+        Air::new(&Weather::preset("clear_noon").expect("exists"), &Receiver::default())
+    }
+
+    fn chosen(quarters: [Option<Echo>; 4], mode: ReturnMode, detection: f64) -> Option<Echo> {
+        chosen_echo(quarters, mode, &clear(), &average(Receiver::default()), detection)
+    }
+
+    #[test]
+    fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
+        let level = LaserRing::on_axis(0.0, 0.0);
+        let divergent = DivergentBeams::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
+        let spots = divergent.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
+        let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
+        assert!((mean_square - 0.25).abs() < 1e-5, "a disc's second moment is a quarter of its radius squared");
+        // A straight edge at a distance u from the middle, in any direction, leaves a segment's area.
+        let mut stream = Stream::from_seed("edges", 0);
+        for u in [-0.6, -0.3, 0.0, 0.3, 0.6] {
+            let n = 20_000;
+            let mut covered = 0;
+            for _ in 0..n {
+                let turn = stream.range(0.0, TAU);
+                let (cos, sin) = (math::cos(turn), math::sin(turn));
+                covered += spots.iter().filter(|(y, z)| y * cos + z * sin < u).count();
+            }
+            let share = f64::from(covered as u32) / (4.0 * f64::from(n));
+            let area = 0.5 + (u * (1.0 - u * u).sqrt() + math::asin(u)) / math::PI;
+            assert!((share - area).abs() < 0.06, "{u}: {share} {area}");
+        }
+    }
+
+    #[test]
+    fn sub_beams_stand_around_their_beam() {
+        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::cadet()] {
+            let spec = spec.with_divergence(3e-3).expect("valid");
+            let rays = spec.rays();
+            let n = spec.num_beams();
+            for beam in [0, 1, n / 2 + 17, n - 1] {
+                let middle = rays.directions_velo[beam];
+                let subs = spec.divergent().expect("set").directions_velo(beam as u32);
+                let mean = (subs[0] + subs[1] + subs[2] + subs[3]) * 0.25;
+                assert!((mean - middle).length() < 2e-6);
+                let left = DVec3::new(-middle.y, middle.x, 0.0).normalize();
+                for (sub, (side, up)) in subs.iter().zip([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]) {
+                    let rho = middle.truncate().length();
+                    assert!((left.dot(*sub) - side * 0.75e-3 * rho).abs() < 1e-6);
+                    assert!((math::asin(sub.z) - math::asin(middle.z) - up * 0.75e-3).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn edges_are_where_surfaces_part_and_not_where_they_lean() {
+        let (rows, columns) = (5, 400);
+        let mut hits = Hits::new(rows, columns);
+        let ring = |k: usize| LaserRing::on_axis(-0.03 - 0.01 * k as f64, 0.0);
+        let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
+        let divergent = DivergentBeams::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
+        let edges_of = |hits: &Hits| divergent.edge_beams(hits);
+        assert!(edges_of(&hits).is_empty(), "the sky has no edges");
+        // A ring of road: from row to row the range grows by steps that grow themselves.
+        for row in 0..rows {
+            hits.depth_m[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
+        }
+        assert!(edges_of(&hits).is_empty(), "{:?}", edges_of(&hits).len());
+        // A wall seen at a grazing angle, up to the top row.
+        for row in 0..rows {
+            for column in 0..60 {
+                hits.depth_m[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
+            }
+        }
+        let inside = |b: &&u32| (103..157).contains(&(**b as usize % columns));
+        assert_eq!(edges_of(&hits).iter().filter(inside).count(), 0);
+        // A post one beam wide, and a hole to the sky.
+        hits.depth_m[2 * columns + 300] = 9.0;
+        hits.depth_m[2 * columns + 350] = f32::INFINITY;
+        let edges = edges_of(&hits);
+        for column in [299, 300, 301, 349, 350, 351] {
+            assert!(edges.contains(&(2 * columns as u32 + column)), "{column}");
+        }
+        assert!(edges.windows(2).all(|w| w[0] < w[1]));
+    }
+
+    #[test]
+    fn the_strongest_echo_wins_or_the_last_that_is_detected() {
+        let air = clear();
+        let (near, far) = (echo(10.0, 0.3, 1), echo(14.0, 0.3, 2));
+        let pick = |quarters, mode, detection| chosen(quarters, mode, detection).map(|e| e.actor_id);
+        let half = [near, far, near, far];
+        assert_eq!(pick(half, ReturnMode::Strongest, 0.5), Some(1));
+        assert_eq!(pick(half, ReturnMode::Last, 0.5), Some(2));
+        // Three quarters of the spot at 14 m return more power than one at 10 m: 3 / 14^2 > 1 / 10^2.
+        assert_eq!(pick([far, far, near, far], ReturnMode::Strongest, 0.5), Some(2));
+        assert_eq!(pick([None, None, near, None], ReturnMode::Last, 0.5), Some(1));
+        assert_eq!(pick([None; 4], ReturnMode::Strongest, 0.5), None);
+        // The share of the spot is the share of the power.
+        let strongest = chosen(half, ReturnMode::Strongest, 0.5).expect("detected");
+        assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
+        // A far surface is last as often as the receiver detects half of its power.
+        let (n, weak) = (2_000, echo(70.0, 0.16, 2));
+        let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
+        let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
+        let half_power = echo(70.0, 0.08, 2).expect("some");
+        let receiver = average(Receiver::default());
+        assert_eq!(last, draws.filter(|d| is_echo_detected(&half_power, &air, &receiver, *d)).count());
+        assert!(last > 20 && last < 1_980, "{last}");
+    }
+
+    #[test]
+    fn echoes_within_a_pulse_mix() {
+        let two = [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)];
+        let mixed = chosen(two, ReturnMode::Last, 0.5).expect("detected");
+        let (p, q) = (0.4 / 400.0, 0.2 / (20.4 * 20.4));
+        assert!((mixed.range_m - (p * 20.0 + q * 20.4) / (p + q)).abs() < 1e-12);
+        assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
+        assert_eq!(mixed.actor_id, 1);
+        // A shorter pulse tells them apart: its length is the receiver's.
+        let short = average(Receiver { pulse_s: 2e-9, ..Receiver::default() });
+        let last = chosen_echo(two, ReturnMode::Last, &clear(), &short, 0.5).expect("detected");
+        assert!((last.range_m - 20.4).abs() < 1e-12 && last.actor_id == 2, "{last:?}");
+        let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];
+        assert_eq!(chosen(apart, ReturnMode::Last, 0.5).expect("detected").range_m, 20.8);
+        let mut plate = echo(20.8, 0.1, 3).expect("some");
+        plate.retro = true;
+        let beside = [echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), Some(plate)];
+        assert_eq!(chosen(beside, ReturnMode::Strongest, 0.5).expect("detected").actor_id, 3);
+    }
+}

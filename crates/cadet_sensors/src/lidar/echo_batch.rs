@@ -1,0 +1,154 @@
+//! The receiver, 64 arrivals of a ring together: what it detects of them and reports, and the points that are written.
+
+use macro_rules_attribute::{apply, derive};
+
+use super::draws::Draws;
+use super::intensity::{intensity, saturated};
+use super::returned_points::Scan;
+use super::returns::Arrival;
+use super::ring_receiver::RingReceiver;
+use crate::zeros::DefaultZeros;
+use cadet_base::material::Semantic;
+
+/// Echoes that are received together.
+const BATCH_SIZE: usize = 64;
+
+type PerEcho = [f64; BATCH_SIZE];
+
+/// What arrives from the beams of one ring and waits for the receiver.
+pub(super) struct EchoBatch {
+    n: usize,
+    column: [i32; BATCH_SIZE],
+    actor_id: [i32; BATCH_SIZE],
+    semantic: [Semantic; BATCH_SIZE],
+    echo: Echoes,
+    written: Written,
+}
+
+#[derive(DefaultZeros!)]
+struct Echoes {
+    range_m: PerEcho,
+    /// Reflectance / range^2 at the receiver.
+    power: PerEcho,
+    detected_power: PerEcho,
+    saturates: [bool; BATCH_SIZE],
+    peak_share: PerEcho,
+    reading_noise: PerEcho,
+    detection: PerEcho,
+    saturation: PerEcho,
+    range_normal: PerEcho,
+    /// The beam as it is reported.
+    direction_velo: [PerEcho; 3],
+    origin_velo: [PerEcho; 3],
+}
+
+/// What comes out.
+#[derive(DefaultZeros!)]
+struct Written {
+    point_velo: [[f32; BATCH_SIZE]; 3],
+    intensity: [f32; BATCH_SIZE],
+    range_m: PerEcho,
+    is_kept: [bool; BATCH_SIZE],
+}
+
+impl EchoBatch {
+    pub(super) fn new() -> Box<Self> {
+        Box::new(Self {
+            n: 0,
+            column: [0; BATCH_SIZE],
+            actor_id: [0; BATCH_SIZE],
+            semantic: [Semantic::Sky; BATCH_SIZE],
+            echo: Echoes::default(),
+            written: Written::default(),
+        })
+    }
+
+    /// Adds what arrives from a ring's column, whose beam is reported to start and to go so.
+    #[inline(always)]
+    pub(super) fn push(
+        &mut self,
+        arrival: &Arrival,
+        draws: &Draws,
+        column: usize,
+        [origin_velo, direction_velo]: [[f64; 3]; 2],
+    ) {
+        let (i, e) = (self.n, &mut self.echo);
+        self.column[i] = column as i32;
+        self.actor_id[i] = arrival.actor_id;
+        self.semantic[i] = arrival.semantic;
+        e.range_m[i] = arrival.range_m;
+        e.power[i] = arrival.power;
+        e.detected_power[i] = arrival.detected_power;
+        e.saturates[i] = arrival.saturates;
+        e.peak_share[i] = arrival.peak_share;
+        e.reading_noise[i] = arrival.reading_noise * draws.gain_deviate;
+        e.detection[i] = draws.detection_chance;
+        e.saturation[i] = draws.saturation_chance;
+        e.range_normal[i] = draws.range_deviate;
+        for axis in 0..3 {
+            e.direction_velo[axis][i] = direction_velo[axis];
+            e.origin_velo[axis][i] = origin_velo[axis];
+        }
+        self.n += 1;
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.n == BATCH_SIZE
+    }
+
+    /// Receives what waits and writes what is detected.
+    pub(super) fn receive(&mut self, receiver: &RingReceiver, ring: usize, out: &mut Scan) {
+        receive(&self.echo, *receiver, &mut self.written);
+        let w = &self.written;
+        for i in (0..self.n).filter(|i| w.is_kept[*i]) {
+            let [x, y, z] = [0, 1, 2].map(|axis| w.point_velo[axis][i]);
+            out.points_velo.push([x, y, z, w.intensity[i]]);
+            out.ring.push(ring as i32);
+            out.column.push(self.column[i]);
+            out.actor_id.push(self.actor_id[i]);
+            out.semantic.push(self.semantic[i]);
+            out.range_m.push(w.range_m[i]);
+        }
+        self.n = 0;
+    }
+}
+
+/// Compiled once more for processors with wide registers, as the kernel is.
+#[apply(for_wide_registers)]
+fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
+    let RingReceiver { receiver, laser, min_range_m, max_range_m, .. } = ring;
+    let mut reading: PerEcho = [0.0; BATCH_SIZE];
+    for i in 0..BATCH_SIZE {
+        let (range_m, power) = (e.range_m[i], e.power[i]);
+        let peak = power * range_m * range_m * e.peak_share[i];
+        reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i]);
+    }
+    for i in 0..BATCH_SIZE {
+        let reading = if e.saturates[i] { saturated(e.saturation[i]) } else { reading[i] };
+        out.intensity[i] = (round(reading * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
+    }
+    for i in 0..BATCH_SIZE {
+        let (range_m, power) = (e.range_m[i], e.power[i]);
+        let range_m = range_m + laser.range_offset_m + receiver.noise_m(power) * e.range_normal[i];
+        out.range_m[i] = range_m;
+        let mut square = [0.0; 3];
+        for axis in 0..3 {
+            let at = e.direction_velo[axis][i] * range_m + e.origin_velo[axis][i];
+            let at = (round(at * 1e3) / 1e3) as f32;
+            out.point_velo[axis][i] = at;
+            square[axis] = f64::from(at) * f64::from(at);
+        }
+        // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
+        let written_m = (square[0] + square[1] + square[2]).sqrt();
+        let is_detected = receiver.detects(e.detected_power[i], e.detection[i]);
+        out.is_kept[i] = is_detected & (written_m >= min_range_m) & (written_m < max_range_m);
+    }
+}
+
+/// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
+/// `round` is a call.
+#[inline(always)]
+fn round(x: f64) -> f64 {
+    const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
+    (x + NO_FRACTION) - NO_FRACTION
+}

@@ -1,0 +1,213 @@
+//! One turn of the LIDAR: exact, or as the sensor reports it.
+//!
+//! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
+//! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
+//! (`echo_batch`).
+
+use super::air::{Air, Plumes, Sprayed};
+use super::casting::{Casting, StillCasting};
+use super::divergence::chosen_echo;
+use super::draws::Draws;
+use super::echo::first_echo;
+use super::echo_batch::EchoBatch;
+use super::returned_points::Scan;
+use super::returns::arrival;
+use super::spec::LidarSpec;
+use super::surfaces::SurfaceLookup;
+use super::turning::Turning;
+use crate::sense::{Hits, PosedScene, SurfaceFilter, cast};
+use crate::spray::Spray;
+use crate::weather::Weather;
+use cadet_base::error::Result;
+use cadet_base::material::Semantic;
+use cadet_base::math::{DPose3, DVec3};
+use cadet_base::rng::Stream;
+
+/// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdealScan {
+    /// Range from the beam's own origin, infinite for a miss.
+    pub range_m: Vec<f32>,
+    /// Index into [`PosedScene::instances`], [`NO_HIT`](crate::sense::NO_HIT) for a miss.
+    pub instance: Vec<u32>,
+    /// Face of the instance's mesh, [`NO_HIT`](crate::sense::NO_HIT) for a miss.
+    pub face: Vec<u32>,
+    /// -1 for a miss, 0 for the static world, at least 1 for actors.
+    pub actor_id: Vec<i32>,
+}
+
+impl IdealScan {
+    /// What each beam meets, [`Semantic::Sky`] for a miss; `scene` is the one that was scanned.
+    #[must_use]
+    pub fn semantic(&self, scene: &PosedScene) -> Vec<Semantic> {
+        let of = |(instance, face): (&u32, &u32)| {
+            scene.instances.get(*instance as usize).map_or(Semantic::Sky, |posed| posed.material(*face).semantic)
+        };
+        self.instance.iter().zip(&self.face).map(of).collect()
+    }
+
+    /// Where each beam ends, x, y, z in meters in the velo frame, and an intensity of 0; four NaN for a miss.
+    ///
+    /// # Panics
+    /// With another sensor than the scan's.
+    #[must_use]
+    pub fn points_velo(&self, spec: &LidarSpec) -> Vec<[f32; 4]> {
+        let mut points = Vec::with_capacity(self.range_m.len());
+        let columns = spec.azimuths_rad().len();
+        assert_eq!(self.range_m.len(), spec.num_beams(), "as many ranges as beams");
+        for ((ring, laser), ranges_m) in spec.rings().iter().enumerate().zip(self.range_m.chunks_exact(columns)) {
+            let direction_velo = laser.directions_velo();
+            let point = |(heading, range_m): (&[f64; 2], &f32)| {
+                let range = f64::from(*range_m);
+                let p = laser.origin_velo(*heading) + direction_velo(*heading) * range;
+                if *range_m < f32::INFINITY { [p.x as f32, p.y as f32, p.z as f32, 0.0] } else { [f32::NAN; 4] }
+            };
+            points.extend(spec.headings(ring).iter().zip(ranges_m).map(point));
+        }
+        points
+    }
+}
+
+/// Casts every beam of the sensor at once, all from one pose: an ideal sensor neither turns nor spreads its beams.
+///
+/// ```
+/// use cadet_core::frames;
+/// use cadet_core::lidar::{LidarSpec, ideal_scan};
+/// use cadet_core::math::DVec3;
+/// use cadet_core::sense::PosedScene;
+/// use cadet_core::town::Town;
+///
+/// let scene = PosedScene::new(&Town::flat().scenery, DVec3::ZERO);
+/// let lidar = LidarSpec::hdl64e_kitti();
+/// let world_from_velo = frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.0, 0.0);
+/// let scan = ideal_scan(&scene, &world_from_velo, &lidar);
+///
+/// assert_eq!(scan.range_m.len(), lidar.num_beams());
+/// // The lowest laser meets the road some meters ahead, the highest one the sky.
+/// let lowest = 63 * lidar.azimuths_rad().len();
+/// assert!(scan.range_m[0].is_infinite() && (3.0..6.0).contains(&scan.range_m[lowest]));
+/// ```
+#[must_use]
+pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
+    let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
+    cast(scene, &spec.grid(*world_from_velo), SurfaceFilter::All, |_| true, &mut hits);
+    // Close together, so that looking them up costs nothing.
+    let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
+    let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
+    IdealScan { range_m: hits.depth_m, instance: hits.instance, face: hits.face, actor_id }
+}
+
+/// One turn as the sensor reports it, all of it at one instant. Every beam draws the same count of numbers from
+/// `stream`, whatever it meets.
+///
+/// # Errors
+/// What [`LidarSpec::check`] finds.
+pub fn scan(
+    scene: &PosedScene,
+    world_from_velo: &DPose3,
+    spec: &LidarSpec,
+    weather: &Weather,
+    stream: &mut Stream,
+) -> Result<Scan> {
+    scan_through(scene, world_from_velo, spec, (weather, &Spray::default()), stream)
+}
+
+/// One turn as [`scan()`] takes it, through the spray behind vehicles.
+///
+/// # Errors
+/// What [`LidarSpec::check`] finds.
+pub fn scan_through(
+    scene: &PosedScene,
+    world_from_velo: &DPose3,
+    spec: &LidarSpec,
+    air: (&Weather, &Spray),
+    stream: &mut Stream,
+) -> Result<Scan> {
+    spec.check()?;
+    Ok(scan_by(&StillCasting::new(scene, world_from_velo), spec, air, stream))
+}
+
+/// One turn as the sensor reports it while it and the world move; spray hangs in the air meanwhile. Every beam draws the same
+/// numbers as in [`scan`].
+///
+/// # Errors
+/// What [`LidarSpec::check`] finds.
+pub fn turning_scan(turning: &Turning, spec: &LidarSpec, air: (&Weather, &Spray), stream: &mut Stream) -> Result<Scan> {
+    spec.check()?;
+    Ok(scan_by(&turning.firings(spec), spec, air, stream))
+}
+
+/// A vector turned about z, counter-clockwise.
+#[inline(always)]
+fn turned(v: DVec3, [cos, sin]: [f64; 2]) -> DVec3 {
+    DVec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
+}
+
+fn scan_by<C: Casting>(
+    casting: &C,
+    spec: &LidarSpec,
+    (weather, spray): (&Weather, &Spray),
+    stream: &mut Stream,
+) -> Scan {
+    let met = casting.cast(spec);
+    let (edges, split) = match spec.divergent() {
+        None => Default::default(),
+        Some(divergent) => {
+            let edges = divergent.edge_beams(&met.opaque);
+            let split = casting.cast_sub_beams(spec, divergent, &edges);
+            (edges, split)
+        }
+    };
+    let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
+    let receiver = spec.receiver();
+    let air = Air::new(weather, receiver);
+    let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
+    let snow_cover = weather.snow_cover();
+    let (mut behind, mut in_front) = (SurfaceLookup::new(casting, snow_cover), SurfaceLookup::new(casting, snow_cover));
+    let mut out = Scan::with_capacity(spec.num_beams());
+    let mut batch = EchoBatch::new();
+    let mut beams = 0..;
+    for (ring, laser) in spec.rings().iter().enumerate() {
+        let direction_of = laser.directions_velo();
+        let first_return = out.range_m.len();
+        let is_blind = spec.blind_columns(ring);
+        let receiver = &spec.ring_receiver(ring);
+        for (column, heading) in spec.headings(ring).iter().enumerate() {
+            let draws = Draws::new(stream);
+            let beam = beams.next().expect("endless");
+            let quarters = split_beams.next_if(|(edge, _)| *edge == beam);
+            if is_blind[column] {
+                continue;
+            }
+            let direction_velo = direction_of(*heading);
+            let origin_velo = laser.origin_velo(*heading);
+            let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
+            let echo = if let Some((_, quarters)) = quarters {
+                let quarters = quarters
+                    .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
+                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection_chance)
+            } else {
+                first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
+            };
+            let sprayed = if plumes.is_empty() {
+                Sprayed::NOT
+            } else {
+                let [origin, ahead] =
+                    [origin_velo, origin_velo + direction_velo].map(|place| casting.place_world(column, place));
+                plumes.meet(origin, ahead - origin, echo.map_or(f64::INFINITY, |e| e.range_m), draws.air_key)
+            };
+            let Some(arrived) = arrival(echo, (&air, &sprayed), spec.returns, receiver, &draws) else { continue };
+            let turn = spec.reporting_turns()[column];
+            let reported = [origin_velo, direction_velo].map(|v| turned(v, turn).to_array());
+            batch.push(&arrived, &draws, column, reported);
+            if batch.is_full() {
+                batch.receive(receiver, ring, &mut out);
+            }
+        }
+        batch.receive(receiver, ring, &mut out);
+        if laser.left_m != 0.0 {
+            out.order_by_azimuth(first_return);
+        }
+    }
+    out
+}

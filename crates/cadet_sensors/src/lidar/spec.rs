@@ -1,0 +1,376 @@
+//! What a LIDAR is: its lasers, when they fire, and what it can see.
+
+use std::sync::Arc;
+
+use super::divergence::DivergentBeams;
+use super::firing::Firing;
+use super::laser_receiver::LaserReceiver;
+use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
+use super::return_mode::ReturnMode;
+use super::ring_receiver::RingReceiver;
+use crate::sense::{LaserRing, SpinningGrid};
+use cadet_base::error::{Error, Result, finite};
+use cadet_base::math::{DPose3, DVec3, TAU};
+
+/// A spinning LIDAR.
+#[derive(Debug, Clone)]
+pub struct LidarSpec {
+    name: String,
+    rings: Vec<LaserRing>,
+    firing: Firing,
+    azimuths_rad: Vec<f64>,
+    azimuth_offsets_rad: Vec<f64>,
+    reporting_turns: Vec<[f64; 2]>,
+    grid: SpinningGrid,
+    receiver: Receiver,
+    /// None for beams that meet surfaces as lines do.
+    divergent: Option<Arc<DivergentBeams>>,
+    /// Returns nearer than this to the frame's origin are not kept.
+    pub min_range_m: f64,
+    /// Returns as far from the frame's origin as this, or farther, are not kept.
+    pub max_range_m: f64,
+    /// What tells each ring's receiver from the others.
+    pub laser_receivers: Vec<LaserReceiver>,
+    /// Which echo is reported where a beam meets several surfaces.
+    pub returns: ReturnMode,
+    /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
+    pub rolling: bool,
+    /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
+    pub blind_sectors: Vec<BlindSector>,
+}
+
+/// Azimuths at which a laser meets the car that carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlindSector {
+    /// Ring, 0 the first of the sensor's table.
+    pub ring: usize,
+    /// Where the sector begins, counter-clockwise from forward, in [0, 2 pi].
+    pub from_rad: f64,
+    /// Where it ends, at most 2 pi: a sector across forward is two.
+    pub to_rad: f64,
+}
+
+/// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rays {
+    /// Where each beam starts.
+    pub origins_velo: Vec<DVec3>,
+    /// Unit directions.
+    pub directions_velo: Vec<DVec3>,
+    /// Ring of each beam, 0 the first of the sensor's table.
+    pub ring: Vec<i32>,
+    /// Column of each beam.
+    pub column: Vec<i32>,
+}
+
+impl LidarSpec {
+    /// A LIDAR with these rings, each firing at every azimuth (rising, in [0, 2 pi), counter-clockwise from forward).
+    ///
+    /// Ranges from 1.45 m up to 80 m, equal gains, the HDL-64E's receiver: change the public fields for others, and
+    /// [`LidarSpec::with_receiver`].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`SpinningGrid::new`] gives them.
+    pub fn new(name: &str, rings: Vec<LaserRing>, azimuths_rad: Vec<f64>) -> Result<Self> {
+        Self::with_firing(name, rings, Firing::Listed(azimuths_rad))
+    }
+
+    /// A LIDAR with these rings that all fire in this pattern; the rest as [`LidarSpec::new`] has it.
+    ///
+    /// # Errors
+    /// As [`Firing::azimuths_rad`] and [`SpinningGrid::new`].
+    pub fn with_firing(name: &str, rings: Vec<LaserRing>, firing: Firing) -> Result<Self> {
+        let azimuths_rad = firing.azimuths_rad()?;
+        let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
+        Ok(Self {
+            name: name.to_owned(),
+            laser_receivers: vec![LaserReceiver::default(); rings.len()],
+            blind_sectors: Vec::new(),
+            azimuth_offsets_rad: vec![0.0; rings.len()],
+            rings,
+            reporting_turns: firing.reporting_turns(),
+            firing,
+            azimuths_rad,
+            grid,
+            divergent: None,
+            returns: ReturnMode::Strongest,
+            rolling: false,
+            min_range_m: 1.45,
+            max_range_m: 80.0,
+            receiver: Receiver::default(),
+        })
+    }
+
+    /// Returns this sensor with ring k firing at `offsets_rad[k]` counter-clockwise of its columns' azimuths.
+    ///
+    /// With equal steps, whole ones are taken off: they lead from column to column. Otherwise an offset is at least 0
+    /// and smaller than the gap behind the last column.
+    ///
+    /// # Errors
+    /// As [`SpinningGrid::staggered`].
+    pub fn staggered(mut self, offsets_rad: Vec<f64>) -> Result<Self> {
+        self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
+        self.grid =
+            SpinningGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
+        self.respread()
+    }
+
+    fn respread(self) -> Result<Self> {
+        if self.divergent.is_some() { self.spread() } else { Ok(self) }
+    }
+
+    fn spread(mut self) -> Result<Self> {
+        let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
+        self.divergent = Some(Arc::new(DivergentBeams::new(rings, azimuths, offsets, self.receiver.divergence_rad)?));
+        Ok(self)
+    }
+
+    /// Returns this sensor with another receiver.
+    ///
+    /// # Errors
+    /// As [`Receiver::check`], and as [`LidarSpec::with_divergence`] where beams are split.
+    pub fn with_receiver(mut self, receiver: Receiver) -> Result<Self> {
+        receiver.check()?;
+        self.receiver = receiver;
+        self.respread()
+    }
+
+    /// Pulse, beam, threshold and noise.
+    #[must_use]
+    pub fn receiver(&self) -> &Receiver {
+        &self.receiver
+    }
+
+    /// The receiver of a ring.
+    #[must_use]
+    pub(super) fn ring_receiver(&self, ring: usize) -> RingReceiver {
+        RingReceiver::new(self.receiver, self.laser_receivers[ring], [self.min_range_m, self.max_range_m])
+    }
+
+    /// Checks the public fields, which anyone may have set.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::OutOfRange`] or [`Error::Shape`], naming the field.
+    pub fn check(&self) -> Result<()> {
+        for (what, value, least) in
+            [("min_range_m", self.min_range_m, 0.0), ("max_range_m", self.max_range_m, self.min_range_m)]
+        {
+            if finite(what, value)? < least {
+                return Err(Error::OutOfRange {
+                    what,
+                    value: value.to_string(),
+                    expected: format!("at least {least}"),
+                });
+            }
+        }
+        if self.laser_receivers.len() != self.rings.len() {
+            return Err(Error::Shape {
+                what: "laser_receivers",
+                got: format!("({},)", self.laser_receivers.len()),
+                expected: format!("({},)", self.rings.len()),
+            });
+        }
+        for laser in &self.laser_receivers {
+            laser.check()?;
+        }
+        for sector in &self.blind_sectors {
+            let is_rising = finite("blind sector", sector.from_rad)? <= finite("blind sector", sector.to_rad)?;
+            if sector.ring >= self.rings.len() || !is_rising || sector.from_rad < 0.0 || sector.to_rad > TAU {
+                return Err(Error::OutOfRange {
+                    what: "blind sector",
+                    value: format!("ring {} from {} to {}", sector.ring, sector.from_rad, sector.to_rad),
+                    expected: format!("a ring below {}, azimuths that rise within [0, 2 pi]", self.rings.len()),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns this sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several
+    /// surfaces at depth edges; 0 for beams that meet surfaces as lines do, in the receiver's own cone for all else.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
+    /// beyond 89 degrees, or for more than 32,767 rings.
+    pub fn with_divergence(mut self, divergence_rad: f64) -> Result<Self> {
+        if !(0.0..=MAX_DIVERGENCE_RAD).contains(&finite("divergence", divergence_rad)?) {
+            return Err(Error::OutOfRange {
+                what: "divergence",
+                value: divergence_rad.to_string(),
+                expected: format!("0 to {MAX_DIVERGENCE_RAD} rad"),
+            });
+        }
+        if divergence_rad == 0.0 {
+            self.divergent = None;
+            return Ok(self);
+        }
+        let receiver = Receiver { divergence_rad, ..self.receiver };
+        receiver.check()?;
+        self.receiver = receiver;
+        self.spread()
+    }
+
+    pub(super) fn divergent(&self) -> Option<&DivergentBeams> {
+        self.divergent.as_deref()
+    }
+
+    /// For every column of a ring, whether the car that carries the sensor is in the way.
+    pub(super) fn blind_columns(&self, ring: usize) -> Vec<bool> {
+        let mut blind = vec![false; self.azimuths_rad.len()];
+        let column = |rad: f64| self.azimuths_rad.partition_point(|a| a + self.azimuth_offsets_rad[ring] < rad);
+        for sector in self.blind_sectors.iter().filter(|s| s.ring == ring) {
+            blind[column(sector.from_rad)..column(sector.to_rad)].fill(true);
+        }
+        blind
+    }
+
+    /// Returns this sensor with every laser in the frame's origin.
+    #[must_use]
+    pub fn single_origin(mut self) -> Self {
+        for ring in &mut self.rings {
+            (ring.height_m, ring.left_m) = (0.0, 0.0);
+        }
+        self.grid =
+            SpinningGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
+                .expect("checked when the spec was made, and 0 is a height");
+        self = self.respread().expect("checked when the divergence was set, and 0 is a height");
+        let name = format!("{}_single_origin", self.name);
+        self.renamed(&name)
+    }
+
+    pub(super) fn renamed(mut self, name: &str) -> Self {
+        self.name = name.to_owned();
+        self
+    }
+
+    /// The sensor's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The lasers.
+    #[must_use]
+    pub fn rings(&self) -> &[LaserRing] {
+        &self.rings
+    }
+
+    /// When they fire: azimuths counter-clockwise from forward.
+    #[must_use]
+    pub fn azimuths_rad(&self) -> &[f64] {
+        &self.azimuths_rad
+    }
+
+    /// The pattern of [`LidarSpec::azimuths_rad`].
+    #[must_use]
+    pub fn firing(&self) -> &Firing {
+        &self.firing
+    }
+
+    /// How far counter-clockwise of its columns' azimuths each ring fires.
+    #[must_use]
+    pub fn azimuth_offsets_rad(&self) -> &[f64] {
+        &self.azimuth_offsets_rad
+    }
+
+    /// Beams a turn.
+    #[must_use]
+    pub fn num_beams(&self) -> usize {
+        self.rings.len() * self.azimuths_rad.len()
+    }
+
+    /// The beams as a grid in the world.
+    #[must_use]
+    pub fn grid(&self, world_from_velo: DPose3) -> SpinningGrid {
+        self.grid.at(world_from_velo)
+    }
+
+    /// Unit direction of every column of a ring, without elevation: x and y.
+    #[must_use]
+    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        self.grid.headings(ring)
+    }
+
+    /// How far counter-clockwise of where its beams go each column is reported, as (cosine, sine): an encoder's rounding.
+    #[must_use]
+    pub(super) fn reporting_turns(&self) -> &[[f64; 2]] {
+        &self.reporting_turns
+    }
+
+    /// Every beam, in the order of a scan's rows.
+    #[must_use]
+    pub fn rays(&self) -> Rays {
+        let n = self.num_beams();
+        let (ring, column) = self.beam_numbers();
+        let mut rays =
+            Rays { origins_velo: Vec::with_capacity(n), directions_velo: Vec::with_capacity(n), ring, column };
+        for (ring, laser) in self.rings.iter().enumerate() {
+            let direction_velo = laser.directions_velo();
+            for heading in self.headings(ring) {
+                rays.origins_velo.push(laser.origin_velo(*heading));
+                rays.directions_velo.push(direction_velo(*heading));
+            }
+        }
+        rays
+    }
+
+    /// Ring and column of every beam, in the order of a scan's rows.
+    #[must_use]
+    pub fn beam_numbers(&self) -> (Vec<i32>, Vec<i32>) {
+        let (mut rings, mut columns) = (Vec::with_capacity(self.num_beams()), Vec::with_capacity(self.num_beams()));
+        for ring in 0..self.rings.len() {
+            rings.resize(rings.len() + self.azimuths_rad.len(), ring as i32);
+            columns.extend(0..self.azimuths_rad.len() as i32);
+        }
+        (rings, columns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_are_ring_major_unit_and_counter_clockwise() {
+        let rays = LidarSpec::hdl64e_kitti().rays();
+        assert_eq!(rays.directions_velo.len(), 137_728);
+        let first = rays.directions_velo[0];
+        assert!(first.y.abs() < 1e-12 && first.x > 0.99);
+        for (i, d) in rays.directions_velo.iter().enumerate() {
+            assert!((d.length() - 1.0).abs() < 1e-12);
+            assert_eq!((rays.ring[i], rays.column[i]), ((i / 2152) as i32, (i % 2152) as i32));
+        }
+        assert!(rays.directions_velo[538].y > 0.99, "a quarter turn is to the left");
+        let ring_40 = rays.directions_velo[40 * 2152];
+        assert!((cadet_base::math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
+        assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, -0.026, 0.1229));
+        // Odd rings sit on the left: looking to the left, that is behind.
+        assert!((rays.origins_velo[41 * 2152 + 538] - DVec3::new(-0.026, 0.0, 0.1226)).length() < 1e-4);
+    }
+
+    #[test]
+    fn bad_sensors_are_refused_by_name() {
+        let ring = |e: f64| LaserRing::on_axis(e, 0.0);
+        let text = |r: Vec<LaserRing>, a: Vec<f64>| LidarSpec::new("x", r, a).expect_err("bad").to_string();
+        assert!(text(vec![], vec![0.0]).contains("number of rings is 0"));
+        assert!(text(vec![ring(0.0)], vec![]).contains("number of columns is 0"));
+        assert!(text(vec![ring(f64::NAN)], vec![0.0]).contains("ring elevation"));
+        assert!(text(vec![ring(1.57)], vec![0.0]).contains("ring elevation is 1.57"));
+        assert!(text(vec![ring(0.0)], vec![0.2, 0.1]).contains("azimuth is 0.1"));
+        assert!(text(vec![ring(0.0)], vec![7.0]).contains("azimuth is 7"));
+        let mut spec = LidarSpec::cadet();
+        spec.laser_receivers.pop();
+        assert!(spec.check().expect_err("short").to_string().contains("laser_receivers has shape (39,)"));
+        for (gain, range_offset_m, what) in
+            [(-1.0, 0.0, "laser gain is -1"), (1.0, -1.01, "offset is -1.01"), (1.0, f64::NAN, "offset is not finite")]
+        {
+            spec = LidarSpec::cadet();
+            spec.laser_receivers[7] = LaserReceiver { gain, range_offset_m, focus_m: 0.0 };
+            let text = spec.check().expect_err("bad").to_string();
+            assert!(text.contains(what), "{text}");
+        }
+        spec = LidarSpec::cadet();
+        spec.max_range_m = -1.0;
+        assert!(spec.check().expect_err("negative").to_string().contains("max_range_m is -1"));
+    }
+}

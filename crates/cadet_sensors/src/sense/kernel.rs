@@ -1,0 +1,211 @@
+//! The visibility kernel: which triangle each beam of a grid meets first.
+
+use macro_rules_attribute::apply;
+
+use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
+use super::coarse_depth::CoarseDepth;
+use super::edges::EdgePlanes;
+use super::grid::{BeamGrid, Window};
+use super::hits::Hits;
+use super::posed::{PosedInstance, PosedScene};
+use super::to_grid::ToGrid;
+use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES};
+use cadet_base::math::DVec3;
+
+/// Which materials a beam notices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SurfaceFilter {
+    /// Every triangle.
+    All,
+    /// All but transparent surfaces.
+    Opaque,
+    /// Transparent surfaces alone.
+    Transparent,
+}
+
+/// Adds to `hits` what the beams of `grid` meet first among the triangles of the instances that `keep` accepts.
+///
+/// Hits that are already there stay where they are nearer, so several casts into one `Hits` add up. A `hits` of another
+/// size is replaced by an empty one. Triangles have two sides, but for those of closed opaque surfaces around which all
+/// beams start outside. The order of the work does not show in the outcome.
+pub fn cast<G: BeamGrid>(
+    scene: &PosedScene,
+    grid: &G,
+    filter: SurfaceFilter,
+    keep: impl Fn(&PosedInstance) -> bool,
+    hits: &mut Hits,
+) {
+    if (hits.rows, hits.columns) != (grid.rows(), grid.columns()) {
+        *hits = Hits::new(grid.rows(), grid.columns());
+    }
+    let to_grid = ToGrid::new(grid);
+    let slots: Vec<u64> = scene.instances.iter().map(|i| noticed_slots(i, filter)).collect();
+    let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
+    let clusters = visible_clusters(scene, grid, &to_grid, kept.map(|((index, _), slots)| (index, *slots)));
+    let mut caster = Caster {
+        scene,
+        grid,
+        to_grid,
+        filter,
+        slots,
+        farthest: CoarseDepth::new(hits.rows, hits.columns),
+        scratch: Box::default(),
+        hits,
+    };
+    cast_clusters(&mut caster, &clusters);
+}
+
+/// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
+/// operation and none of them fused, so that the outcome is the same to the bit.
+#[apply(for_wide_registers)]
+fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[VisibleCluster]) {
+    for item in front_to_back(clusters) {
+        if !caster.is_hidden(&item.windows(), item.near_m) {
+            caster.cast_cluster(&item);
+        }
+    }
+}
+
+struct Caster<'a, G: BeamGrid> {
+    scene: &'a PosedScene,
+    grid: &'a G,
+    to_grid: ToGrid,
+    filter: SurfaceFilter,
+    /// The bits of the material slots that the beams notice, for each instance.
+    slots: Vec<u64>,
+    farthest: CoarseDepth,
+    scratch: Box<VerticesOnGrid<G::Footprint>>,
+    hits: &'a mut Hits,
+}
+
+/// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
+struct VerticesOnGrid<F> {
+    x: [f64; CLUSTER_VERTICES],
+    y: [f64; CLUSTER_VERTICES],
+    z: [f64; CLUSTER_VERTICES],
+    footprints: [F; CLUSTER_VERTICES],
+    candidates: [u8; CLUSTER_FACES + 1],
+}
+
+impl<F: Copy + Default> Default for VerticesOnGrid<F> {
+    fn default() -> Self {
+        Self {
+            x: [0.0; CLUSTER_VERTICES],
+            y: [0.0; CLUSTER_VERTICES],
+            z: [0.0; CLUSTER_VERTICES],
+            footprints: [F::default(); CLUSTER_VERTICES],
+            candidates: [0; CLUSTER_FACES + 1],
+        }
+    }
+}
+
+impl<F> VerticesOnGrid<F> {
+    #[inline(always)]
+    fn point(&self, i: u8) -> DVec3 {
+        let i = usize::from(i);
+        DVec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    #[inline(always)]
+    fn triangle(&self, cluster: &Cluster, face: usize) -> [DVec3; 3] {
+        cluster.corners[face].map(|i| self.point(i))
+    }
+}
+
+impl<G: BeamGrid> Caster<'_, G> {
+    /// True if all beams of the windows have met something nearer than `near_m`.
+    #[inline(always)]
+    fn is_hidden(&mut self, windows: &[Window; 2], near_m: f32) -> bool {
+        let [a, b] = windows;
+        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, a, near_m))
+            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, b, near_m))
+    }
+
+    /// True if every beam starts behind one of a cluster's faces.
+    #[inline(always)]
+    fn is_turned_away(&self, cluster: &Cluster, face: usize) -> bool {
+        self.grid.is_turned_away(&self.scratch.triangle(cluster, face))
+    }
+
+    #[inline(always)]
+    fn cast_cluster(&mut self, item: &VisibleCluster) {
+        let instance = &self.scene.instances[item.instance as usize];
+        let cluster = &instance.mesh.clusters[item.cluster as usize];
+        self.project(instance, cluster);
+        let num_candidates = self.find_candidates(cluster);
+        let slots = self.slots[item.instance as usize];
+        // Bit 63 may stand for several slots.
+        let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
+        let one_sided = if item.is_solid { cluster.closed_faces } else { 0 };
+        for candidate in 0..num_candidates {
+            let piece = &cluster.pieces[usize::from(self.scratch.candidates[candidate])];
+            let first = usize::from(piece.first);
+            if !uniform && !is_noticed(instance, cluster.faces[first], self.filter) {
+                continue;
+            }
+            let has_one_side = one_sided >> first & 1 == 1;
+            let may_be_seen = |face: usize| !(has_one_side && self.is_turned_away(cluster, face));
+            let may_be_seen = [may_be_seen(first), piece.is_quad() && may_be_seen(first + 1)];
+            if may_be_seen == [false; 2] {
+                continue;
+            }
+            let corners = piece.corners.map(|i| self.scratch.point(i));
+            let footprints = piece.corners.map(|i| self.scratch.footprints[usize::from(i)]);
+            let windows = self.grid.windows(&corners, &footprints);
+            if windows.iter().all(Window::is_empty) {
+                continue;
+            }
+            if self.is_hidden(&windows, self.grid.near_m(&corners).max(item.near_m)) {
+                continue;
+            }
+            for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
+                let planes = EdgePlanes::new(self.scratch.triangle(cluster, face));
+                for window in windows.iter().filter(|w| !w.is_empty()) {
+                    self.grid.cast(&planes, window, self.hits, [item.instance, cluster.faces[face]]);
+                }
+            }
+        }
+    }
+
+    /// Poses the vertices and finds where they fall on the grid.
+    #[inline(always)]
+    fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
+        let VerticesOnGrid { x, y, z, footprints, .. } = &mut *self.scratch;
+        let places = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
+        for ((local, ((x, y), z)), out) in cluster.lanes.iter().zip(places).zip(footprints.chunks_exact_mut(LANES)) {
+            let points = self.to_grid.lanes(&instance.placement.pose_lanes(local));
+            x.copy_from_slice(&points[0]);
+            y.copy_from_slice(&points[1]);
+            z.copy_from_slice(&points[2]);
+            let points = points.map(|axis| axis.map(|v| v as f32));
+            self.grid.footprints(&points, out.try_into().expect("a chunk of that length"));
+        }
+    }
+
+    /// Lists the pieces between whose corners there is a beam; most of them meet none.
+    #[inline(always)]
+    fn find_candidates(&mut self, cluster: &Cluster) -> usize {
+        let VerticesOnGrid { footprints, candidates, .. } = &mut *self.scratch;
+        let mut n = 0;
+        for (number, piece) in cluster.pieces.iter().enumerate() {
+            let footprints = piece.corners.map(|i| footprints[usize::from(i)]);
+            // Written whether it is wanted or not: a branch would be guessed wrong too often.
+            candidates[n] = number as u8;
+            n += usize::from(self.grid.may_meet(&footprints));
+        }
+        n
+    }
+}
+
+/// The bits of the material slots that a filter lets beams notice.
+fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
+    match filter {
+        SurfaceFilter::All => u64::MAX,
+        SurfaceFilter::Transparent => instance.palette.transparent_slots(),
+        SurfaceFilter::Opaque => instance.palette.opaque_slots(),
+    }
+}
+
+fn is_noticed(instance: &PosedInstance, face: u32, filter: SurfaceFilter) -> bool {
+    filter == SurfaceFilter::All || instance.material(face).is_transparent() == (filter == SurfaceFilter::Transparent)
+}

@@ -1,0 +1,193 @@
+//! Rays into a world that moves while they are cast, by parry: what a turning LIDAR needs.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+use parry3d::query::Ray;
+
+use super::face_trees::{FaceTrees, LOOSE_M};
+use super::motion::RigidMotion;
+use super::posed::{PosedInstance, PosedScene};
+use cadet_base::math::{DMat3, DPose3, DVec3};
+
+/// Casts rays at a scene whose instances move steadily about the instant at which they were posed.
+///
+/// The tree over the instances holds the boxes that they sweep, so that one serves every moment. A ray is taken into the
+/// world as it was at the instant: an instance that has moved by D is met by D^-1 of the ray, at the same range.
+pub struct MovingCaster {
+    scene: Arc<PosedScene>,
+    over_instances: Bvh,
+    /// None for instances that were left out.
+    instances: Vec<Option<MovingInstance>>,
+    motions: Vec<RigidMotion>,
+}
+
+struct MovingInstance {
+    local_from_world: DMat3,
+    origin_world: DVec3,
+    over_faces: Arc<Bvh>,
+    /// Index into the motions, None at rest.
+    motion: Option<usize>,
+}
+
+/// A triangle that a ray met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceHit {
+    /// Distance from the ray's origin.
+    pub range_m: f64,
+    /// Index into [`PosedScene::instances`].
+    pub instance: u32,
+    /// Face of the instance's mesh.
+    pub face: u32,
+}
+
+impl FaceHit {
+    /// Nearer, or of two equally near ones the earlier instance and face.
+    pub(super) fn is_before(&self, other: &Self) -> bool {
+        self.range_m < other.range_m
+            || (self.range_m == other.range_m && (self.instance, self.face) < (other.instance, other.face))
+    }
+}
+
+/// What a ray met.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SurfaceHits {
+    /// The first opaque triangle.
+    pub opaque: Option<FaceHit>,
+    /// The first transparent one before it.
+    pub transparent: Option<FaceHit>,
+}
+
+impl MovingCaster {
+    /// Builds the tree over what the instances that `keep` accepts sweep within `span_s` before and after the instant
+    /// of the scene. `motion_of` says how an actor (by its id) moves; what has id 0 rests.
+    pub fn new(
+        scene: Arc<PosedScene>,
+        trees: &mut FaceTrees,
+        motion_of: impl Fn(i32) -> RigidMotion,
+        span_s: f64,
+        keep: impl Fn(&PosedInstance) -> bool,
+    ) -> Self {
+        let (mut motions, mut index_of_actor) = (Vec::new(), BTreeMap::new());
+        let mut instances = Vec::with_capacity(scene.instances.len());
+        let mut boxes = Vec::new();
+        for (index, posed) in scene.instances.iter().enumerate() {
+            let motion = if posed.actor_id == 0 { RigidMotion::default() } else { motion_of(posed.actor_id) };
+            let radius_m = posed.radius_m + (posed.center_world - motion.pivot_world).length();
+            let swept_m = if motion.is_rest() { 0.0 } else { motion.reach_m(radius_m, span_s) };
+            if !keep(posed) {
+                instances.push(None);
+                continue;
+            }
+            let motion = (!motion.is_rest()).then(|| {
+                *index_of_actor.entry(posed.actor_id).or_insert_with(|| {
+                    motions.push(motion);
+                    motions.len() - 1
+                })
+            });
+            instances.push(Some(MovingInstance {
+                local_from_world: posed.placement.rotation.transpose(),
+                origin_world: posed.placement.translation,
+                over_faces: trees.of(&posed.mesh),
+                motion,
+            }));
+            boxes.push((index, Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M + 1.001 * swept_m as f32)));
+        }
+        let over_instances = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
+        Self { scene, over_instances, instances, motions }
+    }
+
+    /// The scene that the rays meet, at the instant 0.
+    #[must_use]
+    pub fn scene(&self) -> &Arc<PosedScene> {
+        &self.scene
+    }
+
+    /// The world `time_s` after the instant.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> Moment<'_> {
+        Moment { caster: self, now_from_then: self.motions.iter().map(|m| m.displacement(time_s).inverse()).collect() }
+    }
+}
+
+/// A moving world at one moment.
+pub struct Moment<'a> {
+    caster: &'a MovingCaster,
+    now_from_then: Vec<DPose3>,
+}
+
+impl Moment<'_> {
+    /// What the ray from `origin_world` along the unit vector `direction_world` meets at this moment.
+    #[must_use]
+    pub fn cast(&self, origin_world: DVec3, direction_world: DVec3) -> SurfaceHits {
+        let [opaque, transparent] = self.nearest(origin_world, direction_world);
+        SurfaceHits { opaque, transparent: transparent.filter(|t| opaque.is_none_or(|o| t.range_m < o.range_m)) }
+    }
+
+    /// The first triangle on a ray, opaque or transparent.
+    pub(super) fn first(&self, origin_world: DVec3, direction_world: DVec3) -> Option<FaceHit> {
+        let hits = self.nearest(origin_world, direction_world).into_iter().flatten();
+        hits.reduce(|a, b| if b.is_before(&a) { b } else { a })
+    }
+
+    /// The nearest opaque triangle, and the nearest transparent one that is not behind it.
+    fn nearest(&self, origin_world: DVec3, direction_world: DVec3) -> [Option<FaceHit>; 2] {
+        let caster = self.caster;
+        let ray_world = Ray::new(origin_world.as_vec3(), direction_world.as_vec3());
+        let (opaque, transparent) = (Cell::new(None::<FaceHit>), Cell::new(None::<FaceHit>));
+        let _ = caster.over_instances.cast_ray(&ray_world, f32::MAX, |instance, _| {
+            let moving = caster.instances[instance as usize].as_ref()?;
+            let (origin, direction) = match moving.motion {
+                None => (origin_world, direction_world),
+                Some(index) => {
+                    let back = &self.now_from_then[index];
+                    (back.transform_point(origin_world), back.rotation * direction_world)
+                }
+            };
+            let local = |v: DVec3| (moving.local_from_world * v).as_vec3();
+            let ray = Ray::new(local(origin - moving.origin_world), local(direction));
+            let limit_m = opaque.get().map_or(f32::MAX, |o| outward(o.range_m));
+            let _ = moving.over_faces.cast_ray(&ray, limit_m, |face, _| {
+                let corners = caster.scene.corners(instance, face).map(|p| p.as_dvec3());
+                let range_m = meet(corners, origin, direction)?;
+                let hit = FaceHit { range_m, instance, face };
+                let is_transparent = caster.scene.instances[instance as usize].material(face).is_transparent();
+                let best = if is_transparent { &transparent } else { &opaque };
+                if best.get().is_none_or(|b| hit.is_before(&b)) {
+                    best.set(Some(hit));
+                }
+                // Transparent surfaces don't end the search.
+                (!is_transparent).then(|| outward(range_m))
+            });
+            opaque.get().filter(|o| o.instance == instance).map(|o| outward(o.range_m))
+        });
+        [opaque.get(), transparent.get()]
+    }
+
+    /// A direction as it stands to an instance's triangles where [`PosedScene`] has them, at the instant.
+    #[must_use]
+    pub fn direction_now(&self, instance: u32, direction_world: DVec3) -> DVec3 {
+        match self.caster.instances[instance as usize].as_ref().and_then(|f| f.motion) {
+            None => direction_world,
+            Some(index) => self.now_from_then[index].rotation * direction_world,
+        }
+    }
+}
+
+/// A bound in single precision that is certainly beyond `range_m`, so that equal hits and rounded boxes stay in play.
+fn outward(range_m: f64) -> f32 {
+    (range_m * (1.0 + 1e-5) + 1e-3) as f32
+}
+
+/// Distance to a triangle along a unit direction, from either side.
+fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
+    let (a, b, c) = (a - origin, b - origin, c - origin);
+    let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(direction));
+    let inside = sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0);
+    let normal = (b - a).cross(c - a);
+    let range = a.dot(normal) / normal.dot(direction);
+    (inside && range.is_finite() && range > 0.0).then_some(range)
+}

@@ -1,0 +1,302 @@
+//! Prop placement: houses, gardens, hedges, trees, lamps and signs along a network; a function of network and seed.
+
+pub(crate) mod median;
+pub(crate) mod overhead_line;
+pub(crate) mod roundabout_island;
+pub(crate) mod sidewalk_edge;
+pub(crate) mod signal_heads;
+
+use crate::ground::land::fields::Land;
+use crate::lots::Lots;
+use crate::network::road_network::RightOfWay;
+use crate::placement::occupancy::Site;
+use crate::placement::placer::{Placer, PropFootprint};
+use crate::placement::prop_config::PropConfig;
+use crate::plots::city_paving::Paving;
+use crate::plots::frontage::frontages;
+use crate::plots::street_style::StreetStyle;
+use crate::plots::{belt, garden};
+use cadet_base::instance::Instance;
+use cadet_base::rng::StreamKey;
+
+use crate::street_things;
+use crate::street_things::{PlotOnStreet, StreetThings};
+use crate::{Ground, ParkingSpot, RoadNetwork, Signals, Walkway, countryside, plots};
+
+/// What stands along the streets of a town.
+#[derive(Debug)]
+pub(crate) struct Props {
+    /// Everything that stands.
+    pub instances: Vec<Instance>,
+    /// Drives of garages, where a car may stand.
+    pub drives: Vec<ParkingSpot>,
+    /// Things in the way of who walks or parks, and seats.
+    pub things: StreetThings,
+    /// What stands where.
+    #[cfg_attr(not(test), allow(dead_code))]
+    pub standing: Vec<PropFootprint>,
+}
+
+/// Places the props of a network.
+pub(crate) fn place_props(
+    key: &StreamKey,
+    (network, signals): (&RoadNetwork, &mut Signals),
+    ground: &Ground,
+    (parking, walkways, lots): (&[ParkingSpot], &[Walkway], &Lots),
+    config: &PropConfig,
+) -> Props {
+    let site = Site::new(ground);
+    let mut taken = lots.taken();
+    let mut placer = Placer::new(&site);
+    let mut drives = Vec::new();
+    let mut on_lots = lots.place(key, config.greenery, &mut placer);
+    let frontages = frontages(network, &site);
+    let styles: Vec<StreetStyle> = frontages.iter().map(|f| StreetStyle::of(key, f, config)).collect();
+    let stream = |name: &str, index: usize| key.indexed(name, index as u64);
+    let mut plots_on_streets = Vec::new();
+    for (i, (frontage, style)) in frontages.iter().zip(&styles).enumerate() {
+        let plots = plots::lay_out(frontage, style, &site, &mut taken, &mut stream("plots", i));
+        let mut things = stream("things/lots", i);
+        for plot in plots {
+            // What is built on a vacant plot takes the place of its garden.
+            let is_cleared = street_things::is_cleared(&plot, config.clutter, &mut things);
+            if !is_cleared {
+                let mut s = stream("garden", plots_on_streets.len());
+                garden::fill(&plot, style, &mut s, &mut placer, &mut drives);
+            }
+            plots_on_streets.push(PlotOnStreet { plot, frontage: i, is_cleared });
+        }
+        // Roundabouts have signs of their own.
+        let lane = frontage.lane.map(|id| network.lane(id)).filter(|lane| !network.ends_at_roundabout(lane));
+        let right_of_way = lane.and_then(|lane| RightOfWay::of(lane, network, signals));
+        sidewalk_edge::furnish(frontage, right_of_way, style, &mut stream("streetside", i), &mut placer);
+    }
+    let mut paving = Paving::new(plots_on_streets.iter().map(|l| &l.plot));
+    for (frontage, _) in frontages.iter().zip(&styles).filter(|(_, style)| style.city.is_some()) {
+        paving.pave(frontage, &mut placer);
+    }
+    median::furnish(key, network, config.greenery, &mut placer);
+    roundabout_island::furnish(key, network, config.greenery, &mut placer);
+    overhead_line::string(key, network, &mut placer);
+    belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
+    let mut posts = signal_heads::place(signals, key, &mut placer);
+    let streets =
+        street_things::StreetLayout { frontages: &frontages, styles: &styles, plots_on_streets: &plots_on_streets };
+    let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config, &mut placer);
+    things.obstacles.append(&mut posts);
+    things.obstacles.append(&mut on_lots.obstacles);
+    things.seats.append(&mut on_lots.seats);
+    Props { instances: placer.instances, drives, things, standing: placer.standing }
+}
+
+/// Places what stands in open country.
+pub(crate) fn place_in_country(
+    key: &StreamKey,
+    (network, signals): (&RoadNetwork, &Signals),
+    land: &Land,
+    ground: &Ground,
+    config: &PropConfig,
+) -> Props {
+    let site = Site::new(ground);
+    let mut placer = Placer::new(&site);
+    let frontages = frontages(network, &site);
+    let drives = countryside::furnish(key, (network, signals, land), &frontages, config, &mut placer);
+    Props { instances: placer.instances, drives, things: StreetThings::default(), standing: placer.standing }
+}
+
+#[cfg(test)]
+#[allow(clippy::print_stderr)]
+mod tests {
+    use strum::VariantArray;
+
+    use super::*;
+    use crate::street_things::tests::kind_of;
+    use crate::{GroundKind, Lane, SuburbConfig, generate_suburb, parking_spots, walkways};
+    use cadet_assets::scenery::HouseKind;
+    use cadet_base::math::DVec3;
+    use cadet_sensors::sense::PosedScene;
+
+    fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
+        let parking = parking_spots(network, ground, key);
+        let lots = Lots::default();
+        place_props(key, (network, &mut Signals::default()), ground, (&parking, &walkways(ground), &lots), config)
+    }
+
+    fn suburb(seed: u64) -> (RoadNetwork, Ground, Props) {
+        let key = StreamKey::scene(seed);
+        let network = generate_suburb(&key, &SuburbConfig { blocks: (3, 3), ..Default::default() }).unwrap().network;
+        let ground = Ground::new(&network).unwrap();
+        let props = place(&key, &network, &ground, &PropConfig::default());
+        (network, ground, props)
+    }
+
+    /// Things, benches, and rails on sidewalks and in bays have tests of their own.
+    fn is_furniture(standing: &&PropFootprint) -> bool {
+        let is_other = ["bench", "guard-rail"].iter().any(|kind| standing.name.starts_with(kind));
+        is_other || kind_of(&standing.name).is_some()
+    }
+
+    fn is_house(standing: &PropFootprint) -> bool {
+        let kind = standing.name.split('/').next().unwrap();
+        kind == "garage" || HouseKind::VARIANTS.iter().any(|k| k.as_ref() == kind)
+    }
+
+    fn poses_hash(instances: &[Instance]) -> u64 {
+        let numbers = instances.iter().flat_map(|i| {
+            let (t, r) = (i.world_from_local.translation, i.world_from_local.rotation);
+            [
+                t.x,
+                t.y,
+                t.z,
+                r.x,
+                r.y,
+                r.z,
+                r.w,
+                f64::from(i.palette.materials()[0].albedo[0]),
+                i.shape.levels.len() as f64,
+            ]
+        });
+        numbers.fold(0xcbf2_9ce4_8422_2325, |h, v| (h ^ v.to_bits()).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    #[test]
+    fn nothing_stands_in_the_way_and_houses_keep_apart() {
+        for seed in [1, 2, 3] {
+            let (_, ground, props) = suburb(seed);
+            let mut houses = Vec::new();
+            for standing in props.standing.iter().filter(|s| !is_furniture(s)) {
+                let kinds: Vec<GroundKind> =
+                    standing.rect.samples(0.5).filter_map(|p| ground.kind_at(p.x, p.y)).collect();
+                assert!(!kinds.contains(&GroundKind::Road), "seed {seed}: {standing:?} on the road");
+                let at_the_edge = standing.rect.half.max_element() < 0.75;
+                let paved = kinds.iter().filter(|k| **k == GroundKind::Sidewalk).count();
+                assert!(at_the_edge || paved == 0, "seed {seed}: {standing:?} on the sidewalk");
+                if is_house(standing) {
+                    houses.push(standing);
+                }
+            }
+            assert!(houses.len() > 40, "seed {seed}: {} houses", houses.len());
+            for (i, a) in houses.iter().enumerate() {
+                for b in &houses[..i] {
+                    assert!(!a.rect.overlaps(&b.rect), "seed {seed}: {a:?} and {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn give_way_signs_stand_where_lanes_yield() {
+        let (mut num_lanes, mut num_signs) = (0, 0);
+        for seed in 0..6 {
+            let key = StreamKey::scene(seed);
+            let config = SuburbConfig { main_share: 1.0, blocks: (3, 3), ..Default::default() };
+            let network = generate_suburb(&key, &config).unwrap().network;
+            let ground = Ground::new(&network).unwrap();
+            let props = place(&key, &network, &ground, &PropConfig::default());
+            let does_yield = |l: &&Lane| {
+                let right_of_way = RightOfWay::of(l, &network, &Signals::default());
+                l.junction.is_none() && right_of_way == Some(RightOfWay::Yield) && !network.ends_at_roundabout(l)
+            };
+            let ends: Vec<DVec3> =
+                network.driving().filter(does_yield).filter_map(|l| l.center.last().copied()).collect();
+            for sign in props.standing.iter().filter(|s| s.name.starts_with("triangle-sign")) {
+                let apart_m = ends.iter().map(|end| (end.truncate() - sign.rect.center).length());
+                assert!(apart_m.fold(f64::INFINITY, f64::min) < 10.0, "seed {seed}: {sign:?} where nobody yields");
+                num_signs += 1;
+            }
+            num_lanes += ends.len();
+        }
+        assert!(num_lanes > 10 && 3 * num_signs > 2 * num_lanes, "{num_signs} signs for {num_lanes} lanes");
+    }
+
+    #[test]
+    fn houses_face_a_street() {
+        let (_, ground, props) = suburb(4);
+        for house in props.standing.iter().filter(|s| is_house(s)) {
+            let reach = |axis: cadet_base::math::DVec2| {
+                let paved = |m: &usize| {
+                    let p = house.rect.center + axis * (house.rect.half.x + *m as f64 * 0.5);
+                    ground.kind_at(p.x, p.y).is_some_and(|k| k != GroundKind::Terrain)
+                };
+                (0..60).find(paved)
+            };
+            let front = reach(house.rect.axis).unwrap_or_else(|| panic!("{house:?} faces no street"));
+            assert!(front < 44, "{house:?}: {front} half meters to the sidewalk");
+        }
+    }
+
+    #[test]
+    fn the_same_key_places_the_same_props() {
+        let (network, ground, first) = suburb(5);
+        let key = StreamKey::scene(5);
+        let again = place(&key, &network, &ground, &PropConfig::default());
+        assert_eq!(poses_hash(&first.instances), poses_hash(&again.instances));
+        let other = place(&StreamKey::scene(6), &network, &ground, &PropConfig::default());
+        assert_ne!(poses_hash(&first.instances), poses_hash(&other.instances));
+    }
+
+    /// Houses, all else that stands within 50 m of the middle of some lanes, and the triangles in sight there.
+    fn around_lanes(config: &PropConfig) -> Vec<[usize; 3]> {
+        let mut found = Vec::new();
+        for seed in 0..2 {
+            let key = StreamKey::scene(seed);
+            let network = generate_suburb(&key, &SuburbConfig::default()).unwrap().network;
+            let props = place(&key, &network, &Ground::new(&network).unwrap(), config);
+            let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
+            for lane in lanes.iter().step_by(lanes.len() / 5) {
+                let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
+                let is_near = |s: &&PropFootprint| (s.rect.center - viewer.truncate()).length() < 50.0;
+                let near: Vec<&PropFootprint> = props.standing.iter().filter(is_near).collect();
+                let houses = near.iter().filter(|s| is_house(s)).count();
+                let scene = PosedScene::new(&props.instances, viewer);
+                found.push([houses, near.len() - houses, scene.num_triangles()]);
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn streets_are_lined_but_not_too_heavy() {
+        let found = around_lanes(&PropConfig::default());
+        let (houses_and_more, triangles) =
+            (found.iter().map(|f| f[0] + f[1]).sum::<usize>(), found.iter().map(|f| f[2]).sum::<usize>());
+        let least = |k: usize| found.iter().map(|f| f[k]).min().unwrap();
+        assert!(found.len() >= 10);
+        // Plots are 14 to 30 m wide and lie on both sides of 100 m; each has its trees, hedges and fences.
+        assert!(least(0) >= 4 && least(1) >= 30, "{found:?}");
+        assert!(found.iter().all(|f| f[2] < 900_000), "{found:?}");
+        // The same streets without greenery are bare of plants, which are most of the triangles; fences and lamps stay.
+        let bare = around_lanes(&PropConfig { greenery: 0.0, ..Default::default() });
+        let of = |k: usize| bare.iter().map(|f| f[k]).sum::<usize>();
+        assert!(2 * of(2) < triangles && of(0) + of(1) < houses_and_more, "{bare:?} of {found:?}");
+    }
+
+    #[test]
+    fn imported_maps_have_props_clear_of_their_streets() {
+        for map in ["Town01.xodr", "Town02.xodr"] {
+            let path = format!("{}/../../../shared/maps/{map}", env!("CARGO_MANIFEST_DIR"));
+            let Ok(text) = std::fs::read_to_string(path) else {
+                eprintln!("skipped: no ../shared/maps/{map}");
+                continue;
+            };
+            let key = StreamKey::scene(1);
+            let network = crate::load_map(map, &text).unwrap();
+            let ground = Ground::new(&network).unwrap();
+            let props = place(&key, &network, &ground, &PropConfig::default());
+            for standing in props.standing.iter().filter(|s| !is_furniture(s)) {
+                let on_road = |p: cadet_base::math::DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
+                assert!(!standing.rect.samples(0.5).any(on_road), "{map}: {standing:?} on the road");
+            }
+            let houses = props.standing.iter().filter(|s| is_house(s)).count();
+            assert!(houses > 80, "{map}: {houses} houses");
+        }
+    }
+
+    #[test]
+    fn a_bad_configuration_names_the_value() {
+        let bad = PropConfig { greenery: 3.0, ..Default::default() };
+        assert_eq!(bad.check().unwrap_err().to_string(), "greenery is 3, expected 0 to 2");
+        assert!(PropConfig { house_shares: [0.0; 6], ..Default::default() }.check().is_err());
+        assert!(PropConfig { belt_m: f64::NAN, ..Default::default() }.check().is_err());
+    }
+}

@@ -1,0 +1,35 @@
+//! What stays where it is: parked vehicles, somebody who sits, a cyclist with a foot on the ground.
+
+use super::actor::{Actor, ActorView};
+use super::behavior::Behavior;
+use crate::body::{Cycle, Fixed, Upright};
+use crate::look::{CyclistLook, PersonLook, VehicleLook};
+use cadet_base::actor::ObjectClass;
+
+/// An agent that does nothing.
+pub(crate) enum Fixture {
+    Vehicle(Actor<Fixed, VehicleLook>),
+    Cyclist(Actor<Cycle, CyclistLook>),
+    Person(Actor<Upright, PersonLook>),
+}
+
+impl Behavior for Fixture {
+    fn actor(&self, k: usize) -> Option<ActorView<'_>> {
+        (k == 0).then(|| match self {
+            Self::Vehicle(actor) => actor.view(),
+            Self::Cyclist(actor) => actor.view(),
+            Self::Person(actor) => actor.view(),
+        })
+    }
+}
+
+/// An agent that has left the world.
+pub(crate) struct Gone {
+    pub class: ObjectClass,
+}
+
+impl Behavior for Gone {
+    fn actor(&self, _k: usize) -> Option<ActorView<'_>> {
+        None
+    }
+}

@@ -1,0 +1,84 @@
+//! People who sit: on the seats of a town, and where the user wants them.
+
+use std::sync::Arc;
+
+use super::overlap::{Cover, check_free};
+use super::spawner::Spawner;
+use crate::agents::{Actor, AgentKind, Fixture};
+use crate::arena::Arena;
+use crate::body::Upright;
+use crate::course::{Course, Overlap};
+use crate::look::PersonLook;
+use crate::params::walking::BODY_M;
+use cadet_assets::person::PersonModel;
+use cadet_base::actor::ObjectClass;
+use cadet_base::error::{Error, Result, finite};
+use cadet_base::frames;
+use cadet_base::math::{DPose3, DVec2, DVec3};
+use cadet_base::rng::Stream;
+use cadet_town::Town;
+
+/// Height of the seat of who is put somewhere without one: a chair's.
+const SEAT_M: f64 = 0.46;
+/// Seats this near to each other are used or left alone together.
+const TOGETHER_M: f64 = 12.0;
+
+impl Spawner<'_> {
+    /// Seats people near the ego, some seats beside each other; nobody gets up.
+    pub(super) fn seat_people(&mut self, town: &Town) {
+        let (ego, _) = self.arena.ego_place();
+        for (k, seat) in town.seats.iter().enumerate() {
+            let mut stream = self.key.indexed("seat", k as u64);
+            let at = seat.world_from_seat.translation.truncate();
+            // Seats of one place share their luck: a bench is full or empty rather than half of either.
+            let place = (at / TOGETHER_M).floor();
+            let index = (place.x as i64 as u64) << 32 | (place.y as i64 as u64 & 0xffff_ffff);
+            let is_used = self.key.indexed("seats of a place", index).unit() < self.config.seat_occupancy.sqrt();
+            let is_taken = stream.unit() < self.config.seat_occupancy.sqrt();
+            if !(is_used && is_taken) || (at - ego).length() > self.config.parking_radius_m {
+                continue;
+            }
+            let model = PersonModel::sitting(stream.next_u64(), seat.height_m);
+            let body = seated(&model, &seat.world_from_seat, &mut stream);
+            let here = body.at();
+            if self.arena.people().all(|(_, other)| (other - here).length() > 2.0 * BODY_M) {
+                self.arena.put(sitter(model, body));
+            }
+        }
+    }
+}
+
+/// Somebody on a seat.
+fn sitter(model: PersonModel, body: Upright) -> AgentKind {
+    let look = PersonLook { model: Arc::new(model), phase: 0.0 };
+    Fixture::Person(Actor { body, look }).into()
+}
+
+/// Puts somebody on a seat, turned a little on it.
+fn seated(model: &PersonModel, world_from_seat: &DPose3, stream: &mut Stream) -> Upright {
+    let yaw_rad = frames::yaw_of(world_from_seat) + stream.clipped_normal(0.0, 0.08);
+    let turned = frames::upright(world_from_seat.translation, yaw_rad);
+    let position = turned.transform_point(model.seat_from_box());
+    Upright::standing(position, yaw_rad)
+}
+
+/// Adds somebody who sits at a chair's height with the middle of the box at a place; returns the id.
+///
+/// # Errors
+/// [`Error::Scene`] for a path, beyond the ground's edge, or where somebody is; [`Error::NotFinite`].
+pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
+    let (x_m, y_m, yaw_rad) = match course {
+        Course::Stand { x_m, y_m, yaw_rad } => (*x_m, *y_m, *yaw_rad),
+        Course::Straight { x_m, y_m, yaw_rad, speed_mps } if *speed_mps == 0.0 => (*x_m, *y_m, *yaw_rad),
+        _ => return Err(Error::Scene { reason: "a Person_sitting does not move: no path and no speed".to_owned() }),
+    };
+    let at = DVec2::new(finite("x", x_m)?, finite("y", y_m)?);
+    let yaw_rad = finite("yaw", yaw_rad)?;
+    let ground = arena.physics.ground_at(at.extend(f64::INFINITY)).ok_or_else(|| Error::Scene {
+        reason: format!("a person at ({}, {}) would sit beyond the ground's edge", at.x, at.y),
+    })?;
+    check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at.extend(ground.z_m)), overlap)?;
+    let model = PersonModel::sitting(model_seed, SEAT_M);
+    let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
+    Ok(arena.put_placed(sitter(model, body)))
+}

@@ -1,0 +1,38 @@
+//! What all placements need to know.
+
+use super::config::TrafficConfig;
+use crate::arena::Arena;
+use crate::streets::Route;
+use cadet_assets::vehicle::UserVehicles;
+use cadet_base::rng::StreamKey;
+
+/// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
+/// and more people walk than along it, as out of sight they belong to a town but not to a picture.
+pub(super) const EGO_WAY_M: f64 = 260.0;
+
+/// Where somebody may come in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Entry {
+    /// In the ego's view too: before the first step.
+    Anywhere,
+    Unseen,
+    /// Where a road begins at the map's edge, in view too: on small maps nothing else is left.
+    MapEdge,
+}
+
+/// Puts agents into an arena.
+pub(crate) struct Spawner<'a> {
+    pub arena: &'a mut Arena,
+    pub key: StreamKey,
+    pub config: &'a TrafficConfig,
+    pub user_vehicles: &'a UserVehicles,
+    /// Whether it rains.
+    pub rains: bool,
+}
+
+impl Spawner<'_> {
+    /// The way that the ego will drive, as far as it matters.
+    pub(super) fn ego_way(&self) -> Option<Route> {
+        self.arena.ego_car().route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.arena.streets.graph))
+    }
+}

@@ -1,0 +1,185 @@
+//! Where somebody on foot may set the next step: nobody's body enters a vehicle or another person.
+
+use crate::footprint::Footprint;
+use crate::params::LEVEL_M;
+use crate::params::walking::{BODY_M, STRIDE_M};
+use crate::slot::Slot;
+use crate::traffic_state::{PersonAt, VehicleAt};
+use cadet_base::math::{self, DVec2, DVec3};
+use cadet_base::plane::unit;
+
+/// Vehicles and people farther away than this are not met before the next look.
+const REACH_M: f64 = 1.5;
+/// The turns that are tried to get round what is in the way, first to the side on which one goes round already.
+const TURNS_RAD: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+
+/// What somebody may meet until the next look round.
+#[derive(Debug, Clone)]
+pub(crate) struct Nearby {
+    parked: Vec<Footprint>,
+    people: Vec<Slot>,
+    /// Side on which one goes round things: +1 left, -1 right. Kept until that side is shut, or one would go to and fro.
+    side: f64,
+}
+
+impl Default for Nearby {
+    fn default() -> Self {
+        Self { parked: Vec::new(), people: Vec::new(), side: -1.0 }
+    }
+}
+
+impl Nearby {
+    /// Looks round from `here`.
+    pub fn look(&mut self, own: Slot, position: DVec3, people: &[PersonAt], parked: &[Footprint]) {
+        let (here, z_m) = (position.truncate(), position.z);
+        self.parked.clear();
+        self.parked.extend(parked.iter().filter(|o| o.is_within(here, REACH_M) && o.is_level_with(here, z_m)));
+        let is_near =
+            |p: &&PersonAt| p.agent != own && (p.at - here).length() < REACH_M && (p.z_m - z_m).abs() < LEVEL_M;
+        self.people.clear();
+        self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
+    }
+
+    /// The step from a position to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
+    /// the way on all sides. Who is too near to something already may step away from it, not toward it.
+    pub fn step(
+        &mut self,
+        position: DVec3,
+        to: DVec2,
+        people: &[PersonAt],
+        vehicles: &[VehicleAt],
+        allowed: impl Fn(DVec2) -> bool,
+    ) -> Option<DVec2> {
+        let from = position.truncate();
+        let is_near = |o: &&Footprint| o.is_within(from, REACH_M) && o.is_level_with(from, position.z);
+        let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
+        let place_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| people[i].at);
+        let near_people: Vec<DVec2> = self.people.iter().filter_map(place_of).collect();
+        let ahead = (to - from).normalize_or(DVec2::X);
+        let is_free = |p: DVec2| {
+            let enters = |o: &Footprint| {
+                let (before, after) = ((o.closest_point(from) - from).length(), (o.closest_point(p) - p).length());
+                after < BODY_M && after < before
+            };
+            let touches = |other: &DVec2| {
+                let (before, after) = (nearness(*other - from, ahead), nearness(*other - p, ahead));
+                let (before_m, after_m) = ((*other - from).length(), (*other - p).length());
+                after < 1.0 && after < before || after_m < 2.0 * BODY_M && after_m < before_m
+            };
+            !self.parked.iter().any(enters)
+                && !near_vehicles.iter().any(|v| enters(v))
+                && !near_people.iter().any(touches)
+        };
+        if is_free(to) && allowed(to) {
+            return Some(to);
+        }
+        let turned = |turn: f64| from + unit(turn).rotate(to - from);
+        let (side, p) = [self.side, -self.side]
+            .into_iter()
+            .flat_map(|side| TURNS_RAD.map(|turn| (side, turned(side * turn))))
+            .find(|(_, p)| is_free(*p) && allowed(*p))?;
+        self.side = side;
+        Some(p)
+    }
+}
+
+/// How near somebody is who walks `ahead`: below 1 inside an ellipse of a stride by two bodies.
+pub(crate) fn nearness(offset: DVec2, ahead: DVec2) -> f64 {
+    math::hypot(offset.dot(ahead) / STRIDE_M, offset.perp_dot(ahead) / (2.0 * BODY_M))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAR: Footprint = Footprint {
+        center: DVec2::new(3.0, 0.0),
+        heading: DVec2::X,
+        half_length_m: 2.0,
+        half_width_m: 0.8,
+        z_m: 0.0,
+        velocity: DVec2::ZERO,
+    };
+
+    fn people(places: &[DVec2]) -> Vec<PersonAt> {
+        let person =
+            |(agent, at): (Slot, &DVec2)| PersonAt { agent, at: *at, z_m: 0.0, heading: DVec2::X, speed_mps: 0.0 };
+        places.iter().enumerate().map(person).collect()
+    }
+
+    fn walk(start: DVec2, step: DVec2, others: &[DVec2], is_parked: bool) -> Vec<DVec2> {
+        let parked: &[Footprint] = if is_parked { &[CAR] } else { &[] };
+        let vehicles: &[VehicleAt] =
+            if is_parked { &[] } else { &[VehicleAt { agent: 99, footprint: CAR, is_cycle: false }] };
+        let mut places = vec![start];
+        places.extend(others);
+        let mut nearby = Nearby::default();
+        (0..400)
+            .map(|_| {
+                let from = places[0];
+                nearby.look(0, from.extend(0.0), &people(&places), parked);
+                places[0] =
+                    nearby.step(from.extend(0.0), from + step, &people(&places), vehicles, |_| true).unwrap_or(from);
+                places[0]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn nobody_steps_into_a_vehicle_and_everybody_gets_round_one() {
+        for is_parked in [true, false] {
+            let way = walk(DVec2::new(0.0, -0.3), DVec2::new(0.02, 0.0), &[], is_parked);
+            assert!(way.iter().all(|p| (CAR.closest_point(*p) - *p).length() >= BODY_M));
+            assert!(way.iter().any(|p| p.y < -CAR.half_width_m), "never got to the side: {}", way[399]);
+            assert!(way[399].x > 2.0, "stayed at {}", way[399]);
+        }
+    }
+
+    #[test]
+    fn one_gets_round_the_long_side_of_a_vehicle_to_a_goal_behind_it() {
+        let goal = DVec2::new(3.4, 3.0);
+        let mut places = vec![DVec2::new(3.0, -2.0)];
+        let mut nearby = Nearby::default();
+        for _ in 0..600 {
+            let from = places[0];
+            nearby.look(0, from.extend(0.0), &people(&places), &[]);
+            let to = from + (goal - from).normalize_or_zero() * 0.025;
+            places[0] = nearby
+                .step(
+                    from.extend(0.0),
+                    to,
+                    &people(&places),
+                    &[VehicleAt { agent: 99, footprint: CAR, is_cycle: false }],
+                    |_| true,
+                )
+                .unwrap_or(from);
+            assert!((CAR.closest_point(places[0]) - places[0]).length() >= BODY_M);
+        }
+        assert!((places[0] - goal).length() < 0.1, "stayed at {}", places[0]);
+    }
+
+    #[test]
+    fn nobody_steps_into_a_person() {
+        let other = DVec2::new(1.0, 0.05);
+        let way = walk(DVec2::ZERO, DVec2::new(0.01, 0.0), &[other], true);
+        assert!(way.iter().all(|p| (other - *p).length() >= 2.0 * BODY_M));
+        assert!(way[399].length() > 0.4);
+    }
+
+    #[test]
+    fn who_stands_in_something_may_leave_it() {
+        let other = DVec2::new(0.1, 0.0);
+        let way = walk(DVec2::ZERO, DVec2::new(-0.01, 0.0), &[other], true);
+        assert!((way[399] - other).length() > 2.0 * BODY_M);
+    }
+
+    #[test]
+    fn shut_in_on_all_sides_one_stays() {
+        let ring: Vec<DVec2> = (0..12)
+            .map(|k| {
+                DVec2::new(math::cos(f64::from(k) * math::PI / 6.0), math::sin(f64::from(k) * math::PI / 6.0)) * 0.48
+            })
+            .collect();
+        assert!(walk(DVec2::ZERO, DVec2::new(0.03, 0.0), &ring, true)[399].length() < 0.03);
+    }
+}
