@@ -158,6 +158,9 @@ class BeamTable:
         min_range_m: float,
         max_range_m: float,
         range_noise_m: float,
+        spin: str,
+        rate_hz: float,
+        start_azimuth_deg: float,
     ) -> BeamTable: ...
     name: Final[str]
     rings: Final[list[Laser]]
@@ -165,6 +168,9 @@ class BeamTable:
     min_range_m: Final[float]
     max_range_m: Final[float]
     range_noise_m: Final[float]
+    spin: Final[str]
+    rate_hz: Final[float]
+    start_azimuth_deg: Final[float]
 
 @final
 class Lidar:
@@ -182,6 +188,7 @@ class Lidar:
     def single_origin(self) -> Lidar: ...
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
     def table(self) -> BeamTable: ...
+    def span_s(self) -> list[float] | None: ...
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 
 @final

@@ -235,7 +235,7 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         True,
         "point_labels/000001.label",
         "damaged-file",
-        "100 points",
+        "400 bytes, expected 4 for each",
     ),
     "a file of no frame": (
         lambda root: (root / "training" / "planes" / "000009.txt").write_text(""),

@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::Arc;
 
-use cadet_core::lidar::{LidarSpec, Receiver, Scan, TURN_S, Turning, firing_time_s, scan, turning_scan};
+use cadet_core::lidar::{LidarSpec, Receiver, Scan, Spin, SpinDirection, Turning, scan, turning_scan};
 use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{FaceTrees, PosedScene, RigidMotion};
@@ -46,17 +46,9 @@ fn points_of(scan: &Scan, spec: &LidarSpec, actor_id: i32) -> Vec<(f64, DVec3)> 
         .filter(|i| scan.actor_id[*i] == actor_id)
         .map(|i| {
             let [x, y, z, _] = scan.points_velo[i].map(f64::from);
-            (firing_time_s(spec.azimuths_rad()[scan.column[i] as usize]), DVec3::new(x, y, z))
+            (spec.spin.firing_time_s(spec.azimuths_rad()[scan.column[i] as usize]), DVec3::new(x, y, z))
         })
         .collect()
-}
-
-#[test]
-fn a_turn_is_centered_on_the_instant_and_goes_counter_clockwise() {
-    assert_eq!(firing_time_s(0.0), 0.0);
-    assert!((firing_time_s(PI / 2.0) - TURN_S / 4.0).abs() < 1e-12, "left is later");
-    assert!((firing_time_s(1.5 * PI) + TURN_S / 4.0).abs() < 1e-12, "right is earlier");
-    assert!((firing_time_s(PI - 1e-9) - 0.05).abs() < 1e-9 && (firing_time_s(PI + 1e-9) + 0.05).abs() < 1e-9);
 }
 
 #[test]
@@ -99,29 +91,32 @@ fn a_wall_is_sheared_by_the_speed_of_the_car() {
     // Walls across the road, 20 m ahead and 20 m behind.
     let wall = || cuboid(Vec3::new(0.5, 15.0, 4.0));
     let scene = posed(&[place(wall(), at(20.5, 0.0, 0.0), 1), place(wall(), at(-20.5, 0.0, 0.0), 2)]);
-    let spec = noiseless();
     let speed_mps = 13.9;
-    let scan = turn(&scene, &spec, moving(DVec3::new(speed_mps, 0.0, 0.0)), |_| RigidMotion::default());
-    let ahead = points_of(&scan, &spec, 1);
-    let behind = points_of(&scan, &spec, 2);
-    assert!(ahead.len() > 5_000 && behind.len() > 5_000);
-    for (walls_x, points) in [(20.0, &ahead), (-20.0, &behind)] {
-        for (time_s, p) in points {
-            assert!((p.x - (walls_x - speed_mps * time_s)).abs() < 1.1e-3, "{p} at {time_s}");
+    for (direction, ends_left) in [(SpinDirection::Clockwise, false), (SpinDirection::CounterClockwise, true)] {
+        let mut spec = noiseless();
+        spec.spin = Spin { direction, rate_hz: 5.0, ..Spin::default() };
+        let scan = turn(&scene, &spec, moving(DVec3::new(speed_mps, 0.0, 0.0)), |_| RigidMotion::default());
+        let ahead = points_of(&scan, &spec, 1);
+        let behind = points_of(&scan, &spec, 2);
+        assert!(ahead.len() > 5_000 && behind.len() > 5_000);
+        for (walls_x, points) in [(20.0, &ahead), (-20.0, &behind)] {
+            for (time_s, p) in points {
+                assert!((p.x - (walls_x - speed_mps * time_s)).abs() < 1.1e-3, "{p} at {time_s}");
+            }
         }
+        // The seam behind the car: what the turn began with and what it ended with are a whole turn's way apart.
+        let nearest = |left: bool| {
+            let side = behind.iter().filter(|(_, p)| (p.y > 0.0) == left);
+            side.min_by(|a, b| a.1.y.abs().total_cmp(&b.1.y.abs())).expect("points on both sides").1.x
+        };
+        let gap_m = nearest(!ends_left) - nearest(ends_left);
+        assert!((gap_m - speed_mps / 5.0).abs() < 5e-3, "{gap_m}: later the wall is farther behind");
     }
-    // The seam behind the car: what the turn began with and what it ended with are a whole turn's way apart.
-    let nearest = |left: bool| {
-        let side = behind.iter().filter(|(_, p)| (p.y > 0.0) == left);
-        side.min_by(|a, b| a.1.y.abs().total_cmp(&b.1.y.abs())).expect("points on both sides").1.x
-    };
-    let gap_m = nearest(false) - nearest(true);
-    assert!((gap_m - speed_mps * TURN_S).abs() < 5e-3, "{gap_m}: later, on the left, the wall is farther behind");
 }
 
 #[test]
 fn a_car_that_crosses_is_stretched_or_shortened() {
-    // A face 4 m long 15 m ahead, centered on the axis; it is seen under an angle, and the beam sweeps leftwards.
+    // A face 4 m long 15 m ahead, centered on the axis; it is seen under an angle, and the beam sweeps to the right.
     let length_m = 4.0;
     let car = || place(cuboid(Vec3::new(0.9, 2.0, 0.75)), at(15.9, 0.0, -0.9), 7);
     let spec = noiseless();
@@ -134,11 +129,12 @@ fn a_car_that_crosses_is_stretched_or_shortened() {
         assert!(y.len() > 200, "{}", y.len());
         y.iter().copied().fold(f64::NEG_INFINITY, f64::max) - y.iter().copied().fold(f64::INFINITY, f64::min)
     };
-    // An end at y0 is seen at the time t with y0 + v t = 15 tan(2 pi t / T): y = y0 + v t.
+    // An end at y0 is seen at the time t with y0 + v t = -15 tan(2 pi t / T): y = y0 + v t.
     let expected = |velocity: f64| {
         let end = |y0: f64| {
-            let y = (0..60).fold(y0, |y, _| y0 + velocity * firing_time_s(math::atan2(y, 15.0)));
-            assert!((y0 + velocity * firing_time_s(math::atan2(y, 15.0)) - y).abs() < 1e-9);
+            let then = |y: f64| y0 + velocity * spec.spin.firing_time_s(math::atan2(y, 15.0));
+            let y = (0..60).fold(y0, |y, _| then(y));
+            assert!((then(y) - y).abs() < 1e-9);
             y
         };
         end(length_m / 2.0) - end(-length_m / 2.0)
@@ -150,8 +146,8 @@ fn a_car_that_crosses_is_stretched_or_shortened() {
     }
     // About v T / (2 pi) times the angle it fills.
     let angle = 2.0 * math::atan2(2.0, 15.0);
-    assert!((expected(10.0) - length_m - 10.0 * TURN_S / (2.0 * PI) * angle).abs() < 5e-3);
-    assert!(width(10.0) > width(-10.0) + 0.05);
+    assert!((expected(10.0) - length_m + 10.0 * 0.1 / (2.0 * PI) * angle).abs() < 5e-3);
+    assert!(width(10.0) < width(-10.0) - 0.05);
 }
 
 #[test]
@@ -166,11 +162,46 @@ fn a_turning_car_sees_walls_where_its_heading_was() {
     // In the sensor's frame the post stands at the azimuth 90 deg - yaw, seen when the beam points there.
     let mut azimuth = PI / 2.0;
     for _ in 0..40 {
-        azimuth = PI / 2.0 - yaw_rate * firing_time_s(azimuth);
+        azimuth = PI / 2.0 - yaw_rate * spec.spin.firing_time_s(azimuth);
     }
     for (_, p) in &points {
         assert!((math::atan2(p.y, p.x) - azimuth).abs() < 0.008, "{p}");
         assert!((p.truncate().length() - 9.95).abs() < 0.03, "{p}");
+    }
+}
+
+#[test]
+fn a_box_lies_where_the_points_of_a_turn_are() {
+    // Cars around a car in a bend, by place and velocity: they come, cross, and overtake. None is cut by the seam behind it.
+    let size_m = Vec3::new(2.0, 0.8, 0.75);
+    let cars = [
+        ([20.0, 3.5], [-14.0, 0.0]),
+        ([2.0, 12.0], [12.0, 0.0]),
+        ([-3.0, -9.0], [0.0, 9.0]),
+        ([-15.0, 6.0], [20.0, 0.0]),
+    ];
+    let pose = |k: usize| at(cars[k].0[0], cars[k].0[1], -1.0);
+    let motion = |id: i32| {
+        let (k, [x, y]) = (id as usize - 1, cars[id as usize - 1].1);
+        RigidMotion { pivot_world: pose(k).translation, ..moving(DVec3::new(x, y, 0.0)) }
+    };
+    let scene = posed(&(0..4).map(|k| place(cuboid(size_m), pose(k), k as i32 + 1)).collect::<Vec<_>>());
+    let spec = noiseless();
+    let sensor =
+        RigidMotion { angular_velocity_world: DVec3::new(0.0, 0.0, 0.3), ..moving(DVec3::new(14.0, 0.0, 0.0)) };
+    let scan = turn(&scene, &spec, sensor, motion);
+    for (k, (_, velocity)) in cars.iter().enumerate() {
+        let points = points_of(&scan, &spec, k as i32 + 1);
+        assert!(points.len() > 100);
+        let mean_off_m = |box_pose: DPose3| {
+            let off_m =
+                |p: &DVec3| (box_pose.inverse().transform_point(*p).abs() - size_m.as_dvec3()).max_element().abs();
+            points.iter().map(|(_, p)| off_m(p)).sum::<f64>() / points.len() as f64
+        };
+        let seen = spec.spin.seen_pose((&pose(k), &motion(k as i32 + 1)), (&DPose3::IDENTITY, &sensor));
+        let (at_instant_m, off_m) = (mean_off_m(pose(k)), mean_off_m(seen));
+        // Its ends are met a little before and after its middle.
+        assert!(off_m < 0.03 && at_instant_m > 3.0 * off_m, "{velocity:?}: {off_m}, {at_instant_m}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! A LIDAR's table: `cadet.BeamTable.to_native()`.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing as CoreFiring, LaserReceiver, LidarSpec, Receiver};
+use cadet_core::lidar::{BlindSector, Firing as CoreFiring, LaserReceiver, LidarSpec, Receiver, Spin, SpinDirection};
 use cadet_core::math::TAU;
 use cadet_core::sense::LaserRing;
 use pyo3::prelude::*;
@@ -106,12 +106,15 @@ pub(crate) struct BeamTable {
     min_range_m: f64,
     max_range_m: f64,
     range_noise_m: f64,
+    spin: String,
+    rate_hz: f64,
+    start_azimuth_deg: f64,
 }
 
 #[pymethods]
 impl BeamTable {
     #[new]
-    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m))]
+    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, spin, rate_hz, start_azimuth_deg))]
     fn new(
         name: String,
         rings: Vec<Laser>,
@@ -119,8 +122,11 @@ impl BeamTable {
         min_range_m: f64,
         max_range_m: f64,
         range_noise_m: f64,
+        spin: String,
+        rate_hz: f64,
+        start_azimuth_deg: f64,
     ) -> Self {
-        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m }
+        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m, spin, rate_hz, start_azimuth_deg }
     }
 }
 
@@ -149,6 +155,9 @@ impl BeamTable {
             min_range_m: spec.min_range_m,
             max_range_m: spec.max_range_m,
             range_noise_m: spec.receiver().range_noise_m,
+            spin: spec.spin.direction.as_ref().to_owned(),
+            rate_hz: spec.spin.rate_hz,
+            start_azimuth_deg: degrees(spec.spin.start_rad),
         }
     }
 
@@ -169,6 +178,11 @@ impl BeamTable {
             gain: laser.gain,
             range_offset_m: laser.range_offset_m,
             focus_m: laser.focus_m,
+        };
+        spec.spin = Spin {
+            direction: SpinDirection::from_name(&self.spin)?,
+            rate_hz: self.rate_hz,
+            start_rad: self.start_azimuth_deg.to_radians(),
         };
         spec.laser_receivers = self.rings.iter().map(receiver).collect();
         // A whole turn must not end beyond its end by rounding.

@@ -265,6 +265,7 @@ impl Capture {
 /// A scan by the fields of `cadet.Scan`.
 pub(crate) fn scan_to_dict(py: Python<'_>, scan: Scan) -> PyResult<Bound<'_, PyDict>> {
     let semantic = scan.semantic.into_iter().map(|s| s as u8).collect();
+    let time_s = scan.column.iter().map(|column| scan.firing_times_s[*column as usize] as f32).collect();
     let dict = PyDict::new(py);
     dict.set_item("points_velo", arrays::rows(py, scan.points_velo))?;
     dict.set_item("ring", PyArray1::from_vec(py, scan.ring))?;
@@ -272,5 +273,6 @@ pub(crate) fn scan_to_dict(py: Python<'_>, scan: Scan) -> PyResult<Bound<'_, PyD
     dict.set_item("actor_id", PyArray1::from_vec(py, scan.actor_id))?;
     dict.set_item("semantic", PyArray1::<u8>::from_vec(py, semantic))?;
     dict.set_item("range_m", PyArray1::from_vec(py, scan.range_m))?;
+    dict.set_item("time_s", PyArray1::<f32>::from_vec(py, time_s))?;
     Ok(dict)
 }

@@ -68,6 +68,11 @@ impl Lidar {
         BeamTable::of(&self.spec)
     }
 
+    /// When its turn begins and ends, seconds from the instant of the image; None if nothing moves meanwhile.
+    fn span_s(&self) -> Option<[f64; 2]> {
+        self.spec.rolling.then(|| self.spec.spin.span_s())
+    }
+
     /// Origins and directions in the LIDAR's frame, ring and column of every beam.
     fn rays<'py>(&self, py: Python<'py>) -> Rays<'py> {
         let rays = self.spec.rays();

@@ -214,6 +214,7 @@ impl Scene {
                 semantic: scan.semantic(&posed),
                 range_m: scan.range_m.iter().map(|r| f64::from(*r)).collect(),
                 actor_id: scan.actor_id,
+                firing_times_s: vec![0.0; spec.azimuths_rad().len()],
             })
         })?;
         scan_to_dict(py, scan)

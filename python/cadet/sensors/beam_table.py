@@ -136,7 +136,9 @@ class ListedFiring:
 
 
 _NUMBERS = tuple(f.name for f in fields(Laser) if f.name != "blind_deg")
-_RANGES = ("min_range_m", "max_range_m", "range_noise_m")
+_PLAIN = ("min_range_m", "max_range_m", "range_noise_m", "spin", "rate_hz", "start_azimuth_deg")
+"""The fields of a table that are plain values."""
+SPINS = ("cw", "ccw")
 
 Firing = UniformFiring | EncoderFiring | ListedFiring
 _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
@@ -162,6 +164,12 @@ class BeamTable(TomlFile):
     """Returns as far as this are not kept."""
     range_noise_m: Annotated[float, Limits(0, 10)] = 0.0078
     """Standard deviation of the range."""
+    spin: str = "cw"
+    """Which way it turns, seen from above: one of `SPINS`, clockwise or counter-clockwise."""
+    rate_hz: Annotated[float, Limits(1, 100)] = 10.0
+    """Turns a second."""
+    start_azimuth_deg: Annotated[float, Limits(0, 360)] = 180.0
+    """Where a turn begins and ends, counter-clockwise from forward; the beam looks forward at the image's instant."""
 
     def __repr__(self) -> str:
         return summary(
@@ -191,6 +199,8 @@ class BeamTable(TomlFile):
         if len(self.rings) * self.num_columns > _MAX_BEAMS:
             raise CadetError(f"{len(self.rings)} rings of {self.num_columns} columns: more than {_MAX_BEAMS} beams")
         check_fields(self, "lidar")
+        if not is_one_of(self.spin, SPINS):
+            raise CadetError(f"lidar.spin: expected one of {', '.join(SPINS)}, got {shown(self.spin)}")
         if self.max_range_m <= self.min_range_m:
             raise CadetError(
                 f"lidar.max_range_m: expected above min_range_m = {self.min_range_m:g}, got {self.max_range_m:g}"
@@ -236,7 +246,7 @@ class BeamTable(TomlFile):
     def _table(self) -> dict[str, Any]:
         rings = [_ring(laser) for laser in self.rings]
         firing = {"pattern": _pattern_of(self.firing), **table_of_object(self.firing)}
-        return {"name": self.name, **{key: getattr(self, key) for key in _RANGES}, "rings": rings, "firing": firing}
+        return {"name": self.name, **{key: getattr(self, key) for key in _PLAIN}, "rings": rings, "firing": firing}
 
     @classmethod
     def _from_native(cls, table: _cadet.BeamTable) -> BeamTable:
@@ -246,7 +256,7 @@ class BeamTable(TomlFile):
             name=table.name,
             rings=tuple(Laser(**_values_of(Laser, laser)) for laser in table.rings),
             firing=kind(**_values_of(kind, table.firing)),
-            **{key: getattr(table, key) for key in _RANGES},
+            **{key: getattr(table, key) for key in _PLAIN},
         )
 
     def _to_native(self) -> _cadet.BeamTable:
@@ -256,7 +266,7 @@ class BeamTable(TomlFile):
             name=self.name,
             rings=[_cadet.Laser(**asdict(laser)) for laser in self.rings],
             firing=kind(**asdict(self.firing)),
-            **{key: getattr(self, key) for key in _RANGES},
+            **{key: getattr(self, key) for key in _PLAIN},
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -267,7 +277,7 @@ class BeamTable(TomlFile):
             **{key: [float(getattr(laser, key)) for laser in self.rings] for key in _NUMBERS},
             "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],
             "firing": {"pattern": _pattern_of(self.firing), **firing},
-            **{key: float(getattr(self, key)) for key in _RANGES},
+            **{key: getattr(self, key) for key in _PLAIN},
         }
 
 

@@ -34,8 +34,9 @@ class Lidar(NamedFile):
         name: one of `LIDAR_PRESETS`, or the table's name.
         single_origin: all lasers leave one point, where the HDL-64E's sit at different heights.
         table: a sensor that is not a preset; `Lidar.custom` and `Lidar.read` give it its name.
-        rolling: the car and all actors move during the turn, from 0.05 s before the image to 0.05 s after it, azimuth 0
-            (forward) at its instant; points stay in the frame of their own firing.
+        rolling: the car and all actors move during the turn, which looks forward at the image's instant
+            (`BeamTable.spin`, `rate_hz`, `start_azimuth_deg`); points stay in the frame of their own firing, at
+            `Scan.time_s`.
         returns: "strongest" or "last": what is reported where a beam meets several surfaces.
         divergence_mrad: how far a beam opens (the full cone), so that it meets several surfaces at depth edges; 0 for
             beams that meet surfaces as lines do; drops and flakes then see the sensor's own 2 mrad. The HDL-64E's is 2

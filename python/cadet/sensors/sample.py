@@ -29,6 +29,7 @@ class Scan:
         actor_id: (N,) int32, as in `Frame.instance`; -1 for a miss.
         semantic: (N,) uint8, values of `cadet.Semantic`; sky for a miss, and for what fog, drops and flakes return.
         range_m: (N,) float64 from the laser's origin; inf for a miss.
+        time_s: (N,) float32, when it fired, seconds from the image's instant; 0 where `Lidar.rolling` is off.
     """
 
     points_velo: NDArray[np.float32]
@@ -37,6 +38,7 @@ class Scan:
     actor_id: NDArray[np.int32]
     semantic: NDArray[np.uint8]
     range_m: NDArray[np.float64]
+    time_s: NDArray[np.float32]
 
     def __repr__(self) -> str:
         rings, hits = len(np.unique(self.ring)), int((self.actor_id >= 0).sum())

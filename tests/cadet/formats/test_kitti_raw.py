@@ -48,16 +48,18 @@ def test_gray_images_are_seen_from_where_the_gray_cameras_stand(name: str, offse
 
 @pytest.mark.parametrize("rolling", [False, True])
 def test_a_turning_scan_starts_before_its_instant_and_ends_after_it(rolling: bool, tmp_path: Path) -> None:
-    rig = replace(RIG, name="turning", lidar=cadet.Lidar.vlp16(rolling=rolling))
+    table = replace(cadet.Lidar.vlp16().beam_table(), name="fast", rate_hz=20.0, start_azimuth_deg=90.0)
+    rig = replace(RIG, name="turning", lidar=replace(cadet.Lidar.custom(table), rolling=rolling))
     policy = cadet.ResetPolicy.kitti().with_rig(rig).as_sequence(hz=10, length_s=1.2)
     generate(tmp_path / "out", Settings(seed=8, num_frames=3, policy=policy, format="kitti_raw"), workers=1)
     drive = tmp_path / "out" / "2020_01_01" / "2020_01_01_drive_0000_sync"
-    half_turn_s = 0.05 if rolling else 0.0
+    # Clockwise from the left, a quarter of a turn before it looks forward.
+    begin_s, end_s = (-0.0125, 0.0375) if rolling else (0.0, 0.0)
     times = {}
     for name in ("velodyne_points/timestamps", "image_02/timestamps", "oxts/timestamps"):
         times[name] = seconds_of(drive / f"{name}.txt")
         np.testing.assert_allclose(times[name], [2.0, 2.1, 2.2], atol=1e-9)
-    for part, late_s in (("start", -half_turn_s), ("end", half_turn_s)):
+    for part, late_s in (("start", begin_s), ("end", end_s)):
         found = seconds_of(drive / f"velodyne_points/timestamps_{part}.txt")
         np.testing.assert_allclose(found - times["velodyne_points/timestamps"], late_s, atol=1e-9)
 

@@ -264,7 +264,9 @@ def test_a_loaded_car_turns_all_its_sensors_together() -> None:
 
 def test_the_right_image_is_written_beside_the_left_one(tmp_path: Path) -> None:
     settings = cadet.generate.Settings(
-        num_frames=1, policy=cadet.ResetPolicy.kitti(), write=("image_3", "point_labels")
+        num_frames=1,
+        policy=cadet.ResetPolicy.kitti().with_rig(replace(cadet.Rig.kitti(), lidar=cadet.Lidar(rolling=True))),
+        write=("image_3", "point_labels", "point_times"),
     )
     cadet.generate.generate(tmp_path / "out", settings, workers=1)
     training = tmp_path / "out" / "training"
@@ -274,7 +276,11 @@ def test_the_right_image_is_written_beside_the_left_one(tmp_path: Path) -> None:
     # As SemanticKITTI: a class below, an instance above, one for each point.
     labels = np.fromfile(training / "point_labels" / "000000.label", np.uint32)
     points = np.fromfile(training / "velodyne" / "000000.bin", np.float32).reshape(-1, 4)
-    assert len(labels) == len(points)
+    times_s = np.fromfile(training / "point_times" / "000000.bin", np.float32)
+    assert len(labels) == len(times_s) == len(points)
+    # Clockwise, forward at 0: a laser looks a few degrees beside its point at most.
+    azimuth_rad = np.arctan2(points[:, 1], points[:, 0])
+    assert np.abs(np.angle(np.exp(1j * (times_s * 20 * np.pi + azimuth_rad)))).max() < 0.1
     classes, instances = labels & 0xFFFF, labels >> 16
     assert {40, 50} <= set(classes.tolist())
     vehicles = np.isin(classes, [10, 18, 252, 258])

@@ -11,7 +11,7 @@ use cadet_sensors::camera::{
     render_through, visibility_pass,
 };
 use cadet_sensors::label::{
-    Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
+    Boxes, Sighting, TakenView, add_points, may_label, move_boxes, pixels_of_actors, road_plane_cam, sightings,
 };
 use cadet_sensors::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
 use cadet_sensors::rig::Mounted;
@@ -159,8 +159,16 @@ impl Scene {
         let view = View::new(camera, &world_from_cam);
         let seen = visibility_pass(&posed, &view)?;
         let extinction_per_m = self.weather.extinction_per_m();
-        let sightings =
+        let mut sightings =
             sightings(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
+        if self.rig.lidar().rolling {
+            let world_from_velo = self.rig.world_from_velo(&snapshot.ego.world_from_ego);
+            let (spin, sensor) = (self.rig.lidar().spin, motion_of_ego(&snapshot));
+            let seen_pose = |actor: &ActorState| {
+                spin.seen_pose((&actor.world_from_box, &motion_of(actor)), (&world_from_velo, &sensor))
+            };
+            move_boxes(&self.label, &mut sightings, &snapshot.actors, &world_from_cam, seen_pose);
+        }
         Ok(Looked { view, seen, sightings })
     }
 
@@ -299,13 +307,15 @@ fn motion_of_ego(snapshot: &Snapshot) -> RigidMotion {
 /// How the actor of an id moves.
 fn motion_of_actor(snapshot: &Snapshot, id: i32) -> RigidMotion {
     // They stand in the order of their ids.
-    snapshot.actors.binary_search_by_key(&id, |a| a.id).map_or_else(
-        |_| RigidMotion::default(),
-        |i| {
-            let ActorState { world_from_box, velocity_world, angular_velocity_world, .. } = snapshot.actors[i];
-            RigidMotion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
-        },
-    )
+    snapshot
+        .actors
+        .binary_search_by_key(&id, |a| a.id)
+        .map_or_else(|_| RigidMotion::default(), |i| motion_of(&snapshot.actors[i]))
+}
+
+fn motion_of(actor: &ActorState) -> RigidMotion {
+    let ActorState { world_from_box, velocity_world, angular_velocity_world, .. } = *actor;
+    RigidMotion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
 }
 
 /// The random stream of a sensor's noise: the first of a kind has the kind's own, so that more sensors change nothing.

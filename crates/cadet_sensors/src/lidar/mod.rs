@@ -21,6 +21,7 @@ mod returns;
 mod ring_receiver;
 mod scan;
 mod spec;
+mod spin;
 mod surfaces;
 mod turning;
 
@@ -33,4 +34,5 @@ pub use return_mode::ReturnMode;
 pub use returned_points::Scan;
 pub use scan::{IdealScan, ideal_scan, scan, scan_through, turning_scan};
 pub use spec::{BlindSector, LidarSpec, Rays};
-pub use turning::{TURN_S, Turning, firing_time_s};
+pub use spin::{Spin, SpinDirection};
+pub use turning::Turning;

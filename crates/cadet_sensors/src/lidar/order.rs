@@ -93,6 +93,7 @@ mod tests {
             actor_id: (10..16).collect(),
             semantic: [Road, Car, Van, Pole, Fence, Person].to_vec(),
             range_m: (20..26).map(f64::from).collect(),
+            firing_times_s: Vec::new(),
         };
         scan.order_by_azimuth(1);
         assert_eq!(scan.column, [0, 3, 4, 5, 1, 2]);

@@ -1,8 +1,9 @@
 //! The points that one turn returns.
 
+use super::spec::LidarSpec;
 use cadet_base::material::Semantic;
 
-/// The returns of one turn: ring-major, azimuth rising counter-clockwise from forward. All arrays have one length.
+/// The returns of one turn: ring-major, azimuth rising counter-clockwise from forward. The arrays of returns have one length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scan {
     /// x, y, z in meters, rounded to 1 mm, and intensity in 0..=0.99, rounded to 0.01.
@@ -17,10 +18,13 @@ pub struct Scan {
     pub semantic: Vec<Semantic>,
     /// Range from the laser's own origin, before rounding.
     pub range_m: Vec<f64>,
+    /// When each column of the turn fired ([`super::LidarSpec::firing_times_s`]); of another length than the others.
+    pub firing_times_s: Vec<f64>,
 }
 
 impl Scan {
-    pub(super) fn with_capacity(n: usize) -> Self {
+    pub(super) fn of_turn(spec: &LidarSpec) -> Self {
+        let n = spec.num_beams();
         Self {
             points_velo: Vec::with_capacity(n),
             ring: Vec::with_capacity(n),
@@ -28,6 +32,7 @@ impl Scan {
             actor_id: Vec::with_capacity(n),
             semantic: Vec::with_capacity(n),
             range_m: Vec::with_capacity(n),
+            firing_times_s: spec.firing_times_s(),
         }
     }
 }

@@ -164,7 +164,7 @@ fn scan_by<C: Casting>(
     let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
     let snow_cover = weather.snow_cover();
     let (mut behind, mut in_front) = (SurfaceLookup::new(casting, snow_cover), SurfaceLookup::new(casting, snow_cover));
-    let mut out = Scan::with_capacity(spec.num_beams());
+    let mut out = Scan::of_turn(spec);
     let mut batch = EchoBatch::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {

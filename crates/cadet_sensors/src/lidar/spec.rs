@@ -8,6 +8,7 @@ use super::laser_receiver::LaserReceiver;
 use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
 use super::ring_receiver::RingReceiver;
+use super::spin::Spin;
 use crate::sense::{LaserRing, SpinningGrid};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{DPose3, DVec3, TAU};
@@ -33,6 +34,8 @@ pub struct LidarSpec {
     pub laser_receivers: Vec<LaserReceiver>,
     /// Which echo is reported where a beam meets several surfaces.
     pub returns: ReturnMode,
+    /// How it turns.
+    pub spin: Spin,
     /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
     pub rolling: bool,
     /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
@@ -94,6 +97,7 @@ impl LidarSpec {
             grid,
             divergent: None,
             returns: ReturnMode::Strongest,
+            spin: Spin::default(),
             rolling: false,
             min_range_m: 1.45,
             max_range_m: 80.0,
@@ -163,6 +167,7 @@ impl LidarSpec {
                 });
             }
         }
+        self.spin.check()?;
         if self.laser_receivers.len() != self.rings.len() {
             return Err(Error::Shape {
                 what: "laser_receivers",
@@ -259,6 +264,13 @@ impl LidarSpec {
     #[must_use]
     pub fn azimuths_rad(&self) -> &[f64] {
         &self.azimuths_rad
+    }
+
+    /// When each column fires, in seconds from the instant of the image: 0 for all where nothing moves meanwhile.
+    #[must_use]
+    pub fn firing_times_s(&self) -> Vec<f64> {
+        let time_s = |azimuth: &f64| if self.rolling { self.spin.firing_time_s(*azimuth) } else { 0.0 };
+        self.azimuths_rad.iter().map(time_s).collect()
     }
 
     /// The pattern of [`LidarSpec::azimuths_rad`].

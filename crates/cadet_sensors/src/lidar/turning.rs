@@ -1,10 +1,7 @@
 //! A sensor that turns while it and the world move.
 //!
-//! A turn takes 0.1 s and is centered on the instant of the image: the beam looks straight ahead at that instant, as the
-//! trigger of KITTI's cameras requires, and the seam is behind the car. Seen from above the sensor turns
-//! counter-clockwise ("Vision meets Robotics: The KITTI Dataset", Geiger et al. 2013), so the right-hand side is seen
-//! before the instant and the left-hand side after it. Points stay in the frame of their own firing, as in KITTI's
-//! object frames.
+//! [`Spin`](super::Spin) says when it looks where. Points stay in the frame of their own firing, as in KITTI's object
+//! frames.
 //!
 //! All lasers of a column fire at once, at its own moment. Bodies move with steady velocity and angular velocity; wheels
 //! don't roll and people's legs don't swing meanwhile.
@@ -15,17 +12,7 @@ use super::casting::{BeamHit, Casting, TurnHits, reach_m};
 use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
 use crate::sense::{FaceHit, FaceTrees, Hits, Moment, MovingCaster, PosedScene, RigidMotion};
-use cadet_base::math::{self, DPose3, DVec3, TAU};
-
-/// How long a turn takes, seconds: 10 turns a second.
-pub const TURN_S: f64 = 0.1;
-
-/// When a column fires, in seconds from the instant of the image: -0.05 right behind the sensor, 0 ahead, rising
-/// counter-clockwise.
-#[must_use]
-pub fn firing_time_s(azimuth_rad: f64) -> f64 {
-    TURN_S * math::wrap_angle(azimuth_rad) / TAU
-}
+use cadet_base::math::{DPose3, DVec3};
 
 /// A moving world around a moving sensor.
 pub struct Turning {
@@ -45,7 +32,7 @@ impl Turning {
         sensor: RigidMotion,
         motion_of: impl Fn(i32) -> RigidMotion,
     ) -> Self {
-        let span_s = TURN_S / 2.0;
+        let span_s = spec.spin.span_s().map(f64::abs).into_iter().fold(0.0, f64::max);
         let sensor_m = sensor.reach_m((world_from_velo.translation - sensor.pivot_world).length(), span_s);
         // Whoever is faster than 100 m/s may be missed at the edge of the range.
         let reach_m = reach_m(spec) + sensor_m + 100.0 * span_s;
@@ -59,7 +46,7 @@ impl Turning {
     /// The world and the sensor at every column's firing.
     pub(super) fn firings(&self, spec: &LidarSpec) -> Firings<'_> {
         let at = |azimuth: &f64| {
-            let time_s = firing_time_s(*azimuth);
+            let time_s = spec.spin.firing_time_s(*azimuth);
             let world_from_velo = self.sensor.displacement(time_s) * self.world_from_velo;
             ColumnFiring { moment: self.caster.at(time_s), world_from_velo }
         };

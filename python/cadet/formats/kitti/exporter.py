@@ -26,7 +26,7 @@ class KittiExporter(FilesInPlace):
     """One image, one scan, labels, a calibration and a plane for each sample; see `cadet.formats.exporter.Exporter`."""
 
     name = "kitti"
-    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, "point_labels")
+    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, "point_labels", "point_times")
     base: tuple[str, ...] = ("image_2", "velodyne", "calib", "label_2", "planes")
     needs_sequence = False
 
@@ -62,6 +62,8 @@ class KittiExporter(FilesInPlace):
             files[RIGHT_CAMERA] = sample.png(RIGHT_CAMERA)
         if "point_labels" in extras:
             files["point_labels"] = bytes_from_point_labels(point_labels(scan, sample.agents))
+        if "point_times" in extras:
+            files["point_times"] = scan.time_s.astype("<f4").tobytes()
         return files
 
     def record(self, sample: Sample) -> dict[str, Any]:

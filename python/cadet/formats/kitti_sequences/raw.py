@@ -11,7 +11,7 @@ from cadet._util.sink import Sink
 from cadet.formats.exporter import Ending, Place
 from cadet.formats.kitti_sequences.oxts import DATA_FORMAT, oxts_lines
 from cadet.formats.kitti_sequences.raw_calibration import calibration_files
-from cadet.formats.kitti_sequences.record import TURN_S, Record, calibration_of_record, drives, path_of_record
+from cadet.formats.kitti_sequences.record import SPAN_S, Record, calibration_of_record, drives, path_of_record
 from cadet.formats.kitti_sequences.sequence_exporter import IMAGE, SCAN, SequenceExporter, lists_of_drives
 from cadet.formats.kitti_sequences.tracklets import text_of_tracklets, tracklets_of
 from cadet.sensors.rig import GRAY_CAMERAS, RIGHT_CAMERA
@@ -65,16 +65,17 @@ class KittiRawExporter(SequenceExporter):
 
 
 def _drive_texts(records: Sequence[Record], day: date) -> dict[str, str]:
-    def times(late_s: float = 0.0) -> str:
-        return "".join(f"{_time(record['time_s'] + late_s * record.get(TURN_S, 0.0), day)}\n" for record in records)
+    def times(late_s: Iterable[float]) -> str:
+        return "".join(f"{_time(record['time_s'] + s, day)}\n" for record, s in zip(records, late_s, strict=True))
 
     texts = {f"oxts/data/{index:010d}.txt": f"{line}\n" for index, line in enumerate(oxts_lines(records))}
     texts["oxts/dataformat.txt"] = DATA_FORMAT
-    # All sensors see the same instant; a turning scan is halfway through it.
+    # All sensors see the same instant; a turning scan looks forward then.
     for name in ("image_02", "oxts", "velodyne_points"):
-        texts[f"{name}/timestamps.txt"] = times()
-    texts["velodyne_points/timestamps_start.txt"] = times(-0.5)
-    texts["velodyne_points/timestamps_end.txt"] = times(0.5)
+        texts[f"{name}/timestamps.txt"] = times([0.0] * len(records))
+    begin_s, end_s = zip(*(record.get(SPAN_S, (0.0, 0.0)) for record in records), strict=True)
+    texts["velodyne_points/timestamps_start.txt"] = times(begin_s)
+    texts["velodyne_points/timestamps_end.txt"] = times(end_s)
     texts["tracklet_labels.xml"] = text_of_tracklets(tracklets_of(records))
     return texts
 

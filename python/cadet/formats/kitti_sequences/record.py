@@ -24,9 +24,8 @@ from cadet.sensors.sample import Sample
 Record = Mapping[str, Any]
 
 RECORDS: Final = "records"
-TURN_S: Final = "turn_s"
-"""How long the LIDAR's turn takes, half of it before the sample's instant; absent of a scan that is taken at once."""
-_TURN_S: Final = 0.1
+SPAN_S: Final = "span_s"
+"""When the LIDAR's turn begins and ends, from the sample's instant; absent of a scan that is taken at once."""
 _AGENTS_WITHIN_M: Final = 120.0
 """How far from the LIDAR agents without a label are recorded: a track goes on through frames that hide its object."""
 
@@ -41,6 +40,7 @@ def record_of(sample: Sample) -> dict[str, Any]:
     calib = calibration_of(sample.rig)
     world_from_velo = product(sample.world_from_ego, np.array(sample.ego_from_velo, np.float64))
     camera = sample.rig.camera
+    span_s = sample.rig.lidar._to_native().span_s()
     return {
         **sample.origin,
         "time_s": sample.time_s,
@@ -57,7 +57,7 @@ def record_of(sample: Sample) -> dict[str, Any]:
         "ego_angular_velocity_world": sample.ego_angular_velocity_world,
         "objects": [_object(seen, calib) for seen in sample._sightings],
         "agents": dict(_agents(sample, inverse(world_from_velo))),
-        **({TURN_S: _TURN_S} if sample.rig.lidar.rolling else {}),
+        **({} if span_s is None else {SPAN_S: span_s}),
     }
 
 

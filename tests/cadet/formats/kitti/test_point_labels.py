@@ -16,6 +16,7 @@ def make_scan(seen: list[tuple[int, Semantic]]) -> Scan:
         actor_id=np.array([actor for actor, _ in seen], np.int32),
         semantic=np.array([kind for _, kind in seen], np.uint8),
         range_m=zeros.astype(np.float64),
+        time_s=zeros.astype(np.float32),
     )
 
 

@@ -28,6 +28,7 @@ SUFFIXES: Final = {
     "semantic": ".png",
     "image_3": ".png",
     "point_labels": ".label",
+    "point_times": ".bin",
 }
 """Every folder of a training set and the suffix of its files."""
 

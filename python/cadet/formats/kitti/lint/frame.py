@@ -17,7 +17,6 @@ from cadet.formats.kitti import dataset
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files.dialects import collected
 from cadet.formats.kitti.files.folder import SUFFIXES, display_name, found_path
-from cadet.formats.kitti.files.point_labels import point_labels_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import FolderFiles, image_from_files, read_text
 from cadet.formats.kitti.lint.duplicates import Signature, signature_of
@@ -35,7 +34,8 @@ SCAN_RANGE_M: Final = (1.45, 80.0)
 _LOOSE_RANGE_M: Final = 120.0
 _MM: Final = 0.001
 _RIGHT_IMAGE: Final = "image_3"
-_POINT_LABELS: Final = "point_labels"
+_PER_POINT: Final = ("point_labels", "point_times")
+_BYTES_PER_POINT: Final = 4
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,8 @@ class _FrameLint:
         self._lint_points(frame.points_velo)
         self._extend("velodyne", lint_depths(frame.points_velo, frame.calib, self.soft))
         self._lint_right_image(frame)
-        self._lint_point_labels(frame)
+        for kind in _PER_POINT:
+            self._lint_per_point(kind, frame)
         if frame.plane is not None:
             self._lint_plane(frame.plane)
         if frame.meta is not None:
@@ -219,18 +220,11 @@ class _FrameLint:
             sizes = f"{image.shape[1]} x {image.shape[0]} pixels, image_2 has {frame.image_size[0]} x"
             self._add(_RIGHT_IMAGE, Problem(None, "damaged-file", f"{sizes} {frame.image_size[1]}"))
 
-    def _lint_point_labels(self, frame: Frame) -> None:
-        data = self._optional(_POINT_LABELS)
-        if data is None:
-            return
-        try:
-            number = len(point_labels_from_bytes(data))
-        except KittiFormatError as error:
-            self._add(_POINT_LABELS, Problem(None, "damaged-file", error.reason))
-            return
-        if number != len(frame.points_velo):
-            message = f"labels {number} points, the scan has {len(frame.points_velo)}"
-            self._add(_POINT_LABELS, Problem(None, "damaged-file", message))
+    def _lint_per_point(self, kind: str, frame: Frame) -> None:
+        data = self._optional(kind)
+        if data is not None and len(data) != _BYTES_PER_POINT * len(frame.points_velo):
+            message = f"{len(data)} bytes, expected {_BYTES_PER_POINT} for each of {len(frame.points_velo)} points"
+            self._add(kind, Problem(None, "damaged-file", message))
 
     def _optional(self, kind: str) -> bytes | None:
         path = found_path(self.folder, kind, self.frame_id)
