@@ -93,7 +93,9 @@ def value_of(kind: Any, value: object, folder: Path, place: str) -> Any:
     if origin in (Union, types.UnionType):
         if value is None and type(None) in inner:
             return None
-        (kind,) = (one for one in inner if one is not type(None))
+        kinds = [one for one in inner if one is not type(None)]
+        is_array = isinstance(value, list | tuple)
+        kind = next((one for one in kinds if (get_origin(one) is tuple) == is_array), kinds[0])
         return value_of(kind, value, folder, place)
     if dataclasses.is_dataclass(kind):
         if not isinstance(value, Mapping):
