@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -16,7 +15,7 @@ from cadet._util.summary import summary
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError, FileFormatError
 
-T = TypeVar("T")
+L = TypeVar("L", bound="LidarFile")
 
 _MAX_BEAMS = 1 << 23
 _MAX_RINGS = 4096
@@ -142,8 +141,31 @@ Firing = UniformFiring | EncoderFiring | ListedFiring
 _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
 
 
+class LidarFile(TomlFile):
+    """A `TomlFile` whose messages name the line, too, where it is known."""
+
+    @classmethod
+    def from_toml(cls: type[L], text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> L:
+        """Return what the text of a TOML file says (docs/lidars.md).
+
+        Raises:
+            CadetError: anything that is wrong with it, in one line with `file`, key and reason; text too long for a
+                LIDAR, as reading endless rings takes minutes.
+        """
+        if isinstance(text, str | bytes) and len(text) > _MAX_LETTERS:
+            most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
+            raise FileFormatError(f"{len(text)} letters, {most}: is this a LIDAR's file?", file)
+        try:
+            return super().from_toml(text, file=file, folder=folder)
+        except FileFormatError as error:
+            line = _line_of(error.reason, text.decode(errors="replace") if isinstance(text, bytes) else text)
+            if error.file != file or error.line is not None or line is None:
+                raise
+            raise FileFormatError(error.reason, file, line) from None
+
+
 @dataclass(frozen=True, kw_only=True)
-class BeamTable(TomlFile):
+class BeamTable(LidarFile):
     """A turning LIDAR.
 
     Raises:
@@ -204,16 +226,6 @@ class BeamTable(TomlFile):
         if isinstance(firing, UniformFiring):
             return firing.columns
         return firing.firings if isinstance(firing, EncoderFiring) else len(firing.azimuths_deg)
-
-    @classmethod
-    def from_toml(cls, text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> BeamTable:
-        """Return what the text of a TOML file says; messages name the line, too, where it is known.
-
-        Raises:
-            CadetError: anything that is wrong with it, in one line with `file`, key and reason.
-        """
-        with names_lines(text, file):
-            return super().from_toml(text, file=file, folder=folder)
 
     @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> BeamTable:
@@ -313,25 +325,6 @@ def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
         # Dataclass fields without a default hold a marker of the library's own.
         if key not in values and not isinstance(default, (int, float, str, tuple)):
             raise CadetError(f"{owner}{key}: missing key")
-
-
-@contextmanager
-def names_lines(text: str | bytes, file: str) -> Iterator[None]:
-    """Name the line that an error means, where it can be told, while a LIDAR is read.
-
-    Raises:
-        FileFormatError: text too long for a LIDAR: reading endless rings takes minutes.
-    """
-    if isinstance(text, str | bytes) and len(text) > _MAX_LETTERS:
-        most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
-        raise FileFormatError(f"{len(text)} letters, {most}: is this a LIDAR's file?", file)
-    try:
-        yield
-    except FileFormatError as error:
-        line = _line_of(error.reason, text.decode(errors="replace") if isinstance(text, bytes) else text)
-        if error.file != file or error.line is not None or line is None:
-            raise
-        raise FileFormatError(error.reason, file, line) from None
 
 
 def _line_of(message: str, text: str) -> int | None:
