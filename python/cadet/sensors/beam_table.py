@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from cadet import _cadet
-from cadet._util.checks import Limits, check_fields, check_number, is_one_of, make_plain, shown, shown_key
-from cadet._util.plain_tables import table_of_object
+from cadet._util.checks import Limits, check_fields, check_number, is_one_of, make_plain, shown
+from cadet._util.plain_tables import check_keys_of, table_of_object
 from cadet._util.summary import summary
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError, FileFormatError
@@ -229,7 +229,7 @@ class BeamTable(LidarFile):
 
     @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> BeamTable:
-        _check_keys("", table, BeamTable)
+        check_keys_of(BeamTable, table)
         rings = table["rings"]
         if not isinstance(rings, list) or not all(isinstance(ring, Mapping) for ring in rings):
             raise CadetError("rings: expected a list of tables such as { elevation_deg = 2.0, height_m = 0.0 }")
@@ -238,7 +238,7 @@ class BeamTable(LidarFile):
         lasers = []
         for number, ring in enumerate(rings):
             owner = f"rings[{number}]"
-            _check_keys(f"{owner}.", ring, Laser)
+            check_keys_of(Laser, ring, owner)
             try:
                 lasers.append(Laser(**{key: _as_tuples(value) for key, value in ring.items()}))
             except CadetError as error:
@@ -305,7 +305,7 @@ def _firing(values: object) -> Firing:
         raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {shown(values['pattern'])}")
     cls = _PATTERNS[values["pattern"]]
     rest = {key: _as_tuples(value) for key, value in values.items() if key != "pattern"}
-    _check_keys("firing.", rest, cls)
+    check_keys_of(cls, rest, "firing")
     return cls(**rest)
 
 
@@ -314,17 +314,6 @@ def _ring(laser: Laser) -> dict[str, Any]:
     values = table_of_object(laser)
     usual = {f.name: f.default for f in fields(Laser) if f.name != "height_m"}
     return {key: value for key, value in values.items() if getattr(laser, key) != usual.get(key)}
-
-
-def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
-    known = {f.name: f.default for f in fields(cls)}
-    for key in values:
-        if key not in known:
-            raise CadetError(f"{owner}{shown_key(key)}: unknown key; known: {', '.join(known)}")
-    for key, default in known.items():
-        # Dataclass fields without a default hold a marker of the library's own.
-        if key not in values and not isinstance(default, (int, float, str, tuple)):
-            raise CadetError(f"{owner}{key}: missing key")
 
 
 def _line_of(message: str, text: str) -> int | None:
