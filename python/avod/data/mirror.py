@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -49,15 +47,3 @@ def mirror_boxes(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
     rotation_y = boxes_cam[:, 6]
     mirrored[:, 6] = np.where(rotation_y >= 0.0, np.pi - rotation_y, -np.pi - rotation_y)
     return mirrored
-
-
-def mirror_anchors(anchors: NDArray[Any]) -> NDArray[Any]:
-    """Mirror anchors (N, 6)."""
-    mirrored = anchors.copy()
-    mirrored[:, 0] *= -1.0
-    return mirrored
-
-
-def mirror_offsets(offsets: NDArray[Any]) -> NDArray[Any]:
-    """Mirror offsets between anchors (N, 6)."""
-    return mirror_anchors(offsets)

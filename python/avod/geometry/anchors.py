@@ -17,25 +17,6 @@ _X, _Y, _Z, _DX, _DZ = 0, 1, 2, 3, 5
 _ROTATIONS: Final = 2
 
 
-def anchor_grid(
-    plane: NDArray[np.float64], classes: Sequence[ObjectClass], config: AnchorConfig, bev: BevConfig
-) -> NDArray[np.float64]:
-    """Make the whole grid of anchors on the ground plane.
-
-    Args:
-        plane: (4,) [a, b, c, d], cam frame, unit normal, b < 0.
-        classes: whose sizes the anchors take.
-        config: the stride.
-        bev: the extent.
-
-    Returns:
-        (N, 6) anchors. A class's come together; within, z falls, then x rises, then the sizes in turn, each along x and
-        along z.
-    """
-    sizes = tuple(item.anchor_sizes_lwh_m for item in classes)
-    return _on_plane(_flat_grids(sizes, config.stride_m, bev.x_m, bev.z_m), plane)
-
-
 @lru_cache(maxsize=16)
 def _flat_grid(
     sizes: tuple[Size, ...], stride_m: float, x_m: tuple[float, float], z_m: tuple[float, float]
@@ -101,7 +82,8 @@ def anchors_over(
         bev: extent and size of the cells.
 
     Returns:
-        (N, 6) anchors, in the order of `anchor_grid`.
+        (N, 6) anchors. A class's come together; within, z falls, then x rises, then the sizes in turn, each along x and
+        along z.
     """
     sizes = tuple(item.anchor_sizes_lwh_m for item in classes)
     flat = np.asarray(cv2.integral(cells.view(np.uint8)), np.int32).ravel()

@@ -5,18 +5,19 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import torch
 
 from avod.config import Config
-from avod.config_file import config_from_table, differences, table_from_config
+from avod.config_file import differences, table_from_config
 from avod.data.mixture import Folders
 from cadet import __version__
 from cadet._util.checks import MAX_SEED, Limits, check_fields
+from cadet._util.plain_tables import object_of_table
 from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import write_whole
@@ -24,6 +25,7 @@ from cadet.formats.kitti.files.folder import write_whole
 _NAME: Final = "run.json"
 _FORMAT: Final = "avod-training"
 _VERSION: Final = 1
+_HEAD: Final = ("format", "version", "made_with")
 # How far a training goes and how often it is written down changes no step; detection is no part of training.
 _FREE: Final = ("training.steps", "training.checkpoint_steps", "detection.")
 _REFUSED: Final = ("seed", "split", "shares", "num_used", "frames_crc32", "bank_crc32", "init")
@@ -119,28 +121,37 @@ class Record:
         bank_crc32: checksum of its list.
         num_frames: how many of the folder's frames were drawn to learn from, None for all.
         resume_from: the checkpoint of another training that it went on from, or None.
+
+    Raises:
+        CadetError: a number outside its range, or not as many shares as folders.
     """
 
     config: Config
-    seed: int
+    seed: Annotated[int, Limits(0)]
     data: str | tuple[str, ...]
     split: str | None
-    num_used: int
-    frames_crc32: int
+    num_used: Annotated[int, Limits(0)]
+    frames_crc32: Annotated[int, Limits(0)]
     init: str | None = None
-    num_processes: int = 1
+    num_processes: Annotated[int, Limits(1)] = 1
     device: str = "cpu"
     precision: str | None = None
     compile: bool = False
-    skipped_steps: tuple[int, ...] = ()
-    keep: int | None = None
-    val_every: int | None = None
+    skipped_steps: Annotated[tuple[int, ...], Limits(0)] = ()
+    keep: Annotated[int | None, Limits(1)] = None
+    val_every: Annotated[int | None, Limits(1)] = None
     val_split: str | None = None
     shares: tuple[float, ...] | None = None
     bank: str | None = None
-    bank_crc32: int | None = None
-    num_frames: int | None = None
+    bank_crc32: Annotated[int | None, Limits(0)] = None
+    num_frames: Annotated[int | None, Limits(1)] = None
     resume_from: str | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        num_folders = len(self.data) if isinstance(self.data, tuple) else 0
+        if num_folders != len(self.shares or ()):
+            raise CadetError(f"shares: expected one for each of {num_folders} folders, got {self.shares!r:.40}")
 
     @property
     def folders(self) -> tuple[tuple[Path, float], ...]:
@@ -177,21 +188,11 @@ def read_record(out: Path) -> Record:
         raise CadetError(f"{path}: not a record of an avod training")
     if table.get("version") != _VERSION:
         raise CadetError(f"{path}: version {table.get('version')!r}, expected {_VERSION}")
-    config = config_from_table(table.get("config"), f"{path}: config")
-    values: dict[str, Any] = {"config": config}
-    for item in fields(Record):
-        if item.name != "config":
-            value = table.get(item.name)
-            value = tuple(value) if isinstance(value, list) else value
-            if not _is_of_kind(value, str(item.type)):
-                raise CadetError(f"{path}: {item.name}: expected {item.type}, got {value!r:.40}")
-            values[item.name] = value
-    num_folders = len(values["data"]) if isinstance(values["data"], tuple) else 0
-    if num_folders != len(values["shares"] or ()):
-        raise CadetError(
-            f"{path}: shares: expected one for each of {num_folders} folders, got {values['shares']!r:.40}"
-        )
-    return Record(**values)
+    own = {key: value for key, value in table.items() if key not in _HEAD}
+    try:
+        return object_of_table(Record, own, Path())
+    except CadetError as error:
+        raise CadetError(f"{path}: {error}") from None
 
 
 def check_resumed(out: Path, old: Record, new: Record) -> Iterator[str]:
@@ -230,23 +231,6 @@ def check_resumed(out: Path, old: Record, new: Record) -> Iterator[str]:
 def with_skipped(record: Record, steps: Sequence[int]) -> Record:
     """Return the record with further steps that are left out."""
     return replace(record, skipped_steps=tuple(sorted({*record.skipped_steps, *steps})))
-
-
-def _is_of_kind(value: object, kind: str) -> bool:
-    if value is None:
-        return kind.endswith("None")
-    if isinstance(value, tuple):
-        item = next((name for name in ("int", "float", "str") if f"tuple[{name}, ...]" in kind), None)
-        return item is not None and all(_is_of_kind(entry, item) for entry in value)
-    if kind.startswith("tuple"):
-        return False
-    if kind == "float":
-        return isinstance(value, float) and 0.0 <= value <= 1.0
-    if kind == "bool":
-        return isinstance(value, bool)
-    if kind.startswith("int"):
-        return isinstance(value, int) and not isinstance(value, bool) and value >= 0
-    return isinstance(value, str)
 
 
 def made_with() -> dict[str, str | None]:

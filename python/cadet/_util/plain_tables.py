@@ -41,6 +41,13 @@ def check_keys(table: object, known: tuple[str, ...], needed: tuple[str, ...] = 
             raise CadetError(f"{_join(place, key)}: missing key")
 
 
+def check_keys_of(cls: type[Any], table: object, place: str = "") -> None:
+    """Refuse, as `check_keys` does, a table whose keys are not the fields of a dataclass that it is to become."""
+    fields = [f for f in dataclasses.fields(cls) if f.init]
+    needed = (f.name for f in fields if f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING)
+    check_keys(table, tuple(f.name for f in fields), tuple(needed), place)
+
+
 def object_of_table(cls: type[T], table: object, folder: Path, place: str = "") -> T:
     """Make a dataclass from a table whose keys are its fields.
 
@@ -53,9 +60,7 @@ def object_of_table(cls: type[T], table: object, folder: Path, place: str = "") 
     Raises:
         CadetError: an unknown or missing key, or a value that the class refuses; the key is named.
     """
-    fields = [f for f in dataclasses.fields(cls) if f.init]  # type: ignore[arg-type]
-    needed = (f.name for f in fields if f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING)
-    check_keys(table, tuple(f.name for f in fields), tuple(needed), place)
+    check_keys_of(cls, table, place)
     hints = get_type_hints(cls)
     values = {key: value_of(hints[key], value, folder, _join(place, key)) for key, value in table.items()}  # type: ignore[attr-defined]
     try:
@@ -93,7 +98,9 @@ def value_of(kind: Any, value: object, folder: Path, place: str) -> Any:
     if origin in (Union, types.UnionType):
         if value is None and type(None) in inner:
             return None
-        (kind,) = (one for one in inner if one is not type(None))
+        kinds = [one for one in inner if one is not type(None)]
+        is_array = isinstance(value, list | tuple)
+        kind = next((one for one in kinds if (get_origin(one) is tuple) == is_array), kinds[0])
         return value_of(kind, value, folder, place)
     if dataclasses.is_dataclass(kind):
         if not isinstance(value, Mapping):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
-from cadet.errors import FileFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError, MissingFileError
 
 MAX_SETTINGS_BYTES: Final = 1 << 24
 """Of a file of settings: 16 MiB. What is larger was meant for something else."""
@@ -55,6 +55,23 @@ def read_file(
 def read_settings(path: Path, *, name: str | None = None, missing: str | None = None) -> bytes:
     """Return the bytes of a file of settings, such as TOML: `read_file` of at most `MAX_SETTINGS_BYTES`."""
     return read_file(path, name=name, missing=missing, max_bytes=MAX_SETTINGS_BYTES)
+
+
+def check_out_path(path: str | Path, suffixes: Iterable[str]) -> Path:
+    """Return where a file is to be written, refused before there is anything to write.
+
+    Raises:
+        CadetError: a name that ends in none of the suffixes, or that is a folder's.
+        MissingFileError: the folder is not there.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in suffixes:
+        raise CadetError(f"{path}: expected a name that ends in {', '.join(suffixes)}")
+    if path.is_dir():
+        raise CadetError(f"{path}: is a folder")
+    if not path.parent.is_dir():
+        raise MissingFileError(f"{path}: no such folder: {path.parent}")
+    return path
 
 
 @contextlib.contextmanager

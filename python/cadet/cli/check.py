@@ -16,6 +16,7 @@ from cadet._util.operating_system import num_processors
 from cadet._util.text_tables import aligned
 from cadet.formats.kitti.files.folder import frame_ids, sample_folder, testing_folder
 from cadet.formats.kitti.lint import Finding, lint
+from cadet.formats.nuscenes import lint as nuscenes
 
 _ROWS_SHOWN: Final = 50
 _ALIKE_SHOWN: Final = 3
@@ -32,13 +33,18 @@ _VALUE: Final = re.compile(r"[-+]?\d[-+.\de]*|\binf\b|\bnan\b")
 def check_command(root: Path, strict: bool | None, workers: int | None, is_all: bool, is_json: bool) -> int:
     """Check that a dataset is complete, follows KITTI's definitions, and is consistent; exit 1 on any error.
 
+    Of nuScenes' format it checks tables, links between their rows, boxes, and files, without tolerances.
+
     \b
     cadet check out
     cadet check kitti --json > findings.json
     """  # noqa: D301 - click reads the backspace
-    findings = lint(root, strict=strict, workers=workers or num_processors())
-    testing = testing_folder(root)
-    num_frames = len(frame_ids(sample_folder(root))) + (0 if testing is None else len(frame_ids(testing)))
+    if nuscenes.table_folders(root):
+        num_frames, findings = nuscenes.lint(root)
+    else:
+        findings = lint(root, strict=strict, workers=workers or num_processors())
+        testing = testing_folder(root)
+        num_frames = len(frame_ids(sample_folder(root))) + (0 if testing is None else len(frame_ids(testing)))
     errors = Counter(finding.rule for finding in findings if finding.severity == "error")
     warnings = Counter(finding.rule for finding in findings if finding.severity == "warning")
     if is_json:

@@ -20,6 +20,8 @@ RECALLS: Final[Mapping[str, str]] = {
 }
 """How a curve becomes one number."""
 
+_WARNINGS_SHOWN: Final = 5
+
 
 @dataclass(frozen=True)
 class Report:
@@ -65,9 +67,11 @@ class Report:
         return summary(self, ", ".join(self.ap), recall=self.recall, num_frames=self.num_frames, num_gt=self.num_gt)
 
     def __str__(self) -> str:
-        """Return the title, the table of AP and how many warnings there are."""
+        """Return the title, the table of AP and the first warnings."""
         lines = [self.title(), *aligned(self.table(), num_left=3), self.subtitle()]
-        return "\n".join([*lines, f"{len(self.warnings)} warnings."] if self.warnings else lines)
+        lines += [f"Note: {warning}" for warning in self.warnings[:_WARNINGS_SHOWN]]
+        num_more = len(self.warnings) - _WARNINGS_SHOWN
+        return "\n".join([*lines, f"... and {num_more} more: see warnings"] if num_more > 0 else lines)
 
     def to_json(self) -> str:
         """Return everything, whole curves too, as JSON; no limit is null."""

@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.errors import CadetError, MissingFileError
+from cadet._util.user_files import check_out_path
+from cadet.errors import CadetError
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.folder import write_whole
 
@@ -24,14 +25,7 @@ def check_picture_path(path: str | Path) -> Path:
         CadetError: a name that ends in nothing known, or that is a folder's.
         MissingFileError: the folder is not there.
     """
-    path = Path(path)
-    if path.suffix.lower() not in _ENCODERS:
-        raise CadetError(f"{path}: expected a name that ends in {', '.join(_ENCODERS)}")
-    if path.is_dir():
-        raise CadetError(f"{path}: is a folder")
-    if not path.parent.is_dir():
-        raise MissingFileError(f"{path}: no such folder: {path.parent}")
-    return path
+    return check_out_path(path, _ENCODERS)
 
 
 def write_picture(path: str | Path, image: NDArray[np.uint8]) -> Path:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet._util import style
+from cadet._util.user_files import check_out_path
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti import Frame, Label, boxes_cam_from_labels, read_frame, read_meta
 from cadet.formats.kitti.boxes import boxes_velo_from_cam
@@ -79,11 +80,7 @@ def write_recording(frames: Iterable[Frame], out_path: str | Path) -> Path:
         CadetError: a name that does not end in .rrd.
         MissingFileError: the folder is not there.
     """
-    path = Path(out_path)
-    if path.suffix.lower() != _SUFFIX or path.is_dir():
-        raise CadetError(f"{path}: expected the name of a file that ends in {_SUFFIX}")
-    if not path.parent.is_dir():
-        raise MissingFileError(f"{path}: no such folder: {path.parent}")
+    path = check_out_path(out_path, (_SUFFIX,))
     aside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         with rerun.RecordingStream("cadet") as stream:

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from cadet import _cadet
-from cadet._util.checks import Limits, check_fields, check_number, is_one_of, make_plain, shown, shown_key
-from cadet._util.plain_tables import table_of_object
+from cadet._util.checks import Limits, check_fields, check_number, is_one_of, make_plain, shown
+from cadet._util.plain_tables import check_keys_of, table_of_object
 from cadet._util.summary import summary
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError, FileFormatError
 
-T = TypeVar("T")
+L = TypeVar("L", bound="LidarFile")
 
 _MAX_BEAMS = 1 << 23
 _MAX_RINGS = 4096
@@ -144,8 +143,31 @@ Firing = UniformFiring | EncoderFiring | ListedFiring
 _PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
 
 
+class LidarFile(TomlFile):
+    """A `TomlFile` whose messages name the line, too, where it is known."""
+
+    @classmethod
+    def from_toml(cls: type[L], text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> L:
+        """Return what the text of a TOML file says (docs/lidars.md).
+
+        Raises:
+            CadetError: anything that is wrong with it, in one line with `file`, key and reason; text too long for a
+                LIDAR, as reading endless rings takes minutes.
+        """
+        if isinstance(text, str | bytes) and len(text) > _MAX_LETTERS:
+            most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
+            raise FileFormatError(f"{len(text)} letters, {most}: is this a LIDAR's file?", file)
+        try:
+            return super().from_toml(text, file=file, folder=folder)
+        except FileFormatError as error:
+            line = _line_of(error.reason, text.decode(errors="replace") if isinstance(text, bytes) else text)
+            if error.file != file or error.line is not None or line is None:
+                raise
+            raise FileFormatError(error.reason, file, line) from None
+
+
 @dataclass(frozen=True, kw_only=True)
-class BeamTable(TomlFile):
+class BeamTable(LidarFile):
     """A turning LIDAR.
 
     Raises:
@@ -216,18 +238,8 @@ class BeamTable(TomlFile):
         return firing.firings if isinstance(firing, EncoderFiring) else len(firing.azimuths_deg)
 
     @classmethod
-    def from_toml(cls, text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> BeamTable:
-        """Return what the text of a TOML file says; messages name the line, too, where it is known.
-
-        Raises:
-            CadetError: anything that is wrong with it, in one line with `file`, key and reason.
-        """
-        with names_lines(text, file):
-            return super().from_toml(text, file=file, folder=folder)
-
-    @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> BeamTable:
-        _check_keys("", table, BeamTable)
+        check_keys_of(BeamTable, table)
         rings = table["rings"]
         if not isinstance(rings, list) or not all(isinstance(ring, Mapping) for ring in rings):
             raise CadetError("rings: expected a list of tables such as { elevation_deg = 2.0, height_m = 0.0 }")
@@ -236,7 +248,7 @@ class BeamTable(TomlFile):
         lasers = []
         for number, ring in enumerate(rings):
             owner = f"rings[{number}]"
-            _check_keys(f"{owner}.", ring, Laser)
+            check_keys_of(Laser, ring, owner)
             try:
                 lasers.append(Laser(**{key: _as_tuples(value) for key, value in ring.items()}))
             except CadetError as error:
@@ -303,7 +315,7 @@ def _firing(values: object) -> Firing:
         raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {shown(values['pattern'])}")
     cls = _PATTERNS[values["pattern"]]
     rest = {key: _as_tuples(value) for key, value in values.items() if key != "pattern"}
-    _check_keys("firing.", rest, cls)
+    check_keys_of(cls, rest, "firing")
     return cls(**rest)
 
 
@@ -312,36 +324,6 @@ def _ring(laser: Laser) -> dict[str, Any]:
     values = table_of_object(laser)
     usual = {f.name: f.default for f in fields(Laser) if f.name != "height_m"}
     return {key: value for key, value in values.items() if getattr(laser, key) != usual.get(key)}
-
-
-def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
-    known = {f.name: f.default for f in fields(cls)}
-    for key in values:
-        if key not in known:
-            raise CadetError(f"{owner}{shown_key(key)}: unknown key; known: {', '.join(known)}")
-    for key, default in known.items():
-        # Dataclass fields without a default hold a marker of the library's own.
-        if key not in values and not isinstance(default, (int, float, str, tuple)):
-            raise CadetError(f"{owner}{key}: missing key")
-
-
-@contextmanager
-def names_lines(text: str | bytes, file: str) -> Iterator[None]:
-    """Name the line that an error means, where it can be told, while a LIDAR is read.
-
-    Raises:
-        FileFormatError: text too long for a LIDAR: reading endless rings takes minutes.
-    """
-    if isinstance(text, str | bytes) and len(text) > _MAX_LETTERS:
-        most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
-        raise FileFormatError(f"{len(text)} letters, {most}: is this a LIDAR's file?", file)
-    try:
-        yield
-    except FileFormatError as error:
-        line = _line_of(error.reason, text.decode(errors="replace") if isinstance(text, bytes) else text)
-        if error.file != file or error.line is not None or line is None:
-            raise
-        raise FileFormatError(error.reason, file, line) from None
 
 
 def _line_of(message: str, text: str) -> int | None:

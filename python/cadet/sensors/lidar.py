@@ -16,7 +16,7 @@ from cadet._util.checks import check_flag, check_kind, check_number, is_one_of, 
 from cadet._util.summary import summary
 from cadet._util.toml_file import NamedFile
 from cadet.errors import CadetError
-from cadet.sensors.beam_table import BeamTable, names_lines
+from cadet.sensors.beam_table import BeamTable, LidarFile
 
 RETURN_MODES = ("strongest", "last")
 HOW = ("single_origin", "rolling", "returns", "divergence_mrad")
@@ -27,7 +27,7 @@ LIDAR_PRESETS = (*_cadet.Lidar.presets(), *_FILES)
 
 
 @dataclass(frozen=True)
-class Lidar(NamedFile):
+class Lidar(LidarFile, NamedFile):
     """A LIDAR's beams, by preset or by a custom table, and how it takes a scan (docs/scan.md).
 
     Args:
@@ -129,16 +129,6 @@ class Lidar(NamedFile):
     @classmethod
     def _presets(cls) -> Mapping[str, Callable[[], Lidar]]:
         return {name: partial(cls, name) for name in LIDAR_PRESETS}
-
-    @classmethod
-    def from_toml(cls, text: str | bytes, *, file: str = "TOML", folder: str | Path = ".") -> Lidar:
-        """Return what the text of a TOML file says (docs/lidars.md); messages name the line, too, where it is known.
-
-        Raises:
-            CadetError: anything that is wrong with it, in one line with `file`, key and reason.
-        """
-        with names_lines(text, file):
-            return super().from_toml(text, file=file, folder=folder)
 
     @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Lidar:

@@ -24,7 +24,7 @@ from avod.data.images import jitter_colors, resize_bilinear
 from avod.data.order import Order, StepSampler
 from avod.data.packing import packed
 from avod.data.sample import Sample
-from avod.geometry.anchors import anchor_grid
+from avod.geometry.anchors import anchors_over
 from avod.geometry.encoding import anchors_from_boxes, offsets_from_anchors
 from avod.model.network import AvodNetwork
 from cadet.errors import CadetError, CadetWarning, NonFiniteError, ShapeError
@@ -34,6 +34,7 @@ from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
 CONFIG = Config.named(Path(__file__).parents[2] / "support" / "detector" / "overfit.toml")
 PLANE = normal_plane(np.array([0.05, -0.99, 0.02, 1.7]))
+MIRRORED = np.array([-1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
 
 
 @pytest.mark.parametrize("size", [(7, 5), (23, 31), (40, 30), (3, 2)])
@@ -150,8 +151,6 @@ def test_mirroring_twice_changes_nothing() -> None:
         (mirror.mirror_points, rng.normal(size=(9, 3))),
         (mirror.mirror_plane, PLANE),
         (mirror.mirror_boxes, boxes[1:]),
-        (mirror.mirror_anchors, rng.normal(size=(9, 6))),
-        (mirror.mirror_offsets, rng.normal(size=(9, 6))),
     ]
     for function, value in cases:
         np.testing.assert_allclose(function(function(value)), value, atol=1e-12)
@@ -175,9 +174,12 @@ def vars_of(calib: Calibration) -> dict[str, Any]:
 
 def test_anchors_of_the_mirrored_plane_are_the_mirrored_anchors_heights_too() -> None:
     config = Config.named("car_default")
-    grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
-    mirrored = anchor_grid(mirror.mirror_plane(PLANE), config.classes, config.anchors, config.bev)
-    expected = mirror.mirror_anchors(grid)
+    every = replace(config.anchors, min_occupied_cells=0)
+    cells = np.zeros(config.bev.shape[:0:-1], np.bool_)
+    grid, mirrored = (
+        anchors_over(cells, plane, config.classes, every, config.bev) for plane in (PLANE, mirror.mirror_plane(PLANE))
+    )
+    expected = grid * MIRRORED
     order = [np.lexsort(anchors.round(6).T) for anchors in (mirrored, expected)]
     np.testing.assert_allclose(mirrored[order[0]], expected[order[1]], atol=1e-12)
     assert np.ptp(mirrored[:, 1] - grid[:, 1]) > 0.5, "the plane is tilted enough to tell"
@@ -189,9 +191,9 @@ def test_offsets_of_a_mirrored_sample_are_the_mirrored_offsets() -> None:
     boxes = np.column_stack([rng.uniform(1, 4, (30, 6)), rng.uniform(-math.pi, math.pi, 30)])
     offsets, mirrored = (
         offsets_from_anchors(torch.from_numpy(a), anchors_from_boxes(torch.from_numpy(b))).numpy()
-        for a, b in ((anchors, boxes), (mirror.mirror_anchors(anchors), mirror.mirror_boxes(boxes)))
+        for a, b in ((anchors, boxes), (anchors * MIRRORED, mirror.mirror_boxes(boxes)))
     )
-    np.testing.assert_allclose(mirrored, mirror.mirror_offsets(offsets), atol=1e-12)
+    np.testing.assert_allclose(mirrored, offsets * MIRRORED, atol=1e-12)
 
 
 def test_a_mirrored_sample_is_the_sample_mirrored() -> None:

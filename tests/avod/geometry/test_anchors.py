@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from avod.config import AnchorConfig, Config
+from avod.config import AnchorConfig, Config, ObjectClass
 from avod.data.build import build_sample, normal_plane
-from avod.geometry.anchors import anchor_grid, anchors_over, occupancy
+from avod.geometry.anchors import anchors_over, occupancy
 from cadet.bev import BevConfig
 from cadet.formats.kitti import read_frame
 from real_kitti import ROOT, needs_kitti
@@ -15,10 +18,15 @@ from real_kitti import ROOT, needs_kitti
 PLANE = normal_plane(np.array([0.02, -0.999, 0.01, 1.65]))
 
 
+def whole_grid(classes: tuple[ObjectClass, ...], config: AnchorConfig, bev: BevConfig) -> NDArray[np.float64]:
+    cells = np.zeros(bev.shape[:0:-1], np.bool_)
+    return anchors_over(cells, PLANE, classes, replace(config, min_occupied_cells=0), bev)
+
+
 @pytest.mark.parametrize("name", ["car_default", "people_default"])
 def test_the_grid_has_the_published_places(name: str) -> None:
     config = Config.named(name)
-    grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
+    grid = whole_grid(config.classes, config.anchors, config.bev)
     assert grid.shape == (89_600, 6)
     assert grid[:, 0].min() == -39.75 and grid[:, 0].max() == 39.75
     assert grid[:, 2].min() == 0.25 and grid[0, 2] == 69.75
@@ -27,7 +35,7 @@ def test_the_grid_has_the_published_places(name: str) -> None:
 
 def test_the_grids_order_is_z_then_x_then_size_then_rotation() -> None:
     config = Config.named("car_default")
-    grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
+    grid = whole_grid(config.classes, config.anchors, config.bev)
     first, second = config.classes[0].anchor_sizes_lwh_m
     assert grid[:4, 3:].tolist() == [
         [first[0], first[2], first[1]],
@@ -38,7 +46,7 @@ def test_the_grids_order_is_z_then_x_then_size_then_rotation() -> None:
     assert grid[4, 0] == -39.25 and grid[4, 2] == 69.75
     assert grid[160 * 4, 0] == -39.75 and grid[160 * 4, 2] == 69.25
     people = Config.named("people_default")
-    grid = anchor_grid(PLANE, people.classes, people.anchors, people.bev)
+    grid = whole_grid(people.classes, people.anchors, people.bev)
     assert set(grid[: 22_400 * 2, 4]) == {1.768} and set(grid[22_400 * 2 :, 4]) == {1.723}
 
 
@@ -47,7 +55,7 @@ def test_the_filter_counts_cells() -> None:
     bev = BevConfig(x_m=(-8.0, 8.0), z_m=(0.0, 12.0))
     config = AnchorConfig(stride_m=0.7, min_occupied_cells=2)
     classes = Config.named("all_default").classes
-    anchors = anchor_grid(PLANE, classes, config, bev)
+    anchors = whole_grid(classes, config, bev)
     points = np.column_stack([rng.uniform(-9, 9, 300), rng.uniform(-1, 2, 300), rng.uniform(-1, 13, 300)])
     cells = occupancy(points, PLANE, config, bev)
     heights = points @ PLANE[:3] + PLANE[3]

@@ -292,8 +292,12 @@ def test_a_folder_from_before_records_goes_on(config: Config, data: Path, unbrok
     [
         ({"format": "other"}, r"run\.json: not a record of an avod training"),
         ({"version": 7}, r"run\.json: version 7, expected 1"),
-        ({"seed": "one"}, r"run\.json: seed: expected int, got 'one'"),
-        ({"skipped_steps": [1.5]}, r"run\.json: skipped_steps: expected tuple"),
+        ({"seed": "one"}, r"run\.json: seed: expected a whole number, got 'one'"),
+        ({"seed": -1}, r"run\.json: Record\.seed: expected "),
+        ({"skipped_steps": [1.5]}, r"run\.json: skipped_steps\[0\]: expected a whole number, got 1\.5"),
+        ({"data": ["one", 2]}, r"run\.json: data\[1\]: expected a string, got 2"),
+        ({"data": 3}, r"run\.json: data: expected a string, got 3"),
+        ({"other": 3}, r"run\.json: other: unknown key"),
     ],
 )
 def test_damaged_records_are_refused(

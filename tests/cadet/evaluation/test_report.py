@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -60,6 +61,14 @@ def test_markdown_is_a_table_of_what_was_evaluated(report: Report) -> None:
     assert not any(row[0] == "Cyclist" for row in rows)
     assert 'frames="results": the 60 frames that have a result file' in "\n".join(lines)
     assert any("Cyclist" in line for line in lines if line.startswith("* "))
+
+
+def test_print_shows_the_first_warnings(report: Report) -> None:
+    assert len(report.warnings) == 1
+    assert str(report).splitlines()[-1] == f"Note: {report.warnings[0]}"
+    lines = str(replace(report, warnings=tuple("abcdefg"))).splitlines()
+    assert lines[-6:] == [*(f"Note: {name}" for name in "abcde"), "... and 2 more: see warnings"]
+    assert str(replace(report, warnings=())).endswith("60 detections.")
 
 
 def test_the_figure_shows_curves(report: Report, tmp_path: Path) -> None:

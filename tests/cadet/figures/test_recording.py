@@ -128,7 +128,7 @@ def test_what_cannot_be_recorded_is_one_clear_line(
 ) -> None:
     pytest.importorskip("rerun", reason="needs rerun-sdk, the extra view")
     for arguments, message in (
-        ([str(root), "--rerun", "-o", str(tmp_path / "a.png")], "expected the name of a file that ends in .rrd"),
+        ([str(root), "--rerun", "-o", str(tmp_path / "a.png")], "expected a name that ends in .rrd"),
         ([str(root), "--rerun", "-o", str(tmp_path / "none" / "a.rrd")], "no such folder"),
         ([f"{root}/000099", "--rerun"], "no frame 000099"),
         ([str(root), "--rerun", "--bev"], "leave out --bev"),

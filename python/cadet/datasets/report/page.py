@@ -11,12 +11,12 @@ from typing import Final
 
 from cadet import _cadet
 from cadet._util.checks import check_number
+from cadet._util.user_files import check_out_path
 from cadet.datasets.report.charts import distance, histogram
 from cadet.datasets.report.gallery import Picture, class_color, pictures
 from cadet.datasets.report.gather import Facts, gather
 from cadet.datasets.report.quantities import CLASSES, POINTS, QUANTITIES
 from cadet.datasets.report.statistics import Statistics, kitti_statistics, mix
-from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import write_whole
 
 PAPER_FRAMES: Final = 10_000
@@ -45,13 +45,7 @@ def write_report(root: str | Path, path: str | Path, *, num_frames: int = 10, wo
         MissingFileError: no KITTI folder, or one without labels.
         CadetError: more than half of the frames cannot be read; `cadet check` finds all of them.
     """
-    path = Path(path)
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise CadetError(f"{path}: expected a name that ends in .html")
-    if path.is_dir():
-        raise CadetError(f"{path}: is a folder")
-    if not path.parent.is_dir():
-        raise MissingFileError(f"{path}: no such folder: {path.parent}")
+    path = check_out_path(path, (".html", ".htm"))
     check_number("", "num_frames", num_frames, 0, _MOST_PICTURES, whole=True)
     facts = gather(root, workers=workers)
     write_whole({path: _page(facts, pictures(root, int(num_frames))).encode("utf-8", "backslashreplace")})

@@ -63,7 +63,7 @@ class Analysis:
         return summary(self, ", ".join(self.report.ap), f"{self.report.num_frames} frames", parts=self.parts())
 
     def __str__(self) -> str:
-        """Return the report and all tables as text."""
+        """Return the report, all tables and the notes as text."""
         return self.to_text()
 
     def parts(self) -> list[str]:
@@ -105,12 +105,14 @@ class Analysis:
             yield comparison_table(self.comparison)
 
     def to_text(self) -> str:
-        """Return the report and all tables as text."""
-        return "\n".join([str(self.report), *(f"\n{section.to_text()}" for section in self.sections())])
+        """Return the report, all tables and the notes as text."""
+        sections = (f"\n{section.to_text()}" for section in self.sections())
+        return "\n".join([str(self.report), *sections, *(f"Note: {note}" for note in self.notes)])
 
     def to_markdown(self) -> str:
-        """Return the report and all tables as Markdown."""
-        return "\n".join([self.report.to_markdown(), *(section.to_markdown() for section in self.sections())])
+        """Return the report, all tables and the notes as Markdown."""
+        sections = (section.to_markdown() for section in self.sections())
+        return "\n".join([self.report.to_markdown(), *sections, *(f"* {note}\n" for note in self.notes)])
 
 
 def _plain(value: Any) -> Any:

@@ -266,21 +266,6 @@ def boxes_velo_from_cam(boxes_cam: ArrayLike, calib: Calibration) -> NDArray[np.
     return boxes
 
 
-def boxes_cam_from_velo(boxes_velo: ArrayLike, calib: Calibration) -> NDArray[np.float64]:
-    """Bring boxes from the velo frame into the cam frame: (M, 7) to (M, 7), the inverse of `boxes_velo_from_cam`.
-
-    Raises:
-        ShapeError: not (M, 7).
-        NonFiniteError: NaN or infinity.
-    """
-    _check_calib(calib)
-    boxes = _check_boxes(boxes_velo, "boxes_velo").copy()
-    boxes[:, :3] = calib.points_cam_from_velo(boxes[:, :3])
-    boxes[:, 1] += 0.5 * boxes[:, 5]
-    boxes[:, 6] = wrap_angle(-boxes[:, 6] - 0.5 * np.pi)
-    return boxes
-
-
 def _check_calib(calib: object) -> None:
     check_kind("", "calib", calib, Calibration)
 

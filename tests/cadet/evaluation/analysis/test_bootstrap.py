@@ -143,6 +143,8 @@ def test_episodes_are_those_of_the_manifest(tmp_path: Path) -> None:
     assert analysis.bootstrap is not None
     assert (analysis.bootstrap.unit, analysis.bootstrap.num_units) == ("episodes", 3)
     assert analysis.notes == ("Only 3 episodes are drawn from: intervals are too narrow to be trusted.",)
+    assert str(analysis).endswith(f"Note: {analysis.notes[0]}")
+    assert analysis.to_markdown().endswith(f"\n* {analysis.notes[0]}\n")
     assert cadet.analyze(root, results, bootstrap=5, groups="frames", **CARS).bootstrap.num_units == 50  # type: ignore[union-attr]
     (root / "manifest.json").write_text("{}")
     with pytest.raises(CadetError, match="samples_per_episode"):
