@@ -1,9 +1,9 @@
-//! What stays where it is: parked vehicles, somebody who sits, a cyclist with a foot on the ground.
+//! What stays where it is: parked vehicles, somebody who sits, a cyclist with a foot on the ground, a user's figures.
 
 use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
 use crate::body::{Cycle, Fixed, Upright};
-use crate::look::{CyclistLook, PersonLook, VehicleLook};
+use crate::look::{CyclistLook, FigureLook, PersonLook, VehicleLook};
 use cadet_base::actor::ObjectClass;
 
 /// An agent that does nothing.
@@ -11,6 +11,8 @@ pub(crate) enum Fixture {
     Vehicle(Actor<Fixed, VehicleLook>),
     Cyclist(Actor<Cycle, CyclistLook>),
     Person(Actor<Upright, PersonLook>),
+    Figure(Actor<Upright, FigureLook>),
+    RidingFigure(Actor<Cycle, FigureLook>),
 }
 
 impl Behavior for Fixture {
@@ -19,6 +21,8 @@ impl Behavior for Fixture {
             Self::Vehicle(actor) => actor.view(),
             Self::Cyclist(actor) => actor.view(),
             Self::Person(actor) => actor.view(),
+            Self::Figure(actor) => actor.view(),
+            Self::RidingFigure(actor) => actor.view(),
         })
     }
 }
