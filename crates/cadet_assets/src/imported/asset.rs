@@ -47,8 +47,8 @@ impl MeshAsset {
     /// The mesh in its box frame, with room for so many materials that may be assumed.
     ///
     /// # Errors
-    /// [`Error::Mesh`], naming the file: no face with an area, a coordinate that is not finite, a rule that fits nothing,
-    /// or a size that none of its class has.
+    /// [`Error::Mesh`], naming the file: no face with an area, a coordinate that is not finite, a rule that fits
+    /// nothing, or a size that none of its class has.
     pub(super) fn placed(&self, num_assumed: usize) -> Result<Placed> {
         let fail = |reason| self.fail(reason);
         let materials = &self.source.materials;

@@ -26,7 +26,7 @@ pub struct FigureModel {
     pub class: ObjectClass,
     /// Length, width, height of the mesh's bounds.
     pub size_lwh: DVec3,
-    /// The same box, and from how far an annotator would draw it.
+    /// That box, and from how far an annotator would draw it.
     pub annotated: AnnotatedBox,
     /// All of it.
     pub body: Arc<LodSet>,
@@ -35,11 +35,11 @@ pub struct FigureModel {
 }
 
 impl FigureModel {
-    /// The figure of a user's mesh: one level of detail, and the mesh's bounds its box; and a line each of what was assumed.
+    /// The figure of a user's mesh: one level of detail, and the mesh's bounds its box; a line each of what was assumed.
     ///
     /// # Errors
-    /// [`Error::Mesh`], naming the file: no face with an area, a coordinate that is not finite, a rule that fits nothing,
-    /// or a size that nobody has. [`Error::Scene`] for a class of vehicles.
+    /// [`Error::Mesh`], naming the file: no face with an area, a coordinate that is not finite, a rule that fits
+    /// nothing, or a size that nobody has. [`Error::Scene`] for a class of vehicles.
     pub fn with_assumptions(asset: &MeshAsset) -> Result<(Self, Vec<String>)> {
         if !asset.class.is_human() {
             let name = asset.class.kitti_name();

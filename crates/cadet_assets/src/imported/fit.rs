@@ -1,4 +1,4 @@
-//! Whether a user's mesh has a size that bodies of its class have, how it comes into its box frame, and what stands out of it.
+//! Whether a user's mesh has a size of its class, how it comes into its box frame, and what stands out of it.
 
 use std::collections::BTreeMap;
 
@@ -7,8 +7,8 @@ use cadet_base::actor::ObjectClass;
 use cadet_base::geometry::Bounds;
 use cadet_base::math::{DVec3, Vec3};
 
-/// What can pass for a vehicle, for somebody on foot or on a seat, whose arms may be stretched out, and for a rider: length,
-/// width, height in meters.
+/// What can pass for a vehicle, for somebody on foot or on a seat, whose arms may be stretched out, and for a rider:
+/// length, width, height in meters.
 const VEHICLE_M: [(f64, f64); 3] = [(1.0, 30.0), (0.3, 5.0), (0.3, 6.0)];
 const PERSON_M: [(f64, f64); 3] = [(0.1, 2.5), (0.1, 2.5), (0.4, 2.5)];
 const CYCLIST_M: [(f64, f64); 3] = [(0.8, 3.5), (0.2, 1.5), (0.7, 2.5)];
@@ -34,8 +34,8 @@ impl Fit {
         let size = wanted.unwrap_or(found.as_dvec3());
         let is_person = matches!(class, ObjectClass::Pedestrian | ObjectClass::PersonSitting);
         let limits_m = match class {
-            ObjectClass::Cyclist => CYCLIST_M,
             _ if is_person => PERSON_M,
+            ObjectClass::Cyclist => CYCLIST_M,
             _ => VEHICLE_M,
         };
         for ((side, (lo, hi)), value) in ["long", "wide", "high"].iter().zip(limits_m).zip(size.to_array()) {

@@ -72,8 +72,8 @@ impl MaterialRules {
         materials.iter().zip(roles).map(or_glass).collect()
     }
 
-    /// The role of each of a figure's materials: what the user says, and a rider's tires; all else is cloth. Hair may be
-    /// dissolved, and lights are colors too.
+    /// The role of each of a figure's materials: what the user says, and a rider's tires; all else is cloth. Hair may
+    /// be dissolved, and light is a color, too.
     #[must_use]
     pub(super) fn roles_of_figure(&self, class: ObjectClass, materials: &[SourceMaterial]) -> Vec<Option<Role>> {
         let rides = class == ObjectClass::Cyclist && !self.names(Role::Tyre);

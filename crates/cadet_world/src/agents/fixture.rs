@@ -3,7 +3,10 @@
 use super::actor::{Actor, ActorView};
 use super::behavior::Behavior;
 use crate::body::{Cycle, Fixed, Upright};
+use crate::footprint::Footprint;
 use crate::look::{CyclistLook, FigureLook, PersonLook, VehicleLook};
+use crate::streets::LaneGraph;
+use crate::walking::{is_on_road, keep_off};
 use cadet_base::actor::ObjectClass;
 
 /// An agent that does nothing.
@@ -24,6 +27,11 @@ impl Behavior for Fixture {
             Self::Figure(actor) => actor.view(),
             Self::RidingFigure(actor) => actor.view(),
         })
+    }
+
+    fn on_road(&self, graph: &LaneGraph) -> Option<Footprint> {
+        let Self::Figure(Actor { body, .. }) = self else { return None };
+        is_on_road(body, body.at(), graph).then(|| keep_off(body, 0.0))
     }
 }
 

@@ -89,7 +89,7 @@ pub(crate) enum Led {
 }
 
 impl Scripted {
-    /// Who is led on foot.
+    /// The body of somebody who is led on foot.
     fn person(&self) -> Option<&Upright> {
         self.actor(0)?.body.person()
     }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::newcomers::{guided_vehicle, on_foot, parked_vehicle, ridden_bicycle, standing_person};
 use super::overlap::{Cover, check_free};
-use super::seated::check_stays;
 use crate::agents::{Actor, AgentKind, Fixture, Led, PERSON_HALF_CHORD_M, Script, Scripted, TimedPath};
 use crate::arena::Arena;
 use crate::body::{Cycle, Upright, settle, stand_up};
@@ -93,8 +92,7 @@ pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, o
     Ok(arena.put_placed(newcomer))
 }
 
-/// Adds a user's person or rider, who stands or goes as those that are built in do, but stays as the mesh is; returns the
-/// id.
+/// Adds a user's person or rider, who stands or goes as those that are built in do, but is rigid; returns the id.
 ///
 /// # Errors
 /// As [`add_vehicle`], and [`Error::Scene`] for somebody who sits and is to move.
@@ -166,6 +164,17 @@ pub(super) fn start_on_foot(arena: &Arena, class: ObjectClass, course: &Course, 
     let start = start(arena, course, FASTEST_PERSON_MPS, PERSON_HALF_CHORD_M, is_ground)?;
     check_free(arena, None, class, &Cover::Trunk(start.at), overlap)?;
     Ok(start)
+}
+
+/// Refuses a course on which somebody who sits would move.
+///
+/// # Errors
+/// [`Error::Scene`].
+pub(super) fn check_stays(course: &Course) -> Result<()> {
+    match course {
+        Course::Stand { .. } | Course::Straight { speed_mps: 0.0, .. } => Ok(()),
+        _ => Err(Error::Scene { reason: "a Person_sitting does not move: no path and no speed".to_owned() }),
+    }
 }
 
 /// The start of a bicycle of a size and a wheelbase where nobody else is, and its pose there.

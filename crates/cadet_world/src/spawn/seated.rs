@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::newcomers::on_foot;
-use super::placed::{Start, start_on_foot};
+use super::placed::{Start, check_stays, start_on_foot};
 use super::spawner::Spawner;
 use crate::agents::{Actor, AgentKind, Fixture};
 use crate::arena::Arena;
@@ -73,15 +73,4 @@ pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, ov
     let model = PersonModel::sitting(model_seed, SEAT_M);
     let body = on_foot(arena, at, yaw_rad)?;
     Ok(arena.put_placed(sitter(model, body)))
-}
-
-/// Refuses a course on which somebody who sits would move.
-///
-/// # Errors
-/// [`Error::Scene`].
-pub(super) fn check_stays(course: &Course) -> Result<()> {
-    match course {
-        Course::Stand { .. } | Course::Straight { speed_mps: 0.0, .. } => Ok(()),
-        _ => Err(Error::Scene { reason: "a Person_sitting does not move: no path and no speed".to_owned() }),
-    }
 }

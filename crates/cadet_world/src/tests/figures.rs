@@ -107,16 +107,20 @@ fn figures_follow_a_path_and_go_straight_on() {
 
 #[test]
 fn drivers_brake_for_figures() {
-    let stops_at = |class, points: &[(f64, f64, f64)]| {
+    let stops_at = |class, course: &Course| {
         let mut world = world_of_figures(0.0);
-        put(&mut world, class, &path(points));
+        put(&mut world, class, course);
         world.drive(300.0, 6.0).unwrap();
         world.ego().world_from_ego.translation.x
     };
-    let before_person = stops_at(PEDESTRIAN, &[(0.0, 20.0, 6.0), (5.0, 20.0, 0.0)]);
-    assert!((10.0..16.5).contains(&before_person), "the ego stopped at {before_person}");
-    let before_rider = stops_at(CYCLIST, &[(0.0, 20.0, 6.0), (5.0, 20.0, 0.0)]);
-    assert!((8.0..17.5).contains(&before_rider), "the ego stopped at {before_rider}");
+    let crosses = path(&[(0.0, 20.0, 6.0), (5.0, 20.0, 0.0)]);
+    let stands = Course::Stand { x_m: 20.0, y_m: 0.0, yaw_rad: 1.0 };
+    for (class, course) in
+        [(PEDESTRIAN, &crosses), (CYCLIST, &crosses), (PEDESTRIAN, &stands), (SITTING, &stands), (CYCLIST, &stands)]
+    {
+        let found = stops_at(class, course);
+        assert!((8.0..17.5).contains(&found), "the ego stopped at {found} for a {class:?} on {course:?}");
+    }
 }
 
 #[test]
