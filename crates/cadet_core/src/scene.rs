@@ -159,7 +159,7 @@ impl Scene {
             TownSource::Flat => Town::flat(),
         };
         let world = World::new(Arc::new(town), key)?
-            .with_user_vehicles(config.user_models.clone())
+            .with_user_models(config.user_models.clone())
             .with_lamps(weather.needs_lamps())
             .with_night(weather.is_night())
             .with_rain(weather.rain_mm_per_h > 0.0);

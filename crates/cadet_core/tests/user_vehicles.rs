@@ -239,7 +239,7 @@ fn street(share: f64, assets: &[MeshAsset]) -> World {
     let key = StreamKey::scene(4);
     let town = Town::suburb(&key, &SuburbConfig::default(), &PropConfig::default()).unwrap();
     let vehicles = UserModels::new(share, assets).unwrap();
-    let mut world = World::new(Arc::new(town), key).unwrap().with_user_vehicles(vehicles);
+    let mut world = World::new(Arc::new(town), key).unwrap().with_user_models(vehicles);
     let config = TrafficConfig { num_cars: 8, num_pedestrians: 2, ..TrafficConfig::default() };
     world.spawn_traffic(&config).unwrap();
     world

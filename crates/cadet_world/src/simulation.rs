@@ -85,7 +85,7 @@ impl World {
 
     /// Adds a user's models to those that are spawned or added from now on.
     #[must_use]
-    pub fn with_user_vehicles(mut self, user_models: UserModels) -> Self {
+    pub fn with_user_models(mut self, user_models: UserModels) -> Self {
         self.user_models = user_models;
         self
     }

@@ -13,7 +13,7 @@ use crate::look::PersonLook;
 use crate::params::walking::BODY_M;
 use cadet_assets::person::PersonModel;
 use cadet_base::actor::ObjectClass;
-use cadet_base::error::{Error, Result};
+use cadet_base::error::Result;
 use cadet_base::frames;
 use cadet_base::math::DPose3;
 use cadet_base::rng::Stream;
@@ -66,7 +66,7 @@ fn seated(model: &PersonModel, world_from_seat: &DPose3, stream: &mut Stream) ->
 /// Adds somebody who sits at a chair's height with the middle of the box at a place; returns the id.
 ///
 /// # Errors
-/// [`Error::Scene`] for a path, beyond the ground's edge, or where somebody is; [`Error::NotFinite`].
+/// As [`super::placed::add_vehicle`] and [`check_stays`].
 pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
     check_stays(course)?;
     let Start { at, yaw_rad, .. } = start_on_foot(arena, ObjectClass::PersonSitting, course, overlap)?;
