@@ -46,7 +46,7 @@ from cadet.simulation.environment import Environment
 from cadet.simulation.scene import RayHits, Scene
 from cadet.simulation.simulation import Simulation
 from cadet.simulation.streaming import FrameStream, stream
-from cadet.worlds.assets import Assets, VehicleMesh
+from cadet.worlds.assets import ActorMesh, Assets
 from cadet.worlds.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
 from cadet.worlds.districts import District
 from cadet.worlds.draws import Draws
@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from cadet import generate
 
 __all__ = [
+    "ActorMesh",
     "Agent",
     "Analysis",
     "Assets",
@@ -111,7 +112,6 @@ __all__ = [
     "Simulation",
     "SuburbConfig",
     "UniformFiring",
-    "VehicleMesh",
     "__version__",
     "analyze",
     "bev",

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "ActorMesh",
     "Agent",
     "Assets",
     "BeamTable",
@@ -28,7 +29,6 @@ __all__ = [
     "Sighting",
     "SuburbConfig",
     "UniformFiring",
-    "VehicleMesh",
     "__version__",
     "_panic",
     "bev_maps",
@@ -60,8 +60,8 @@ _EvaluationSource: TypeAlias = (
 _Settings: TypeAlias = list[tuple[str, tuple[list[float], float, float, bool]]]
 
 @final
-class VehicleMesh:
-    """A vehicle's mesh, not yet built (see `cadet.VehicleMesh`)."""
+class ActorMesh:
+    """An actor's mesh, not yet built (see `cadet.ActorMesh`)."""
 
     MAX_TRIANGLES: int
     MAX_MATERIALS: int
@@ -82,13 +82,13 @@ class VehicleMesh:
         size_lwh: tuple[float, float, float] | None,
         materials: Sequence[tuple[str, Sequence[str]]],
         leave_out: Sequence[str] | None,
-    ) -> VehicleMesh: ...
+    ) -> ActorMesh: ...
 
 @final
 class Assets:
-    """Vehicles built from a user's meshes, and a user's props (see `cadet.Assets`)."""
+    """Actors built from a user's meshes, and a user's props (see `cadet.Assets`)."""
 
-    def __new__(cls, share: float, vehicles: Sequence[VehicleMesh], props: Sequence[tuple[str, str]]) -> Assets: ...
+    def __new__(cls, share: float, actors: Sequence[ActorMesh], props: Sequence[tuple[str, str]]) -> Assets: ...
     def models(self) -> list[tuple[str, str, list[float]]]: ...
     def assumptions(self) -> list[str]: ...
 

@@ -104,7 +104,7 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "Rules": lambda w: cadet.Rules(classes=(cadet.EvalClass("Car", ("Car",), (0.5, 0.5, 0.5)),)),
     "UniformFiring": lambda w: cadet.UniformFiring(columns=9),
     "Props": lambda w: cadet.Props.read(w.root / "props"),
-    "VehicleMesh": lambda w: cadet.Assets.read(w.root).vehicles[0],
+    "ActorMesh": lambda w: cadet.Assets.read(w.root).actors[0],
 }
 CALLS: dict[str, Callable[[World], Any]] = {
     "Draws.between": lambda w: cadet.Draws(0, 0, 0, "name").between(1.0, 2.0),

@@ -164,11 +164,11 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "Settings": (lambda **k: Settings(**{"policy": "kitti", **k}), fields(Settings)),
     "RoadMap": (lambda **k: cadet.RoadMap(**{"name": "x", "xodr": "", **k}), ["name", "xodr"]),
     "RoadMap.read": (cadet.RoadMap.read, ["path"]),
-    "Assets": (lambda **k: cadet.Assets(**{"vehicles": (), **k}), ["vehicles", "share"]),
+    "Assets": (lambda **k: cadet.Assets(**{"actors": (), **k}), ["actors", "share"]),
     "Assets.read": (cadet.Assets.read, ["folder"]),
-    "VehicleMesh": (
-        lambda **k: cadet.VehicleMesh(**{"name": "a", "type": "Car", "mesh": car_mesh(), **k}).sha256,
-        fields(cadet.VehicleMesh),
+    "ActorMesh": (
+        lambda **k: cadet.ActorMesh(**{"name": "a", "type": "Car", "mesh": car_mesh(), **k}).sha256,
+        fields(cadet.ActorMesh),
     ),
     "Environment": (cadet.Environment, ["policy", "rig", "map", "weather", "config", "assets"]),
     "Environment.reset": (lambda **k: cadet.Environment().reset(**{"seed": 0, **k}), ["seed", "episode"]),

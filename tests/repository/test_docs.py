@@ -2,7 +2,7 @@
 
 Fenced `python` and `sh` blocks are run, `toml` blocks parsed. A block that a comment `<!-- not run: REASON -->` stands
 right before is left out. Python blocks of a page share their names. The folder holds what the pages speak of: `out` and
-`set` (KITTI folders), `results` for `out`, `DIR` (own vehicles), `bins` (own props), `run` (a checkpoint), `mine.toml`,
+`set` (KITTI folders), `results` for `out`, `DIR` (own meshes), `bins` (own props), `run` (a checkpoint), `mine.toml`,
 `town.xodr`, and other programs' `result.pkl`, `results_nusc.json` and `scenes`.
 """
 

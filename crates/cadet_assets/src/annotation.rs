@@ -208,6 +208,18 @@ pub fn sitting_stature_m(annotated: &AnnotatedBox, s: &mut Stream) -> f64 {
     (1.60 + 1.1 * (annotated.size_lwh.z - 1.26) + s.clipped_normal(0.0, 0.04)).clamp(1.50, 1.92)
 }
 
+/// The box of a person or rider of known extents: these, drawn from as far and from as few returns as others of the
+/// class.
+#[must_use]
+pub fn box_of_figure(class: ObjectClass, true_lwh: DVec3, s: &mut Stream) -> AnnotatedBox {
+    let AnnotatedBox { farthest_m, least_points, .. } = match class {
+        ObjectClass::Cyclist => cyclist_box(s),
+        ObjectClass::PersonSitting => sitting_box(s),
+        _ => person_box(s),
+    };
+    AnnotatedBox { farthest_m, least_points, ..AnnotatedBox::exact(true_lwh) }
+}
+
 fn least_points(s: &mut Stream) -> usize {
     LEAST_POINTS.0 + s.below(LEAST_POINTS.1 - LEAST_POINTS.0 + 1)
 }

@@ -4,6 +4,7 @@ mod annotated_sizes;
 pub mod annotation;
 pub mod belongings;
 pub mod cyclist;
+pub mod imported;
 pub mod person;
 pub mod props;
 pub mod scenery;

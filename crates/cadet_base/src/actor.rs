@@ -3,6 +3,7 @@
 use strum::{AsRefStr, IntoStaticStr, VariantArray};
 
 use crate::error::{Result, variant};
+use crate::material::Semantic;
 use crate::math::{DPose3, DVec3};
 
 /// KITTI's object types, in the order of its development kit.
@@ -32,6 +33,26 @@ impl ObjectClass {
     #[must_use]
     pub fn kitti_name(self) -> &'static str {
         self.into()
+    }
+
+    /// True for somebody on foot, on a seat, or on a bicycle; false for vehicles.
+    #[must_use]
+    pub fn is_human(self) -> bool {
+        matches!(self, Self::Pedestrian | Self::PersonSitting | Self::Cyclist)
+    }
+
+    /// What the semantic image shows of the class.
+    #[must_use]
+    pub fn semantic(self) -> Semantic {
+        match self {
+            Self::Car => Semantic::Car,
+            Self::Van => Semantic::Van,
+            Self::Truck => Semantic::Truck,
+            Self::Pedestrian | Self::PersonSitting => Semantic::Person,
+            Self::Cyclist => Semantic::Cyclist,
+            Self::Tram => Semantic::Tram,
+            Self::Misc => Semantic::OtherVehicle,
+        }
     }
 
     /// The class of that name, in any letter case.

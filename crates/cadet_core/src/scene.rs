@@ -6,7 +6,7 @@ pub use capture::{CaptureRequest, CapturedFrame, Image, NamedScan};
 
 use std::sync::Arc;
 
-use cadet_assets::vehicle::UserVehicles;
+use cadet_assets::imported::UserModels;
 use cadet_base::actor::{BrakesFor, ObjectClass};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{DPose3, DVec3, TAU};
@@ -55,8 +55,8 @@ pub struct SceneConfig {
     pub traffic: TrafficConfig,
     /// The labels'.
     pub label: LabelConfig,
-    /// A user's own vehicles.
-    pub user_vehicles: UserVehicles,
+    /// A user's own vehicles, people, and riders.
+    pub user_models: UserModels,
     /// Where the sun stands.
     pub sun: Sun,
 }
@@ -159,7 +159,7 @@ impl Scene {
             TownSource::Flat => Town::flat(),
         };
         let world = World::new(Arc::new(town), key)?
-            .with_user_vehicles(config.user_vehicles.clone())
+            .with_user_models(config.user_models.clone())
             .with_lamps(weather.needs_lamps())
             .with_night(weather.is_night())
             .with_rain(weather.rain_mm_per_h > 0.0);

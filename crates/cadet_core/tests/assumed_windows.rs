@@ -7,7 +7,8 @@
 mod source;
 
 use cadet_core::actor::ObjectClass;
-use cadet_core::assets::vehicle::{MaterialRules, Role, VehicleAsset, VehicleModel};
+use cadet_core::assets::imported::{MaterialRules, MeshAsset, Role};
+use cadet_core::assets::vehicle::VehicleModel;
 use cadet_core::geometry::Bounds;
 use cadet_core::material::Material;
 use cadet_core::math::{DVec3, Vec3};
@@ -38,8 +39,8 @@ fn shell_text() -> String {
     obj
 }
 
-fn shell() -> VehicleAsset {
-    VehicleAsset {
+fn shell() -> MeshAsset {
+    MeshAsset {
         name: "shell".to_owned(),
         class: ObjectClass::Car,
         file: "shell.obj".to_owned(),
@@ -95,7 +96,7 @@ fn a_shell_without_materials_gets_windows_on_all_sides_and_keeps_its_pillars() {
 
 #[test]
 fn the_shell_outside_of_its_windows_is_what_it_was() {
-    let closed = VehicleAsset { rules: MaterialRules(vec![(Role::Glass, Vec::new())]), ..shell() };
+    let closed = MeshAsset { rules: MaterialRules(vec![(Role::Glass, Vec::new())]), ..shell() };
     let (closed, nothing) = VehicleModel::with_assumptions(&closed).unwrap();
     assert_eq!(nothing, Vec::<String>::new(), "who says that there are no windows is asked no more");
     let (glazed, _) = VehicleModel::with_assumptions(&shell()).unwrap();
@@ -111,23 +112,23 @@ fn the_shell_outside_of_its_windows_is_what_it_was() {
 fn windows_of_their_own_material_are_left_alone() {
     let named = format!("usemtl Lack\n{}", shell_text().replacen("f ", "usemtl Window\nf ", 2));
     let library = [("Lack", [1.0, 0.0, 0.0], 1.0), ("Window", [0.0; 3], 1.0)];
-    let asset = VehicleAsset { source: mesh_of(&named, &library), ..shell() };
+    let asset = MeshAsset { source: mesh_of(&named, &library), ..shell() };
     assert_eq!(VehicleModel::with_assumptions(&asset).unwrap().1, Vec::<String>::new());
     let unnamed = mesh_of(&named.replace("usemtl Window", "usemtl Lack"), &library);
-    let (_, assumed) = VehicleModel::with_assumptions(&VehicleAsset { source: unnamed, ..shell() }).unwrap();
+    let (_, assumed) = VehicleModel::with_assumptions(&MeshAsset { source: unnamed, ..shell() }).unwrap();
     assert!(assumed.concat().starts_with("shell.obj: no material for windows among Lack; glass is assumed"));
 }
 
 #[test]
 fn trucks_have_windows_at_the_cab_alone_and_walls_none() {
-    let truck = VehicleAsset { class: ObjectClass::Truck, size_lwh: Some(DVec3::new(8.0, 2.5, 3.2)), ..shell() };
+    let truck = MeshAsset { class: ObjectClass::Truck, size_lwh: Some(DVec3::new(8.0, 2.5, 3.2)), ..shell() };
     let (model, _) = VehicleModel::with_assumptions(&truck).unwrap();
     let (windows, _) = faces_of(&model, Material::is_transparent);
     let bounds = Bounds::of(windows.into_iter().flatten());
     assert!(bounds.min.x > 4.0 - 2.0, "{bounds:?}");
     let wall = "v -3 -.2 0\nv 3 -.2 0\nv 3 .2 0\nv -3 .2 0\nv -3 -.2 4\nv 3 -.2 4\nv 3 .2 4\nv -3 .2 4\n\
                 f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    let wall = VehicleAsset { class: ObjectClass::Truck, source: mesh_of(wall, &[]), ..shell() };
+    let wall = MeshAsset { class: ObjectClass::Truck, source: mesh_of(wall, &[]), ..shell() };
     let (model, assumed) = VehicleModel::with_assumptions(&wall).unwrap();
     assert_eq!(faces_of(&model, Material::is_transparent).0.len(), 0);
     assert!(assumed.concat().contains("; no glass is assumed, since nothing is where windows usually are"));
@@ -148,7 +149,7 @@ fn other_peoples_meshes_get_windows_of_a_cars_size() {
         let materials: Vec<&str> =
             text.lines().filter_map(|line| line.strip_prefix("usemtl ")).map(str::trim).collect();
         let library: Vec<_> = materials.into_iter().map(|name| (name, [0.4; 3], 1.0)).collect();
-        let asset = VehicleAsset {
+        let asset = MeshAsset {
             class: if name == "bus" { ObjectClass::Truck } else { ObjectClass::Car },
             source: mesh_of(&text, &library),
             scale,

@@ -8,7 +8,8 @@ mod source;
 use std::sync::Arc;
 
 use cadet_core::actor::ObjectClass;
-use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset, VehicleModel};
+use cadet_core::assets::imported::{MaterialRules, MeshAsset, Role, UserModels};
+use cadet_core::assets::vehicle::VehicleModel;
 use cadet_core::geometry::Bounds;
 use cadet_core::material::{Material, Semantic};
 use cadet_core::math::{DVec3, Vec3};
@@ -56,12 +57,12 @@ fn car_text() -> String {
     obj
 }
 
-fn car() -> VehicleAsset {
+fn car() -> MeshAsset {
     car_of(&car_text())
 }
 
-fn car_of(text: &str) -> VehicleAsset {
-    VehicleAsset {
+fn car_of(text: &str) -> MeshAsset {
+    MeshAsset {
         name: "mine".to_owned(),
         class: ObjectClass::Car,
         file: "car.obj".to_owned(),
@@ -122,7 +123,7 @@ fn wheels_are_found_by_their_tyres_and_touch_the_ground() {
 #[test]
 fn a_size_that_is_asked_for_is_met() {
     let wanted = DVec3::new(3.9, 1.7, 1.6);
-    let model = VehicleModel::from_asset(&VehicleAsset { size_lwh: Some(wanted), scale: 40.0, ..car() }).unwrap();
+    let model = VehicleModel::from_asset(&MeshAsset { size_lwh: Some(wanted), scale: 40.0, ..car() }).unwrap();
     let bounds = model.body.select(0.0, 1.0).expect("near enough to be drawn").bounds;
     assert_near(bounds.max - bounds.min, wanted.as_vec3());
     assert!(bounds.min.z.abs() < 1e-6 && bounds.center().truncate().length() < 1e-5);
@@ -139,7 +140,7 @@ fn a_file_with_y_up_is_stood_upright() {
     let text = car_text();
     let lines = text.lines().map(|l| if l.starts_with("v ") { turn(l) } else { l.to_owned() });
     let upright = VehicleModel::from_asset(&car()).unwrap();
-    let asset = VehicleAsset { y_up: true, ..car_of(&lines.collect::<Vec<_>>().join("\n")) };
+    let asset = MeshAsset { y_up: true, ..car_of(&lines.collect::<Vec<_>>().join("\n")) };
     let turned = VehicleModel::from_asset(&asset).unwrap();
     let panes = [&upright, &turned].map(|m| bounds_of(m, Material::is_transparent));
     assert_near(panes[0].min, panes[1].min);
@@ -158,21 +159,21 @@ fn materials_are_glass_rubber_cloth_and_paint() {
     assert!(tyre.lidar.reflectance < 0.1 && tyre.albedo[0] < 0.1, "tyres are black whatever the file says");
     assert_eq!(seat.specular, 0.0);
     let rules = MaterialRules(vec![(Role::Plate, vec!["lack".to_owned()])]);
-    let model = VehicleModel::from_asset(&VehicleAsset { rules, ..car() }).unwrap();
+    let model = VehicleModel::from_asset(&MeshAsset { rules, ..car() }).unwrap();
     assert!(model.palette.materials()[0].lidar.retro);
 }
 
 #[test]
 fn what_makes_no_vehicle_is_refused_by_name() {
-    let refuse = |change: &dyn Fn(&mut VehicleAsset)| {
+    let refuse = |change: &dyn Fn(&mut MeshAsset)| {
         let mut asset = car();
         change(&mut asset);
         VehicleModel::from_asset(&asset).unwrap_err().to_string()
     };
-    assert_eq!(refuse(&|a| a.scale = 1.0), "car.obj: 420.000 m long, expected 1 to 30 m: check scale");
+    assert_eq!(refuse(&|a| a.scale = 1.0), "car.obj: 420.000 m long, expected 1 to 30 m for a Car: check scale");
     assert_eq!(
         refuse(&|a| a.size_lwh = Some(DVec3::new(0.5, 0.4, 0.4))),
-        "car.obj: 0.500 m long, expected 1 to 30 m: check size_lwh"
+        "car.obj: 0.500 m long, expected 1 to 30 m for a Car: check size_lwh"
     );
     assert_eq!(
         refuse(&|a| a.yaw_rad = 0.0),
@@ -210,19 +211,19 @@ fn what_makes_no_vehicle_is_refused_by_name() {
 
 #[test]
 fn shares_and_names_are_checked() {
-    assert!(UserVehicles::new(1.5, &[car()]).unwrap_err().to_string().contains("1.5, expected 0 to 1"));
-    assert!(UserVehicles::new(f64::NAN, &[car()]).is_err());
-    let twice = UserVehicles::new(0.5, &[car(), car()]).unwrap_err();
+    assert!(UserModels::new(1.5, &[car()]).unwrap_err().to_string().contains("1.5, expected 0 to 1"));
+    assert!(UserModels::new(f64::NAN, &[car()]).is_err());
+    let twice = UserModels::new(0.5, &[car(), car()]).unwrap_err();
     assert_eq!(twice.to_string(), "car.obj: the name \"mine\" is taken");
-    let unknown = UserVehicles::default().by_name("x").unwrap_err();
+    let unknown = UserModels::default().by_name(ObjectClass::Car, "x").unwrap_err();
     assert_eq!(unknown.to_string(), "unknown model \"x\"; known: none, the scene has no assets");
 }
 
 #[test]
 fn draws_keep_the_share_and_the_mix_of_classes() {
-    let named = |name: &str, class| VehicleAsset { name: name.to_owned(), class, ..car() };
+    let named = |name: &str, class| MeshAsset { name: name.to_owned(), class, ..car() };
     let assets = [named("a", ObjectClass::Car), named("b", ObjectClass::Car), named("t", ObjectClass::Truck)];
-    let vehicles = UserVehicles::new(0.4, &assets).unwrap();
+    let vehicles = UserModels::new(0.4, &assets).unwrap();
     let mix = [(ObjectClass::Car, 0.7), (ObjectClass::Van, 0.2), (ObjectClass::Truck, 0.1)];
     let mut stream = Stream::from_seed("draws", 1);
     let num = 8000;
@@ -234,11 +235,11 @@ fn draws_keep_the_share_and_the_mix_of_classes() {
     assert!(vehicles.draw(&mut stream, &mix[1..2], |_| true).is_none(), "no van among them");
 }
 
-fn street(share: f64, assets: &[VehicleAsset]) -> World {
+fn street(share: f64, assets: &[MeshAsset]) -> World {
     let key = StreamKey::scene(4);
     let town = Town::suburb(&key, &SuburbConfig::default(), &PropConfig::default()).unwrap();
-    let vehicles = UserVehicles::new(share, assets).unwrap();
-    let mut world = World::new(Arc::new(town), key).unwrap().with_user_vehicles(vehicles);
+    let vehicles = UserModels::new(share, assets).unwrap();
+    let mut world = World::new(Arc::new(town), key).unwrap().with_user_models(vehicles);
     let config = TrafficConfig { num_cars: 8, num_pedestrians: 2, ..TrafficConfig::default() };
     world.spawn_traffic(&config).unwrap();
     world
@@ -286,16 +287,16 @@ fn what_lies_around_a_vehicle_is_named_and_left_out() {
     let error = VehicleModel::from_asset(&wide).unwrap_err().to_string();
     assert_eq!(
         error,
-        "car.obj: 16.000 m wide, expected 0.3 to 5 m: check scale; without \"shadow_plane\" it would do: \
+        "car.obj: 16.000 m wide, expected 0.3 to 5 m for a Car: check scale; without \"shadow_plane\" it would do: \
          materials.leave_out = [\"shadow_plane\"] in assets.toml leaves that out"
     );
     let plain = VehicleModel::from_asset(&car()).unwrap();
     for pattern in ["shadow*", "*PLANE"] {
-        let asset = VehicleAsset { leave_out: Some(vec![pattern.to_owned()]), ..wide.clone() };
+        let asset = MeshAsset { leave_out: Some(vec![pattern.to_owned()]), ..wide.clone() };
         let model = VehicleModel::from_asset(&asset).unwrap();
         assert_eq!((model.size_lwh, model.body.finest().bounds), (plain.size_lwh, plain.body.finest().bounds));
     }
-    let lost = VehicleAsset { leave_out: Some(vec!["Floor".to_owned()]), ..wide.clone() };
+    let lost = MeshAsset { leave_out: Some(vec!["Floor".to_owned()]), ..wide.clone() };
     assert!(VehicleModel::from_asset(&lost).unwrap_err().to_string().starts_with(
         "car.obj: materials.leave_out: no material, node, object or group is named \"Floor\"; known: Lack, Window_All"
     ));
@@ -303,7 +304,7 @@ fn what_lies_around_a_vehicle_is_named_and_left_out() {
     let mut text = format!("g car\n{}g Shadow\n", car_text());
     block(&mut text, &mut 7, "Lack", [205.0, 780.0, 0.0], [395.0, 1220.0, 0.1]);
     let (_, said) = VehicleModel::with_assumptions(&car_of(&text)).unwrap();
-    assert!(said[0].starts_with("car.obj: \"Shadow\" is taken as a part of the vehicle"), "{said:?}");
-    let kept = VehicleAsset { leave_out: Some(Vec::new()), ..car_of(&text) };
+    assert!(said[0].starts_with("car.obj: \"Shadow\" is taken as a part of the body"), "{said:?}");
+    let kept = MeshAsset { leave_out: Some(Vec::new()), ..car_of(&text) };
     assert_eq!(VehicleModel::with_assumptions(&kept).unwrap().1, Vec::<String>::new());
 }

@@ -1,9 +1,9 @@
-//! A user's own vehicles and props: `cadet.Assets.to_native()`.
+//! A user's own meshes and props: `cadet.Assets.to_native()`.
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::imported::{MaterialRules, MeshAsset, Role, UserModels};
 use cadet_core::assets::props::OwnProps;
 use cadet_core::assets::source_mesh::{MAX_MATERIALS, MAX_TRIANGLES, SourceMaterial, SourceMesh, SourceTriangle};
-use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset};
 use cadet_core::math::{DVec3, Vec3};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -11,15 +11,15 @@ use pyo3::prelude::*;
 use crate::error::BorderError;
 use crate::guard;
 
-/// A vehicle's mesh, not yet built.
+/// An actor's mesh, not yet built.
 #[pyclass(frozen, from_py_object, module = "cadet._cadet")]
 #[derive(Clone)]
-pub(crate) struct VehicleMesh {
-    asset: VehicleAsset,
+pub(crate) struct ActorMesh {
+    asset: MeshAsset,
 }
 
 #[pymethods]
-impl VehicleMesh {
+impl ActorMesh {
     #[classattr]
     const MAX_TRIANGLES: usize = MAX_TRIANGLES;
     #[classattr]
@@ -57,7 +57,7 @@ impl VehicleMesh {
             parts,
         };
         let rules = materials.into_iter().map(|(role, patterns)| Ok((Role::from_name(&role)?, patterns)));
-        let asset = VehicleAsset {
+        let asset = MeshAsset {
             name,
             class: ObjectClass::from_name(class_name)?,
             file,
@@ -73,10 +73,10 @@ impl VehicleMesh {
     }
 }
 
-/// Vehicles built from a user's meshes, and a user's props, shared by all scenes that have them.
+/// Actors built from a user's meshes, and a user's props, shared by all scenes that have them.
 #[pyclass(module = "cadet._cadet", frozen)]
 pub(crate) struct Assets {
-    pub(crate) vehicles: UserVehicles,
+    pub(crate) actors: UserModels,
     pub(crate) props: OwnProps,
 }
 
@@ -86,25 +86,25 @@ impl Assets {
     fn new(
         py: Python<'_>,
         share: f64,
-        vehicles: Vec<VehicleMesh>,
+        actors: Vec<ActorMesh>,
         props: Vec<(String, String)>,
     ) -> Result<Self, BorderError> {
-        let assets: Vec<VehicleAsset> = vehicles.into_iter().map(|vehicle| vehicle.asset).collect();
+        let assets: Vec<MeshAsset> = actors.into_iter().map(|actor| actor.asset).collect();
         guard::detached(py, || {
-            let vehicles = if assets.is_empty() { UserVehicles::default() } else { UserVehicles::new(share, &assets)? };
-            Ok::<_, BorderError>(Self { vehicles, props: OwnProps::parse(&props)? })
+            let actors = if assets.is_empty() { UserModels::default() } else { UserModels::new(share, &assets)? };
+            Ok::<_, BorderError>(Self { actors, props: OwnProps::parse(&props)? })
         })
     }
 
     /// Name, class and size of each model.
     fn models(&self) -> Vec<(String, &'static str, [f64; 3])> {
-        let models = self.vehicles.models().iter();
-        models.map(|m| (m.name.clone(), m.class.kitti_name(), m.size_lwh.to_array())).collect()
+        let models = self.actors.models();
+        models.map(|m| (m.name().to_owned(), m.class().kitti_name(), m.size_lwh().to_array())).collect()
     }
 
     /// What was assumed of meshes that say too little of their materials, a line each.
     fn assumptions(&self) -> Vec<String> {
-        self.vehicles.assumptions().to_vec()
+        self.actors.assumptions().to_vec()
     }
 }
 

@@ -31,7 +31,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     guard::note_panics();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<assets::Assets>()?;
-    module.add_class::<assets::VehicleMesh>()?;
+    module.add_class::<assets::ActorMesh>()?;
     module.add_class::<beam_table::BeamTable>()?;
     module.add_class::<beam_table::EncoderFiring>()?;
     module.add_class::<beam_table::Laser>()?;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::imported::UserModels;
 use cadet_core::assets::props::OwnProps;
-use cadet_core::assets::vehicle::UserVehicles;
 use cadet_core::camera::{MAX_ROLLING_SHUTTER_S, SIDES_PX};
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
 use cadet_core::lidar::{MAX_COLUMNS, MAX_DIVERGENCE_RAD};
@@ -262,7 +262,7 @@ impl SceneConfig {
             props: props.config,
             traffic,
             label: label.config,
-            user_vehicles: UserVehicles::default(),
+            user_models: UserModels::default(),
             sun,
         };
         Ok(Self { config })
@@ -286,7 +286,7 @@ impl SceneConfig {
     pub(crate) fn with(&self, assets: Option<&Assets>) -> CoreSceneConfig {
         let mut config = self.config.clone();
         if let Some(assets) = assets {
-            config.user_vehicles = assets.vehicles.clone();
+            config.user_models = assets.actors.clone();
             config.props.own = assets.props.clone();
         }
         config

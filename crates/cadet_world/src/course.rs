@@ -12,7 +12,7 @@ pub(super) const FASTEST_CYCLIST_MPS: f64 = 20.0;
 pub enum ModelChoice<'a> {
     /// The one that a seed draws; a person who moves is drawn again until one walks.
     Seed(u64),
-    /// A user's vehicle, by its name.
+    /// One of a user's, by its name.
     Named(&'a str),
 }
 

@@ -13,13 +13,14 @@ use super::physics::DT_S;
 use super::slot::{EGO, Slot};
 use super::snapshot::{EgoState, Snapshot, brakes_for};
 use super::spawn::{
-    EgoStarts, RENEW_EVERY, Respawns, Shortfall, Spawner, TrafficConfig, add_cyclist, add_person, add_seated,
-    add_vehicle, box_at, check_free, fill, leave, place_ego, renew, too_short,
+    EgoStarts, RENEW_EVERY, Respawns, Shortfall, Spawner, TrafficConfig, add_cyclist, add_figure, add_person,
+    add_seated, add_vehicle, box_at, check_free, fill, leave, place_ego, renew, too_short,
 };
 use crate::agents::Agent;
 use crate::look::Look;
 use crate::streets::{EGO_STRAIGHT_WEIGHT, LanePosition, Route};
-use cadet_assets::vehicle::{UserVehicles, VehicleModel};
+use cadet_assets::imported::{FigureModel, UserModel, UserModels};
+use cadet_assets::vehicle::VehicleModel;
 use cadet_base::actor::{BrakesFor, ObjectClass};
 use cadet_base::error::{Error, Result};
 use cadet_base::frames;
@@ -47,7 +48,7 @@ pub struct World {
     pub(super) arena: Arena,
     /// Models by class and the seed that somebody named.
     models: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
-    user_vehicles: UserVehicles,
+    user_models: UserModels,
     traffic: Option<TrafficConfig>,
     needs_lamps: bool,
     /// The scenery as it is at night, if it is.
@@ -72,7 +73,7 @@ impl World {
             key,
             arena,
             models: BTreeMap::new(),
-            user_vehicles: UserVehicles::default(),
+            user_models: UserModels::default(),
             traffic: None,
             needs_lamps: false,
             night_scenery: None,
@@ -82,10 +83,10 @@ impl World {
         })
     }
 
-    /// Adds a user's vehicles to those that are spawned or added from now on.
+    /// Adds a user's models to those that are spawned or added from now on.
     #[must_use]
-    pub fn with_user_vehicles(mut self, user_vehicles: UserVehicles) -> Self {
-        self.user_vehicles = user_vehicles;
+    pub fn with_user_models(mut self, user_models: UserModels) -> Self {
+        self.user_models = user_models;
         self
     }
 
@@ -142,7 +143,16 @@ impl World {
         overlap: Overlap,
     ) -> Result<i32> {
         let model = match (class, model) {
-            (_, ModelChoice::Named(name)) => self.user_vehicle(class, name)?,
+            (_, ModelChoice::Named(name)) => {
+                let annotator_seed = self.key.indexed("annotated box", self.arena.next_id() as u64).next_u64();
+                match self.user_models.by_name(class, name)? {
+                    UserModel::Vehicle(model) => Arc::new(VehicleModel::clone(model).annotated_by(annotator_seed)),
+                    UserModel::Figure(model) => {
+                        let model = Arc::new(FigureModel::clone(model).annotated_by(annotator_seed));
+                        return add_figure(&mut self.arena, model, course, overlap);
+                    }
+                }
+            }
             (
                 ObjectClass::Car | ObjectClass::Van | ObjectClass::Truck | ObjectClass::Tram | ObjectClass::Misc,
                 ModelChoice::Seed(seed),
@@ -160,17 +170,6 @@ impl World {
         add_vehicle(&mut self.arena, model, course, overlap)
     }
 
-    /// A user's vehicle, as the annotator of the next agent would label it.
-    fn user_vehicle(&self, class: ObjectClass, name: &str) -> Result<Arc<VehicleModel>> {
-        let model = self.user_vehicles.by_name(name)?;
-        if model.class != class {
-            let (found, wanted) = (model.class.kitti_name(), class.kitti_name());
-            return Err(Error::Scene { reason: format!("model {name:?} is a {found}, not a {wanted}") });
-        }
-        let annotator_seed = self.key.indexed("annotated box", self.arena.next_id() as u64).next_u64();
-        Ok(Arc::new(VehicleModel::clone(model).annotated_by(annotator_seed)))
-    }
-
     /// Fills the world: parked cars, then driven ones, then people, then cyclists. To be called once, before the first step.
     /// Returns what found no room.
     ///
@@ -180,8 +179,8 @@ impl World {
         if self.arena.ego_car().route.is_none() && self.town.network.driving().next().is_some() {
             return Err(too_short(&self.town, &self.arena.streets.graph));
         }
-        let Self { arena, key, user_vehicles, rains, .. } = self;
-        let shortfalls = fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
+        let Self { arena, key, user_models, rains, .. } = self;
+        let shortfalls = fill(&mut Spawner { arena, key: *key, config, user_models, rains: *rains }, &self.town)?;
         self.traffic = Some(config.clone());
         self.set_ego_driving(true);
         Ok(shortfalls)
@@ -354,10 +353,10 @@ impl World {
         // Newcomers come before a look around, so that nobody is said to wait for who has another's slot.
         if self.steps > 0
             && self.steps.is_multiple_of(RENEW_EVERY)
-            && let Self { arena, key, user_vehicles, traffic: Some(config), rains, .. } = self
+            && let Self { arena, key, user_models, traffic: Some(config), rains, .. } = self
         {
             renew(
-                &mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains },
+                &mut Spawner { arena, key: *key, config, user_models, rains: *rains },
                 &mut self.respawns,
                 self.steps,
             );

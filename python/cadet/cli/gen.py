@@ -67,9 +67,9 @@ _WORLD: Final = (
 @click.option("--divergence-mrad", type=float, help="How far LIDARs' beams open, the full cone.")
 @click.option("--maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @names_option("--weathers", help="Some of the presets below.")
-@click.option("--assets", metavar="DIR", help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).")
+@click.option("--assets", metavar="DIR", help="Own meshes: a folder with an assets.toml (docs/assets.md).")
 @click.option(
-    "--skip-bad", is_flag=True, default=None, help="Leave out vehicles of --assets whose meshes are missing or broken."
+    "--skip-bad", is_flag=True, default=None, help="Leave out those of --assets whose meshes are missing or broken."
 )
 @click.option("--props", metavar="DIR", help="Own props: a folder with a TOML file for each (docs/props.md).")
 @click.option("--format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)

@@ -30,7 +30,7 @@ class Environment:
         map: an OpenDRIVE file, or one that was read; the policy's maps, or suburbs that are generated, if None.
         weather: a preset of `weather_names()`; drawn if None.
         config: how full every scene is, and what gets a label; what it was not given is drawn.
-        assets: the user's own vehicles, or their folder; the policy's if None.
+        assets: the user's own meshes, or their folder; the policy's if None.
         sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`.
 
     Raises:

@@ -67,7 +67,7 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         map: an OpenDRIVE file, or one that was read; the policy's maps, or generated suburbs, if None.
         weather: a preset; drawn if None.
         config: how full every scene is; what it was not given is drawn.
-        assets: the user's own vehicles.
+        assets: the user's own meshes.
         max_speed_mps: the action space's greatest speed.
         max_lateral_m: the action space's greatest offset to either side.
         reward: what a step is worth, from the samples before and after it; `meters_forward` by default.

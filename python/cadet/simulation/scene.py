@@ -88,7 +88,7 @@ class Scene:
             rig: the sensors; the policy's if None.
             config: how full the scene is; what it was not given is drawn.
             policy: draws what is not given, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
-            assets: the user's own vehicles, or their folder; the policy's if None.
+            assets: the user's own meshes, or their folder; the policy's if None.
 
         Raises:
             CadetError: a map that can't be read or driven, an unknown weather, bad assets, or no labeled object to be
@@ -120,7 +120,7 @@ class Scene:
             weather: a preset of `weather_names()`.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.
-            assets: the user's own vehicles, or their folder, for `add`.
+            assets: the user's own meshes, or their folder, for `add`.
 
         Raises:
             CadetError: a map that can't be read or driven, an unknown weather, or bad assets.
@@ -199,12 +199,13 @@ class Scene:
         Args:
             kind: "car", "van", "truck", "tram" (one car with a cab at both ends), "misc" (a trailer or a motorbike),
                 "pedestrian", "person_sitting" (who sits at a chair's height and does not move), or "cyclist", in any
-                letter case; with `model` that vehicle's class.
+                letter case; with `model` that mesh's class.
             x_m: world frame: the middle of its box. Left out with a path, as are the next two.
             y_m: world frame.
             yaw_rad: counter-clockwise from east; 0 if None: along the road of an empty scene without a map.
             model_seed: draws its shape and color, for a person who moves one that walks.
-            model: the name of one of the scene's own vehicles (`assets`), in place of a drawn shape.
+            model: the name of one of the scene's own meshes (`assets`), in place of a drawn shape. It is rigid: people
+                glide.
             speed_mps: along `yaw_rad`, held to the edge of the ground: at most 70, 12 for a person, and 20 for a
                 cyclist.
             path: rows of (t, x, y), t in seconds from now and rising. Between two of them it goes straight at a

@@ -169,7 +169,7 @@ def stream(
         map: an OpenDRIVE file, or one that was read.
         weather: a preset of `weather_names()`.
         config: how full every scene is, and what gets a label; what it was not given is drawn.
-        assets: the user's own vehicles, or their folder.
+        assets: the user's own meshes, or their folder.
         sensors: names of sensors besides the first camera and LIDAR.
 
     Raises:

@@ -1,4 +1,4 @@
-"""A user's own vehicle meshes, a folder with OBJ or glTF files and an `assets.toml`, and a user's own props."""
+"""A user's own meshes, a folder with OBJ or glTF files and an `assets.toml`, and a user's own props."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from cadet.worlds.props import Props
 
 CONFIG = "assets.toml"
 """The file of a folder of assets that lists them."""
-CLASSES = ("Car", "Van", "Truck", "Tram", "Misc")
-"""The classes of a user's vehicles; the last two stand where `Scene.add` puts them and join no traffic."""
+CLASSES = ("Car", "Van", "Truck", "Tram", "Misc", "Pedestrian", "Person_sitting", "Cyclist")
+"""The classes of a user's meshes; all but the first three are where `Scene.add` puts them and join no traffic."""
 ROLES = ("glass", "tyre", "plate", "lamp", "interior")
 LEAVE_OUT = "leave_out"
-"""Beside the roles: what is no part of the vehicle."""
+"""Beside the roles: what does not belong to the actor."""
 UPS = ("z", "y")
 GLTF_SUFFIXES = (".gltf", ".glb")
 """What ends in these is read as glTF 2.0, all else as Wavefront OBJ."""
@@ -48,8 +48,8 @@ _OPTIONAL = ("scale", "yaw_deg", "up", "size_lwh", "materials")
 
 
 @dataclass(frozen=True, kw_only=True)
-class VehicleMesh:
-    """A vehicle's mesh, held in memory so that a run reads its files once.
+class ActorMesh:
+    """An actor's mesh, held in memory so that a run reads its files once.
 
     Raises:
         CadetError: a field that makes no sense. The mesh itself is checked by `Assets`.
@@ -76,7 +76,7 @@ class VehicleMesh:
     materials, nodes, objects, or groups."""
 
     def __post_init__(self) -> None:
-        owner = f"vehicle {shown(self.name)}"
+        owner = f"actor {shown(self.name)}"
         if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9_.-]{1,64}", self.name):
             raise CadetError(f"{owner}.name: expected 1 to 64 letters, digits, '_', '.' or '-'")
         if not is_one_of(self.type, CLASSES):
@@ -116,9 +116,9 @@ class VehicleMesh:
         ]
         return hashlib.sha256(json.dumps(values).encode()).hexdigest()
 
-    def _to_native(self) -> _cadet.VehicleMesh:
+    def _to_native(self) -> _cadet.ActorMesh:
         """Return the fields as the core takes them."""
-        return _cadet.VehicleMesh(
+        return _cadet.ActorMesh(
             name=self.name,
             class_name=self.type,
             file=self.file,
@@ -138,43 +138,43 @@ class VehicleMesh:
 
 @dataclass(frozen=True)
 class Assets:
-    """A user's vehicles and props. `Assets.read` reads vehicles from a folder, `Props.read` props.
+    """A user's actors and props. `Assets.read` reads the meshes of actors from a folder, `Props.read` props.
 
     Args:
-        vehicles: no name twice; at least one if there are no props.
-        share: the fraction of driven and parked vehicles that are drawn from them.
+        actors: no name twice; at least one if there are no props.
+        share: the fraction of driven and parked vehicles that are drawn from them; people and riders are not.
         props: what stands about beside the package's own props.
 
     Raises:
-        CadetError: a mesh that can't be a vehicle, or a share outside 0 to 1.
+        CadetError: a mesh that can't be of its class, or a share outside 0 to 1.
     """
 
-    vehicles: tuple[VehicleMesh, ...] = ()
+    actors: tuple[ActorMesh, ...] = ()
     share: float = 0.5
     props: Props | None = None
 
     def __repr__(self) -> str:
-        types = counts(vehicle.type for vehicle in self.vehicles)
-        return summary(self, vehicles=types, share=self.share, props=self.props)
+        types = counts(actor.type for actor in self.actors)
+        return summary(self, actors=types, share=self.share, props=self.props)
 
     def __post_init__(self) -> None:
         check_number("assets", "share", self.share, 0, 1)
         make_plain(self)
-        object.__setattr__(self, "vehicles", as_tuple("assets", "vehicles", self.vehicles, "VehicleMesh"))
-        for vehicle in self.vehicles:
-            check_kind("assets", "vehicles", vehicle, VehicleMesh)
+        object.__setattr__(self, "actors", as_tuple("assets", "actors", self.actors, "ActorMesh"))
+        for actor in self.actors:
+            check_kind("assets", "actors", actor, ActorMesh)
         if self.props is not None:
             check_kind("assets", "props", self.props, Props)
-        elif not self.vehicles:
-            raise CadetError("assets: expected at least one vehicle, got none")
-        names = [vehicle.name for vehicle in self.vehicles]
+        elif not self.actors:
+            raise CadetError("assets: expected at least one actor, got none")
+        names = [actor.name for actor in self.actors]
         for name in names:
             if names.count(name) > 1:
-                raise CadetError(f"assets: two vehicles are named {name!r}")
+                raise CadetError(f"assets: two actors are named {name!r}")
         # Bad meshes are refused here rather than in the middle of a run.
         assumed = self._to_native().assumptions()
-        notes = [note for vehicle in self.vehicles for note in vehicle.mesh.notes]
-        notice([*notes, *assumed], about=tuple(vehicle.sha256 for vehicle in self.vehicles))
+        notes = [note for actor in self.actors for note in actor.mesh.notes]
+        notice([*notes, *assumed], about=tuple(actor.sha256 for actor in self.actors))
 
     @classmethod
     def read(cls, folder: str | Path, *, skip_bad: bool = False) -> Assets:
@@ -182,39 +182,39 @@ class Assets:
 
         Args:
             folder: the folder.
-            skip_bad: leave out vehicles whose meshes are missing or broken, with a `CadetWarning` for each.
+            skip_bad: leave out actors whose meshes are missing or broken, with a `CadetWarning` for each.
 
         Raises:
             MissingFileError: there is no `assets.toml`, or a file that it or a mesh names is missing.
-            CadetError: anything else that is wrong with them, in one line; with `skip_bad`, no vehicle that is left.
+            CadetError: anything else that is wrong with them, in one line; with `skip_bad`, no actor that is left.
         """
         root = as_path("assets", folder)
         values = _read_config(root)
-        _check_keys(CONFIG, values, required=("vehicle",), optional=("share",))
-        tables = values["vehicle"]
+        _check_keys(CONFIG, values, required=("actor",), optional=("share",))
+        tables = values["actor"]
         if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
-            raise CadetError(f"{CONFIG}: vehicle: expected [[vehicle]] tables, got {tables!r}")
+            raise CadetError(f"{CONFIG}: actor: expected [[actor]] tables, got {tables!r}")
         share = values.get("share", 0.5)
-        vehicles = []
+        actors = []
         for number, table in enumerate(tables, 1):
             try:
-                vehicle = _vehicle(root, number, table)
+                actor = _actor(root, number, table)
                 if skip_bad:
-                    cls((vehicle,), share)
+                    cls((actor,), share)
             except CadetError as error:
                 if not skip_bad:
                     raise
-                notice([f"{error}; vehicle {number} is left out"], about=str(root.resolve()))
+                notice([f"{error}; actor {number} is left out"], about=str(root.resolve()))
                 continue
-            vehicles.append(vehicle)
-        if skip_bad and tables and not vehicles:
-            raise CadetError(f"{str(root)!r}: none of its {len(tables)} vehicles can be used")
-        return cls(tuple(vehicles), share)
+            actors.append(actor)
+        if skip_bad and tables and not actors:
+            raise CadetError(f"{str(root)!r}: none of its {len(tables)} actors can be used")
+        return cls(tuple(actors), share)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what a manifest says of them: names and hashes, no paths."""
-        vehicles = [{"name": vehicle.name, "sha256": vehicle.sha256} for vehicle in self.vehicles]
-        values: dict[str, Any] = {"share": float(self.share), "vehicles": vehicles} if vehicles else {}
+        actors = [{"name": actor.name, "sha256": actor.sha256} for actor in self.actors]
+        values: dict[str, Any] = {"share": float(self.share), "actors": actors} if actors else {}
         return values if self.props is None else {**values, "props": self.props.to_list()}
 
     def _to_native(self) -> _cadet.Assets:
@@ -225,7 +225,7 @@ class Assets:
 @lru_cache(maxsize=4)
 def _native(assets: Assets) -> _cadet.Assets:
     files = () if assets.props is None else assets.props.files
-    return _cadet.Assets(float(assets.share), [vehicle._to_native() for vehicle in assets.vehicles], files)
+    return _cadet.Assets(float(assets.share), [actor._to_native() for actor in assets.actors], files)
 
 
 def as_assets(assets: Assets | str | Path | None) -> Assets | None:
@@ -254,8 +254,8 @@ def _check_keys(owner: str, values: Mapping[str, Any], *, required: tuple[str, .
             raise CadetError(f"{owner}: unknown key {key!r}; known: {', '.join((*required, *optional))}")
 
 
-def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
-    owner = f"{CONFIG}: vehicle {number}"
+def _actor(root: Path, number: int, table: Mapping[str, Any]) -> ActorMesh:
+    owner = f"{CONFIG}: actor {number}"
     _check_keys(owner, table, required=_REQUIRED, optional=_OPTIONAL)
     materials = table.get("materials", {})
     if not isinstance(materials, Mapping):
@@ -267,7 +267,7 @@ def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
     data = read_file(path, missing=f"{owner}: no mesh {table['mesh']!r}")
     mesh = (gltf_from_bytes if is_gltf else obj_from_bytes)(data, table["mesh"], Beside(root, path))
     try:
-        return VehicleMesh(
+        return ActorMesh(
             name=table["name"],
             type=table["class"],
             mesh=mesh,

@@ -69,7 +69,7 @@ class EpisodeSpec:
     car_pitch_deg: float = 0.0
     """How much deeper the ego stands in front than behind, by its load."""
     assets: Assets | None = None
-    """The user's own vehicles and props."""
+    """The user's own meshes and props."""
     given: frozenset[str] = frozenset()
     """The fields of `config` that were given, not drawn: what of them can't be met is said."""
 
@@ -119,7 +119,7 @@ class ResetPolicy(NamedFile):
     label: LabelConfig = LabelConfig()
     """What gets a label."""
     assets: Assets | None = None
-    """The user's own vehicles, to be mixed into the traffic, and props, placed among the others."""
+    """The user's own meshes, whose vehicles are mixed into the traffic, and props, placed among the others."""
 
     def __repr__(self) -> str:
         return summary(
@@ -328,7 +328,7 @@ class ResetPolicy(NamedFile):
         )
 
     def with_props(self, props: Props) -> ResetPolicy:
-        """Return the policy with a user's own props beside its vehicles."""
+        """Return the policy with a user's own props beside its meshes."""
         return replace(self, assets=replace(self.assets or Assets(props=props), props=props))
 
     def to_dict(self) -> dict[str, Any]:

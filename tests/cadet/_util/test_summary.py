@@ -53,7 +53,7 @@ def test_objects_fit_a_few_lines(scene: cadet.Scene, tmp_path: Path) -> None:
             "(5000,) float64",
             "5000 hits",
         ],
-        repr(cadet.Assets.read(assets_folder(tmp_path))): ["Assets(vehicles='1 Car'"],
+        repr(cadet.Assets.read(assets_folder(tmp_path))): ["Assets(actors='1 Car'"],
         repr(scene.capture()): ["(375, 1242, 3) uint8"],
     }
     for text, parts in shown.items():

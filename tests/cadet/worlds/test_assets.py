@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cadet import Assets, CadetError, Environment, MissingFileError, ResetPolicy, Scene, VehicleMesh
+from cadet import ActorMesh, Assets, CadetError, Environment, MissingFileError, ResetPolicy, Scene
 from gen_process import FAILED, FINE, SIZE, run
 from mesh_files.obj_meshes import CAR, MTL, assets_folder, car_mesh, car_obj
 
@@ -21,7 +21,7 @@ def test_a_folder_is_read_with_all_its_texts(tmp_path: Path) -> None:
     toml = f'share = 0.25\n{CAR}scale = 2\nyaw_deg = 180.0\nup = "y"\nsize_lwh = [4, 1.7, 1.4]\nmaterials.lamp = ["B*"]'
     assets = Assets.read(assets_folder(tmp_path / "own", toml))
     assert assets.share == 0.25
-    (mine,) = assets.vehicles
+    (mine,) = assets.actors
     assert (mine.name, mine.type, mine.file) == ("mine", "Car", "meshes/car.obj")
     assert len(mine.mesh.corners) == 2 * car_obj().count("\nf ")
     assert {m.name: m.albedo for m in mine.mesh.materials} == {
@@ -39,7 +39,7 @@ def test_the_hash_is_of_the_contents_and_not_of_the_place(tmp_path: Path) -> Non
     assert one == two
     assert one.to_dict() == two.to_dict()
     assert pickle.loads(pickle.dumps(one)) == one
-    (mesh,) = one.vehicles
+    (mesh,) = one.actors
 
     def changed(name: str) -> Path:
         root = assets_folder(tmp_path / name)
@@ -49,7 +49,7 @@ def test_the_hash_is_of_the_contents_and_not_of_the_place(tmp_path: Path) -> Non
 
     assert replace(mesh, file="elsewhere.obj").sha256 == mesh.sha256
     others = [
-        *(Assets.read(changed(name)).vehicles[0] for name in ("car.obj", "car.mtl")),
+        *(Assets.read(changed(name)).actors[0] for name in ("car.obj", "car.mtl")),
         replace(mesh, scale=1.5),
         replace(mesh, yaw_deg=1.0),
         replace(mesh, type="Van"),
@@ -65,7 +65,7 @@ def test_a_policy_without_assets_says_nothing_of_them(tmp_path: Path) -> None:
     own = replace(policy, assets=assets)
     assert own.to_dict()["assets"] == {
         "share": 0.5,
-        "vehicles": [{"name": "mine", "sha256": assets.vehicles[0].sha256}],
+        "actors": [{"name": "mine", "sha256": assets.actors[0].sha256}],
     }
     assert own.draw(1, 2).assets is assets
     assert replace(own.draw(1, 2), assets=None) == policy.draw(1, 2)
@@ -104,42 +104,42 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (shutil.rmtree, "'ROOT': no assets.toml in it"),
     (_write("assets.toml", "share = \n"), "assets.toml: invalid TOML: Invalid value (at line 1, column 9)"),
     (_write("assets.toml", "name = '\xe4'"), "assets.toml: invalid TOML: 'utf-8' codec can't decode byte"),
-    (_write("assets.toml", "share = 0.5\n"), "assets.toml: missing key 'vehicle'"),
-    (_write("assets.toml", "vehicle = 3\n"), "assets.toml: vehicle: expected [[vehicle]] tables, got 3"),
-    (_write("assets.toml", "vehicle = []\n"), "assets: expected at least one vehicle, got none"),
-    (_write("assets.toml", f"shares = 1\n{CAR}"), "assets.toml: unknown key 'shares'; known: vehicle, share"),
+    (_write("assets.toml", "share = 0.5\n"), "assets.toml: missing key 'actor'"),
+    (_write("assets.toml", "actor = 3\n"), "assets.toml: actor: expected [[actor]] tables, got 3"),
+    (_write("assets.toml", "actor = []\n"), "assets: expected at least one actor, got none"),
+    (_write("assets.toml", f"shares = 1\n{CAR}"), "assets.toml: unknown key 'shares'; known: actor, share"),
     (_write("assets.toml", f"share = 1.5\n{CAR}"), "assets.share: expected a number from 0 to 1, got 1.5"),
-    (_write("assets.toml", CAR + CAR), "assets: two vehicles are named 'mine'"),
+    (_write("assets.toml", CAR + CAR), "assets: two actors are named 'mine'"),
     (
         _write("assets.toml", f"{CAR}color = 'red'\n"),
-        "assets.toml: vehicle 1: unknown key 'color'; known: name",
+        "assets.toml: actor 1: unknown key 'color'; known: name",
     ),
-    (_toml('name = "mine"\n', ""), "assets.toml: vehicle 1: missing key 'name'"),
-    (_toml('"mine"', '"a b"'), "assets.toml: vehicle 'a b'.name: expected 1 to 64 letters, digits, '_', '.' or '-'"),
-    (_toml('"mine"', "[1]"), "assets.toml: vehicle [1].name: expected"),
+    (_toml('name = "mine"\n', ""), "assets.toml: actor 1: missing key 'name'"),
+    (_toml('"mine"', '"a b"'), "assets.toml: actor 'a b'.name: expected 1 to 64 letters, digits, '_', '.' or '-'"),
+    (_toml('"mine"', "[1]"), "assets.toml: actor [1].name: expected"),
     (
         _toml('"Car"', '"Tank"'),
-        "assets.toml: vehicle 'mine'.class: expected one of Car, Van, Truck, Tram, Misc, got",
+        "assets.toml: actor 'mine'.class: expected one of Car, Van, Truck, Tram, Misc, Pedestrian, Person_sitting, Cyc",
     ),
-    (_toml('"meshes/car.obj"', "7"), "assets.toml: vehicle 1.mesh: expected the path of an OBJ or glTF file, got 7"),
-    (_toml("meshes/car", "c" * 300), f"assets.toml: vehicle 1: no mesh '{'c' * 300}.obj'"),
-    (_toml("meshes/car", "car"), "assets.toml: vehicle 1: no mesh 'car.obj'"),
-    (_toml("meshes/car.obj", "meshes"), "assets.toml: vehicle 1: no mesh 'meshes', got a folder"),
-    (_toml("meshes", "../meshes"), "assets.toml: vehicle 1.mesh: '../meshes/car.obj' leads out of the folder"),
-    (_toml("meshes/car.obj", "/etc/passwd"), "assets.toml: vehicle 1.mesh: '/etc/passwd' leads out of the folder"),
-    (_remove("meshes/car.obj"), "assets.toml: vehicle 1: no mesh 'meshes/car.obj'"),
+    (_toml('"meshes/car.obj"', "7"), "assets.toml: actor 1.mesh: expected the path of an OBJ or glTF file, got 7"),
+    (_toml("meshes/car", "c" * 300), f"assets.toml: actor 1: no mesh '{'c' * 300}.obj'"),
+    (_toml("meshes/car", "car"), "assets.toml: actor 1: no mesh 'car.obj'"),
+    (_toml("meshes/car.obj", "meshes"), "assets.toml: actor 1: no mesh 'meshes', got a folder"),
+    (_toml("meshes", "../meshes"), "assets.toml: actor 1.mesh: '../meshes/car.obj' leads out of the folder"),
+    (_toml("meshes/car.obj", "/etc/passwd"), "assets.toml: actor 1.mesh: '/etc/passwd' leads out of the folder"),
+    (_remove("meshes/car.obj"), "assets.toml: actor 1: no mesh 'meshes/car.obj'"),
     (_write("meshes/car.obj", "\x89PNG\n"), "meshes/car.obj: no faces: is it a Wavefront OBJ file?"),
-    (_write("assets.toml", f"{CAR}scale = nan\n"), "assets.toml: vehicle 'mine'.scale: expected a number from 1e-09"),
-    (_write("assets.toml", f"{CAR}up = 'x'\n"), "assets.toml: vehicle 'mine'.up: expected 'z' or 'y', got 'x'"),
-    (_write("assets.toml", f"{CAR}size_lwh = 4\n"), "assets.toml: vehicle 'mine'.size_lwh: expected [length, width"),
-    (_write("assets.toml", f"{CAR}materials = 4\n"), "assets.toml: vehicle 1.materials: expected a table, got 4"),
+    (_write("assets.toml", f"{CAR}scale = nan\n"), "assets.toml: actor 'mine'.scale: expected a number from 1e-09"),
+    (_write("assets.toml", f"{CAR}up = 'x'\n"), "assets.toml: actor 'mine'.up: expected 'z' or 'y', got 'x'"),
+    (_write("assets.toml", f"{CAR}size_lwh = 4\n"), "assets.toml: actor 'mine'.size_lwh: expected [length, width"),
+    (_write("assets.toml", f"{CAR}materials = 4\n"), "assets.toml: actor 1.materials: expected a table, got 4"),
     (
         _write("assets.toml", f"{CAR}materials.gold = []\n"),
-        "assets.toml: vehicle 'mine'.materials: unknown key 'gold'; known: glass, tyre, plate, lamp, interior, leave_",
+        "assets.toml: actor 'mine'.materials: unknown key 'gold'; known: glass, tyre, plate, lamp, interior, leave_",
     ),
     (
         _write("assets.toml", f"{CAR}materials.glass = 'x'\n"),
-        "assets.toml: vehicle 'mine'.materials.glass: expected a list of names, got 'x'",
+        "assets.toml: actor 'mine'.materials.glass: expected a list of names, got 'x'",
     ),
 ]
 
@@ -165,8 +165,8 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_mesh_needs_a_sensible_name_and_type() -> None:
-    with pytest.raises(CadetError, match=r"^vehicle 'a/b'.name: expected 1 to 64 letters"):
-        VehicleMesh(name="a/b", type="Car", mesh=car_mesh())
+    with pytest.raises(CadetError, match=r"^actor 'a/b'.name: expected 1 to 64 letters"):
+        ActorMesh(name="a/b", type="Car", mesh=car_mesh())
 
 
 def test_a_dataset_records_its_assets_and_goes_on_with_no_others(tmp_path: Path) -> None:
@@ -187,7 +187,7 @@ def test_a_dataset_records_its_assets_and_goes_on_with_no_others(tmp_path: Path)
     (moved / "meshes" / "car.mtl").write_text(MTL.replace("0.5", "0.6"))
     changed = run(*arguments, "--resume", "--assets", moved)
     assert changed.returncode == FAILED
-    assert "policy.assets.vehicles was" in changed.stderr
+    assert "policy.assets.actors was" in changed.stderr
 
 
 def test_cadet_gen_refuses_bad_assets_before_it_writes(tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def real_assets(root: Path) -> Path:
             pose = re.search(r"<visual.*?<pose>0 0 0 0 0 (\S+)</pose>", sdf, re.DOTALL)
             assert pose is not None
             yaw_deg = np.degrees(float(pose[1]))
-        lines += ["[[vehicle]]", f'name = "{name}"', f'class = "{kind}"', f'mesh = "{name}/{mesh}"']
+        lines += ["[[actor]]", f'name = "{name}"', f'class = "{kind}"', f'mesh = "{name}/{mesh}"']
         lines += [f"scale = {scale[1]}", f"yaw_deg = {yaw_deg:.6f}"]
     (root / "assets.toml").write_text("\n".join(lines))
     return root
@@ -186,7 +186,7 @@ def test_models_are_asked_for_by_name_and_class(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("toml", "message"),
     [
-        (f"{CAR}scale = 100", "meshes/car.obj: 400.000 m long, expected 1 to 30 m: check scale"),
+        (f"{CAR}scale = 100", "meshes/car.obj: 400.000 m long, expected 1 to 30 m for a Car: check scale"),
         (f"{CAR}yaw_deg = 90", "meshes/car.obj: wider (4.00 m) than long (1.70 m): turn its front to +x with yaw_deg"),
         (f"{CAR}materials.glass = ['Pane*']", 'meshes/car.obj: materials.glass: no material is named "Pane*"; known: '),
     ],
@@ -237,7 +237,7 @@ def test_a_dataset_with_real_meshes_is_clean_and_the_same_for_any_workers(tmp_pa
     assert tree(tmp_path / "one") == tree(tmp_path / "two")
     assert [f for f in lint(tmp_path / "one") if f.severity == "error"] == []
     policy = json.loads((tmp_path / "one" / "manifest.json").read_text())["policy"]
-    assert [vehicle["name"] for vehicle in policy["assets"]["vehicles"]] == [name for name, *_ in REAL]
+    assert [actor["name"] for actor in policy["assets"]["actors"]] == [name for name, *_ in REAL]
     metas = [json.loads(path.read_text()) for path in (tmp_path / "one" / "training" / "meta").iterdir()]
     models = [o["model"] for meta in metas for o in meta["objects"]]
     assert len([model for model in models if model in {name for name, *_ in REAL}]) >= 3

@@ -41,7 +41,7 @@ def test_props_stand_beside_vehicles_or_alone(tmp_path: Path) -> None:
     policy = ResetPolicy.kitti().with_props(props)
     assert policy.assets == Assets(props=props)
     assert policy.to_dict()["assets"] == {"props": props.to_list()}
-    with pytest.raises(CadetError, match="expected at least one vehicle"):
+    with pytest.raises(CadetError, match="expected at least one actor"):
         Assets()
     with pytest.raises(CadetError, match=r"assets\.props"):
         Assets(props="own")  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Small vehicle meshes and folders of assets, for tests."""
+"""Small meshes and folders of assets, for tests."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def wall_obj() -> str:
     return obj_of([("Body", (-14.0, -0.2, 0.0), (14.0, 0.2, 4.0))])
 
 
-CAR = '[[vehicle]]\nname = "mine"\nclass = "Car"\nmesh = "meshes/car.obj"\n'
-WALL = '[[vehicle]]\nname = "wall"\nclass = "Truck"\nmesh = "meshes/wall.obj"\nmaterials.glass = []\n'
+CAR = '[[actor]]\nname = "mine"\nclass = "Car"\nmesh = "meshes/car.obj"\n'
+WALL = '[[actor]]\nname = "wall"\nclass = "Truck"\nmesh = "meshes/wall.obj"\nmaterials.glass = []\n'
 
 
 def assets_folder(root: Path, toml: str = CAR) -> Path:

@@ -27,7 +27,7 @@ ROOMS: dict[str, dict[str, set[str]]] = {
         "material": {"error", "lamp", "math"},
         "geometry": {"error", "frames", "material", "math"},
         "instance": {"geometry", "material", "math"},
-        "actor": {"error", "math"},
+        "actor": {"error", "material", "math"},
     },
     "town": {
         "network": set(),

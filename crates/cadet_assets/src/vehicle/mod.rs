@@ -1,7 +1,6 @@
 //! Vehicles: a lofted body with cut wheel arches and true glass over a furnished interior.
 
 mod archetypes;
-mod assumed_windows;
 mod body;
 mod details;
 mod dimensions;
@@ -9,9 +8,6 @@ mod distant;
 #[cfg(test)]
 mod end_tests;
 mod glasshouse;
-mod imported;
-mod imported_fit;
-mod imported_materials;
 mod interior;
 mod lamps;
 mod library;
@@ -41,11 +37,10 @@ use cadet_base::material::Palette;
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
 
-pub use imported::{UserVehicles, VehicleAsset};
-pub use imported_materials::{MaterialRules, Role};
 pub use lamps::{HALOGEN, LitLamps, low_beams};
 pub use openings::{Opening, Openings};
 pub use paint::Livery;
+pub(crate) use paint::{coated, glass};
 
 use body::Styling;
 use details::Fittings;

@@ -130,20 +130,9 @@ pub enum Livery {
     Tram,
 }
 
-/// What the semantic image shows of a class of vehicles.
-pub(super) fn semantic_of(class: ObjectClass) -> Semantic {
-    match class {
-        ObjectClass::Car => Semantic::Car,
-        ObjectClass::Van => Semantic::Van,
-        ObjectClass::Truck => Semantic::Truck,
-        ObjectClass::Tram => Semantic::Tram,
-        _ => Semantic::OtherVehicle,
-    }
-}
-
 /// The materials that every vehicle has.
 pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Material> {
-    let semantic = semantic_of(class);
+    let semantic = class.semantic();
     let mut materials = vec![Material::matt(semantic, [0.03; 3], Pattern::Plain, 0.012); 23];
     let mut set = |slot: u8, m: Material| materials[usize::from(slot)] = m;
     set(slot::PAINT, paint(class, semantic, s));
@@ -219,7 +208,7 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
     }
 }
 
-pub(super) fn coated(
+pub(crate) fn coated(
     semantic: Semantic,
     albedo: [f32; 3],
     roughness: f32,
@@ -229,7 +218,7 @@ pub(super) fn coated(
     Material { roughness, specular, ..Material::matt(semantic, albedo, Pattern::Plain, reflectance) }
 }
 
-pub(super) fn glass(semantic: Semantic, tint: [f32; 3], eye_transmission: f32, laser_transmission: f32) -> Material {
+pub(crate) fn glass(semantic: Semantic, tint: [f32; 3], eye_transmission: f32, laser_transmission: f32) -> Material {
     Material {
         albedo: tint,
         roughness: 0.02,

@@ -5,7 +5,7 @@ use super::behavior::Behavior;
 use super::timed_path::{OnPath, TimedPath};
 use crate::body::{Cycle, Guided, Step, Upright};
 use crate::footprint::Footprint;
-use crate::look::{CyclistLook, PersonLook, VehicleLook};
+use crate::look::{CyclistLook, FigureLook, PersonLook, VehicleLook};
 use crate::outlook::Outlook;
 use crate::physics::{DT_S, Physics};
 use crate::slot::Slot;
@@ -61,6 +61,16 @@ impl Script {
         let turn_rad = math::wrap_angle(math::atan2(heading.y, heading.x) - yaw_rad);
         turn_rad.clamp(-most_radps * DT_S, most_radps * DT_S)
     }
+
+    /// Leads somebody on foot to a place of this step.
+    fn lead(&self, body: &mut Upright, physics: &Physics, now: &OnPath, moved_m: f64) {
+        let before = body.position;
+        let z_m = physics.ground_at(now.at.extend(before.z)).map_or(before.z, |g| g.z_m);
+        body.position = now.at.extend(z_m);
+        let climb_mps = if moved_m > 0.0 { (z_m - before.z) / DT_S } else { 0.0 };
+        body.velocity_world = now.velocity.extend(climb_mps);
+        body.yaw_rad = math::wrap_angle(body.yaw_rad + self.turn_rad(body.yaw_rad, PERSON_TURN_RADPS));
+    }
 }
 
 /// An agent that follows a script.
@@ -74,6 +84,15 @@ pub(crate) enum Led {
     Vehicle(Actor<Guided, VehicleLook>),
     Cyclist(Actor<Cycle, CyclistLook>),
     Person(Actor<Upright, PersonLook>),
+    Figure(Actor<Upright, FigureLook>),
+    RidingFigure(Actor<Cycle, FigureLook>),
+}
+
+impl Scripted {
+    /// The body of somebody who is led on foot.
+    fn person(&self) -> Option<&Upright> {
+        self.actor(0)?.body.person()
+    }
 }
 
 impl Behavior for Scripted {
@@ -82,11 +101,13 @@ impl Behavior for Scripted {
             Led::Vehicle(actor) => actor.view(),
             Led::Cyclist(actor) => actor.view(),
             Led::Person(actor) => actor.view(),
+            Led::Figure(actor) => actor.view(),
+            Led::RidingFigure(actor) => actor.view(),
         })
     }
 
     fn look(&mut self, slot: Slot, around: &TrafficState, _streets: &Streets, _step: u64) -> Outlook {
-        if let Led::Person(_) = self.led {
+        if self.person().is_some() {
             return Outlook::default();
         }
         let Script { path, s_m, .. } = &self.script;
@@ -116,19 +137,16 @@ impl Behavior for Scripted {
                 ride.advance(model, moved_m, step.turn_rad, true);
             }
             Led::Person(Actor { body, look }) => {
-                let before = body.position;
-                let z_m = physics.ground_at(now.at.extend(before.z)).map_or(before.z, |g| g.z_m);
-                body.position = now.at.extend(z_m);
-                let climb_mps = if moved_m > 0.0 { (z_m - before.z) / DT_S } else { 0.0 };
-                body.velocity_world = now.velocity.extend(climb_mps);
-                body.yaw_rad = math::wrap_angle(body.yaw_rad + script.turn_rad(body.yaw_rad, PERSON_TURN_RADPS));
+                script.lead(body, physics, &now, moved_m);
                 look.walk(moved_m);
             }
+            Led::Figure(Actor { body, .. }) => script.lead(body, physics, &now, moved_m),
+            Led::RidingFigure(Actor { body, .. }) => body.guide(physics, &step(body.yaw_rad)),
         }
     }
 
     fn on_road(&self, graph: &LaneGraph) -> Option<Footprint> {
-        let Led::Person(Actor { body, .. }) = &self.led else { return None };
+        let body = self.person()?;
         let lead_m = body.velocity_world.truncate().length() * LEAD_S;
         let soon = body.at() + body.heading() * lead_m;
         let is_on_road = is_on_road(body, body.at(), graph) || is_on_road(body, soon, graph);

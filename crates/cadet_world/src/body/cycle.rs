@@ -5,7 +5,6 @@ use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 use super::Body;
 use super::guided::{Step, along_ground};
 use crate::physics::{DT_S, Physics, pose_f32};
-use cadet_assets::cyclist::CyclistModel;
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::frames;
 use cadet_base::math::{self, DPose3, DVec2, DVec3};
@@ -46,18 +45,18 @@ pub(crate) fn stand_up(physics: &Physics, half_wheelbase_m: f64, at: DVec3, yaw_
 }
 
 impl Cycle {
-    /// A bicycle on the ground that moves with a velocity in the plane.
+    /// A bicycle of a size on the ground that moves with a velocity in the plane.
     pub fn new(
         physics: &mut Physics,
-        model: &CyclistModel,
+        size_lwh: DVec3,
+        half_wheelbase_m: f64,
         world_from_box: DPose3,
         yaw_rad: f64,
         velocity: DVec2,
     ) -> Self {
         let builder = RigidBodyBuilder::kinematic_position_based().pose(pose_f32(&world_from_box));
-        let body = physics.insert_vehicle(builder, model.size_lwh, CLEARANCE_M);
+        let body = physics.insert_vehicle(builder, size_lwh, CLEARANCE_M);
         let velocity_world = along_ground(velocity, &world_from_box);
-        let half_wheelbase_m = model.wheelbase_m / 2.0;
         Self { body, half_wheelbase_m, world_from_box, yaw_rad, velocity_world, angular_velocity_world: DVec3::ZERO }
     }
 

@@ -1,6 +1,7 @@
 //! What agents look like: a model, and the parts of it that the sensors see.
 
 mod cyclist;
+mod figure;
 mod lamp_light;
 mod person;
 mod ride;
@@ -8,6 +9,7 @@ mod turn_signal;
 mod vehicle;
 
 pub(super) use cyclist::CyclistLook;
+pub(super) use figure::FigureLook;
 pub(super) use lamp_light::LampLight;
 pub(super) use person::PersonLook;
 pub(super) use ride::Ride;

@@ -97,7 +97,7 @@ impl Spawner<'_> {
         entry: Entry,
     ) -> Option<AgentKind> {
         let (own_mix, mix) = (self.config.shares(&DRIVEN_USER_MIX, &[]), self.config.shares(&DRIVEN_MIX, &[]));
-        let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
+        let model = match self.user_models.draw(stream, &own_mix, |_| true) {
             Some(model) => model,
             None => {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];

@@ -22,7 +22,7 @@ pub use traffic::Shortfall;
 
 pub(super) use ego::{EgoStarts, place_ego, too_short};
 pub(super) use overlap::check_free;
-pub(super) use placed::{add_cyclist, add_person, add_vehicle, box_at};
+pub(super) use placed::{add_cyclist, add_figure, add_person, add_vehicle, box_at};
 pub(super) use seated::add_seated;
 pub(super) use spawner::Spawner;
 pub(super) use traffic::{RENEW_EVERY, Respawns, fill, leave, renew};

@@ -51,7 +51,8 @@ pub(super) fn ridden_bicycle(
     velocity: DVec2,
     turn_phase: f64,
 ) -> Actor<Cycle, CyclistLook> {
-    let body = Cycle::new(&mut arena.physics, &model, world_from_box, yaw_rad, velocity);
+    let body =
+        Cycle::new(&mut arena.physics, model.size_lwh, model.wheelbase_m / 2.0, world_from_box, yaw_rad, velocity);
     Actor { body, look: CyclistLook { model, ride: Ride::new(turn_phase, velocity.length()) } }
 }
 
@@ -66,13 +67,21 @@ pub(super) fn standing_person(
     yaw_rad: f64,
     seed: u64,
 ) -> Result<Pedestrian> {
+    let body = on_foot(arena, at, yaw_rad)?;
+    let mut choices = Stream::from_seed("walker", seed);
+    let phase = choices.unit();
+    Ok(Pedestrian::standing(Actor { body, look: PersonLook { model, phase } }, choices))
+}
+
+/// Somebody's body on the ground.
+///
+/// # Errors
+/// As [`standing_person`].
+pub(super) fn on_foot(arena: &Arena, at: DVec3, yaw_rad: f64) -> Result<Upright> {
     let (x_m, y_m) = (finite("x", at.x)?, finite("y", at.y)?);
     finite("yaw", yaw_rad)?;
     let ground = arena.physics.ground_at(at).ok_or_else(|| Error::Scene {
         reason: format!("a person at ({x_m}, {y_m}) would stand beyond the ground's edge"),
     })?;
-    let mut choices = Stream::from_seed("walker", seed);
-    let phase = choices.unit();
-    let body = Upright::standing(DVec3::new(x_m, y_m, ground.z_m), yaw_rad);
-    Ok(Pedestrian::standing(Actor { body, look: PersonLook { model, phase } }, choices))
+    Ok(Upright::standing(DVec3::new(x_m, y_m, ground.z_m), yaw_rad))
 }

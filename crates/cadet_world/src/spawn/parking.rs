@@ -67,7 +67,7 @@ impl Spawner<'_> {
             let is_usual_yard = spot.kind == SpotKind::Yard && config.vehicle_shares.is_empty();
             let van_share = if is_usual_yard { YARD_VANS_SHARE } else { parked_mix[1].1 };
             let over_m = if spot.kind == SpotKind::Parallel { MOST_OVER_SPOT_M } else { 0.0 };
-            let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
+            let model = match self.user_models.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
                 Some(model) => model,
                 None => match rare_model(spot, over_m, config, seed)? {
                     Some(model) => model,

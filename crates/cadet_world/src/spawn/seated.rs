@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::overlap::{Cover, check_free};
+use super::newcomers::on_foot;
+use super::placed::{Start, check_stays, start_on_foot};
 use super::spawner::Spawner;
 use crate::agents::{Actor, AgentKind, Fixture};
 use crate::arena::Arena;
@@ -12,9 +13,9 @@ use crate::look::PersonLook;
 use crate::params::walking::BODY_M;
 use cadet_assets::person::PersonModel;
 use cadet_base::actor::ObjectClass;
-use cadet_base::error::{Error, Result, finite};
+use cadet_base::error::Result;
 use cadet_base::frames;
-use cadet_base::math::{DPose3, DVec2, DVec3};
+use cadet_base::math::DPose3;
 use cadet_base::rng::Stream;
 use cadet_town::Town;
 
@@ -65,20 +66,11 @@ fn seated(model: &PersonModel, world_from_seat: &DPose3, stream: &mut Stream) ->
 /// Adds somebody who sits at a chair's height with the middle of the box at a place; returns the id.
 ///
 /// # Errors
-/// [`Error::Scene`] for a path, beyond the ground's edge, or where somebody is; [`Error::NotFinite`].
+/// As [`super::placed::add_vehicle`] and [`check_stays`].
 pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
-    let (x_m, y_m, yaw_rad) = match course {
-        Course::Stand { x_m, y_m, yaw_rad } => (*x_m, *y_m, *yaw_rad),
-        Course::Straight { x_m, y_m, yaw_rad, speed_mps } if *speed_mps == 0.0 => (*x_m, *y_m, *yaw_rad),
-        _ => return Err(Error::Scene { reason: "a Person_sitting does not move: no path and no speed".to_owned() }),
-    };
-    let at = DVec2::new(finite("x", x_m)?, finite("y", y_m)?);
-    let yaw_rad = finite("yaw", yaw_rad)?;
-    let ground = arena.physics.ground_at(at.extend(f64::INFINITY)).ok_or_else(|| Error::Scene {
-        reason: format!("a person at ({}, {}) would sit beyond the ground's edge", at.x, at.y),
-    })?;
-    check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at.extend(ground.z_m)), overlap)?;
+    check_stays(course)?;
+    let Start { at, yaw_rad, .. } = start_on_foot(arena, ObjectClass::PersonSitting, course, overlap)?;
     let model = PersonModel::sitting(model_seed, SEAT_M);
-    let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
+    let body = on_foot(arena, at, yaw_rad)?;
     Ok(arena.put_placed(sitter(model, body)))
 }

@@ -3,7 +3,7 @@
 use super::config::TrafficConfig;
 use crate::arena::Arena;
 use crate::streets::Route;
-use cadet_assets::vehicle::UserVehicles;
+use cadet_assets::imported::UserModels;
 use cadet_base::rng::StreamKey;
 
 /// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
@@ -25,7 +25,7 @@ pub(crate) struct Spawner<'a> {
     pub arena: &'a mut Arena,
     pub key: StreamKey,
     pub config: &'a TrafficConfig,
-    pub user_vehicles: &'a UserVehicles,
+    pub user_models: &'a UserModels,
     /// Whether it rains.
     pub rains: bool,
 }

@@ -6,6 +6,7 @@ mod census;
 mod country_roads;
 mod cycle_lanes;
 mod cyclists;
+mod figures;
 mod flow;
 mod lamps;
 mod main_roads;

@@ -9,7 +9,7 @@ use cadet_base::frames::yaw_of;
 use cadet_base::math::{TAU, wrap_angle};
 use cadet_base::plane::unit;
 
-fn path(points: &[(f64, f64, f64)]) -> Course {
+pub(super) fn path(points: &[(f64, f64, f64)]) -> Course {
     Course::Path(points.iter().map(|(t_s, x_m, y_m)| Waypoint { t_s: *t_s, x_m: *x_m, y_m: *y_m }).collect())
 }
 
@@ -17,7 +17,7 @@ fn put(world: &mut World, class: ObjectClass, seed: u64, course: &Course) -> i32
     world.add(class, ModelChoice::Seed(seed), course, Overlap::Refuse).unwrap()
 }
 
-fn actor(world: &World, id: i32) -> ActorState {
+pub(super) fn actor(world: &World, id: i32) -> ActorState {
     world.snapshot().actors.into_iter().find(|a| a.id == id).unwrap()
 }
 

@@ -60,7 +60,7 @@ def category(kind: str, model: str) -> str:
 
     Args:
         kind: its type, one of KITTI's.
-        model: its model's name, such as "child with dog/17"; a user's own vehicle has no slash and tells nothing.
+        model: its model's name, such as "child with dog/17"; a user's own mesh has no slash and tells nothing.
     """
     words = model.rpartition("/")[0].split(" ")
     return next((found for its, word, found in _OF_MODEL if its == kind and word in words), _OF_TYPE[kind])

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 
-MAX_TRIANGLES: Final = _cadet.VehicleMesh.MAX_TRIANGLES
-MAX_MATERIALS: Final = _cadet.VehicleMesh.MAX_MATERIALS
+MAX_TRIANGLES: Final = _cadet.ActorMesh.MAX_TRIANGLES
+MAX_MATERIALS: Final = _cadet.ActorMesh.MAX_MATERIALS
 Color = tuple[float, float, float]
 """Linear red, green, and blue from 0 to 1."""
 

@@ -99,7 +99,7 @@ def test_meshes_that_the_reader_stops_on_are_refused(tmp_path: Path, mtl: str, o
 
 
 def test_a_meshs_name_holds_no_null_byte(tmp_path: Path) -> None:
-    root = assets_folder(tmp_path / "assets", '[[vehicle]]\nname = "a"\nclass = "Car"\nmesh = "a\\u0000b"\n')
-    message = r"^assets\.toml: vehicle 1\.mesh: expected the path of an OBJ or glTF file, got "
+    root = assets_folder(tmp_path / "assets", '[[actor]]\nname = "a"\nclass = "Car"\nmesh = "a\\u0000b"\n')
+    message = r"^assets\.toml: actor 1\.mesh: expected the path of an OBJ or glTF file, got "
     with pytest.raises(CadetError, match=message):
         Assets.read(root)

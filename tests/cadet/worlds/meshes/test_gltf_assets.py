@@ -101,7 +101,7 @@ def test_broken_files_are_refused_in_one_line(
 def test_gltf_has_its_own_axes(tmp_path: Path) -> None:
     folder = gltf_folder(tmp_path / "own")
     (folder / "assets.toml").write_text(CAR.replace("car.obj", "car.gltf") + 'up = "y"\n')
-    with pytest.raises(cadet.CadetError, match=r"vehicle 1\.up: glTF files say themselves"):
+    with pytest.raises(cadet.CadetError, match=r"actor 1\.up: glTF files say themselves"):
         cadet.Assets.read(folder)
 
 
@@ -116,14 +116,14 @@ def test_bad_meshes_are_left_out_where_that_is_asked_for(tmp_path: Path) -> None
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         assets = cadet.Assets.read(folder, skip_bad=True)
-    assert [vehicle.name for vehicle in assets.vehicles] == ["mine"]
+    assert [actor.name for actor in assets.actors] == ["mine"]
     said = [str(warning.message) for warning in caught if issubclass(warning.category, cadet.CadetWarning)]
-    assert any("broken.obj: no faces" in line and "vehicle 2 is left out" in line for line in said)
-    assert any("unknown key 'x'" in line and "vehicle 3 is left out" in line for line in said)
+    assert any("broken.obj: no faces" in line and "actor 2 is left out" in line for line in said)
+    assert any("unknown key 'x'" in line and "actor 3 is left out" in line for line in said)
     (folder / "meshes" / "car.obj").write_text("")
     with (
-        pytest.warns(cadet.CadetWarning, match="vehicle 1 is left out"),
-        pytest.raises(cadet.CadetError, match="none of its 3 vehicles can be used"),
+        pytest.warns(cadet.CadetWarning, match="actor 1 is left out"),
+        pytest.raises(cadet.CadetError, match="none of its 3 actors can be used"),
     ):
         cadet.Assets.read(folder, skip_bad=True)
 

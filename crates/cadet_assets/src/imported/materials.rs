@@ -1,9 +1,10 @@
-//! What a user's materials are made of: the part of a vehicle that their names tell, and the color that they state.
+//! What a user's materials are made of: the part of a body that their names tell, and the color that they state.
 
 use strum::{AsRefStr, VariantArray};
 
-use super::paint::{coated, glass};
 use crate::source_mesh::SourceMaterial;
+use crate::vehicle::{coated, glass};
+use cadet_base::actor::ObjectClass;
 use cadet_base::error::{Error, Result, variant};
 use cadet_base::material::{LidarMaterial, Material, Pattern, Semantic};
 
@@ -71,10 +72,25 @@ impl MaterialRules {
         materials.iter().zip(roles).map(or_glass).collect()
     }
 
+    /// The role of each of a figure's materials: what the user says, and a rider's tires; all else is cloth. Hair may
+    /// be dissolved, and light is a color, too.
+    #[must_use]
+    pub(super) fn roles_of_figure(&self, class: ObjectClass, materials: &[SourceMaterial]) -> Vec<Option<Role>> {
+        let rides = class == ObjectClass::Cyclist && !self.names(Role::Tyre);
+        let is_tyre = |name: &str| rides && fits_any(Role::Tyre.default_patterns(), name);
+        let role = |m: &SourceMaterial| self.own_role(&m.name).or(is_tyre(&m.name).then_some(Role::Tyre));
+        materials.iter().map(role).collect()
+    }
+
+    /// The role that the user gives a name.
+    fn own_role(&self, name: &str) -> Option<Role> {
+        let is_of = |role: &Role| self.0.iter().any(|(r, patterns)| r == role && fits_any(patterns, name));
+        Role::VARIANTS.iter().copied().find(is_of)
+    }
+
     fn role(&self, material: &SourceMaterial) -> Option<Role> {
         let name = &material.name;
-        let own = |role: &Role| self.0.iter().find(|(r, _)| r == role).map(|(_, patterns)| patterns);
-        if let Some(role) = Role::VARIANTS.iter().copied().find(|role| own(role).is_some_and(|p| fits_any(p, name))) {
+        if let Some(role) = self.own_role(name) {
             return Some(role);
         }
         if material.opacity < 0.99 {
@@ -84,7 +100,7 @@ impl MaterialRules {
         if fits_any(TRIM, name) && (fits_any(Role::Glass.default_patterns(), name) || fits_any(&["*window*"], name)) {
             return None;
         }
-        Role::VARIANTS.iter().copied().find(|role| own(role).is_none() && fits_any(role.default_patterns(), name))
+        Role::VARIANTS.iter().copied().find(|role| !self.names(*role) && fits_any(role.default_patterns(), name))
     }
 
     /// True where the user says what is of a role, even if it is nothing.
@@ -173,6 +189,10 @@ pub(super) fn material(source: Option<&SourceMaterial>, role: Option<Role>, sema
         Some(Role::Lamp) => coated(semantic, albedo, 0.09, 0.07, 0.35),
         // Cloth and dyed plastic are clearer at 905 nm than they look.
         Some(Role::Interior) => Material::matt(semantic, albedo, Pattern::Plain, (0.10 + 0.6 * luma).min(0.7)),
+        // Dyes are clear at 905 nm: somebody's clothes and skin return much whatever the eye sees.
+        None if matches!(semantic, Semantic::Person | Semantic::Cyclist) => {
+            Material::matt(semantic, albedo, Pattern::Cloth, (0.35 + 0.5 * luma).min(0.7))
+        }
         None => {
             // Clear coat; red paints are as bright to the laser as their red is to the eye.
             let reflectance = (0.03 + 0.85 * luma.max(albedo[0])).min(0.8);
