@@ -11,7 +11,8 @@ use cadet_base::material::{LidarMaterial, Material, Pattern, Semantic};
 /// What frames a pane.
 const TRIM: &[&str] = &["*trim*", "*frame*", "*seal*", "*rubber*"];
 
-/// The part of a vehicle that a material covers, in the order of trial; what is none of these is painted metal.
+/// The part of a body that a material covers, in the order of trial; what is none of these is painted metal, or cloth of
+/// people and riders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, AsRefStr, VariantArray)]
 #[strum(serialize_all = "lowercase")]
 pub enum Role {
