@@ -1,5 +1,6 @@
 //! What a scene's rig sees: images, scans, and what is known of the agents in them.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::Scene;
@@ -11,10 +12,10 @@ use cadet_sensors::camera::{
     render_through, visibility_pass,
 };
 use cadet_sensors::label::{
-    Boxes, Sighting, TakenView, add_points, may_label, move_boxes, pixels_of_actors, road_plane_cam, sightings,
+    Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
 };
 use cadet_sensors::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
-use cadet_sensors::rig::Mounted;
+use cadet_sensors::rig::{Mounted, Rig};
 use cadet_sensors::sense::RigidMotion;
 use cadet_sensors::spray::Spray;
 use cadet_town::GroundKind;
@@ -111,9 +112,8 @@ impl Scene {
     pub fn capture_labeled(&mut self, request: &CaptureRequest) -> Result<Option<CapturedFrame>> {
         self.check(request)?;
         let world_from_cam = self.world_from_cam();
-        let sensed = self.sensed();
-        let actors = Arc::clone(&sensed.snapshot);
-        if !may_label(&self.label, &actors.actors, self.rig.camera(), &world_from_cam) {
+        let snapshot = Arc::clone(&self.sensed().snapshot);
+        if !may_label(&self.label, &as_labeled(&snapshot, &self.rig), self.rig.camera(), &world_from_cam) {
             return Ok(None);
         }
         let looked = self.look()?;
@@ -159,16 +159,8 @@ impl Scene {
         let view = View::new(camera, &world_from_cam);
         let seen = visibility_pass(&posed, &view)?;
         let extinction_per_m = self.weather.extinction_per_m();
-        let mut sightings =
-            sightings(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
-        if self.rig.lidar().rolling {
-            let world_from_velo = self.rig.world_from_velo(&snapshot.ego.world_from_ego);
-            let (spin, sensor) = (self.rig.lidar().spin, motion_of_ego(&snapshot));
-            let seen_pose = |actor: &ActorState| {
-                spin.seen_pose((&actor.world_from_box, &motion_of(actor)), (&world_from_velo, &sensor))
-            };
-            move_boxes(&self.label, &mut sightings, &snapshot.actors, &world_from_cam, seen_pose);
-        }
+        let actors = as_labeled(&snapshot, &self.rig);
+        let sightings = sightings(&self.label, &actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
         Ok(Looked { view, seen, sightings })
     }
 
@@ -297,6 +289,20 @@ impl Scene {
         self.trees.forget_unused();
         scan
     }
+}
+
+/// Every actor where its label's box stands: at the instant, or among the points of the first LIDAR's turn.
+fn as_labeled<'a>(snapshot: &'a Snapshot, rig: &Rig) -> Cow<'a, [ActorState]> {
+    let (spin, ego) = (rig.lidar().spin, snapshot.ego.world_from_ego);
+    if !rig.lidar().rolling {
+        return Cow::Borrowed(&snapshot.actors);
+    }
+    let (world_from_velo, sensor) = (rig.world_from_velo(&ego), motion_of_ego(snapshot));
+    let seen = |actor: &ActorState| ActorState {
+        world_from_box: spin.seen_pose((&actor.world_from_box, &motion_of(actor)), (&world_from_velo, &sensor)),
+        ..actor.clone()
+    };
+    snapshot.actors.iter().map(seen).collect()
 }
 
 fn motion_of_ego(snapshot: &Snapshot) -> RigidMotion {

@@ -5,7 +5,6 @@ use crate::sense::{PosedScene, VisibilityBuffer};
 use cadet_base::actor::ActorState;
 use cadet_base::math::{self, DPose3};
 
-use super::box_cam::BoxCam;
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::sighting::{Placed, Sighting};
@@ -29,24 +28,6 @@ pub fn add_points(config: &LabelConfig, sightings: &mut [Sighting], point_actor_
         sighting.is_labeled &= config.is_supported(sighting);
     }
     put_labeled_first(sightings);
-}
-
-/// Puts the boxes of sightings where the actors are at other poses, as among the points of a LIDAR that turns. Rectangles,
-/// truncation, and what is hidden stay those of the image.
-pub fn move_boxes(
-    config: &LabelConfig,
-    sightings: &mut [Sighting],
-    actors: &[ActorState],
-    world_from_cam: &DPose3,
-    pose_of: impl Fn(&ActorState) -> DPose3,
-) {
-    let cam_from_world = world_from_cam.inverse();
-    for sighting in sightings {
-        let Some(actor) = actors.iter().find(|actor| actor.id == sighting.actor_id) else { continue };
-        let moved = ActorState { world_from_box: pose_of(actor), ..actor.clone() };
-        sighting.box_cam = BoxCam::of(&moved, config.boxes, &cam_from_world);
-        sighting.observation_angle_rad = sighting.box_cam.alpha();
-    }
 }
 
 fn put_labeled_first(sightings: &mut [Sighting]) {
