@@ -15,6 +15,7 @@ import numpy as np
 
 from cadet.formats.kitti import ImageSet, Label, write_frame, write_image_set
 from cadet.formats.kitti.files import images
+from cadet.formats.kitti.files.folder import SUFFIXES
 from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_label, make_labels, make_points
 
@@ -34,6 +35,7 @@ def write_set(root: Path) -> None:
         for kind, data in (
             ("image_3", images.encode_png(frame.image[:, ::-1])),
             ("point_labels", np.zeros(len(frame.points_velo), "<u4").tobytes()),
+            ("point_times", np.zeros(len(frame.points_velo), "<f4").tobytes()),
         ):
             path = file(root, kind, number)
             path.parent.mkdir(exist_ok=True)
@@ -70,8 +72,7 @@ def file(root: Path, kind: str, number: int = 1) -> Path:
 
 
 def named(kind: str, number: int = 1) -> str:
-    suffixes = {"label_2": "txt", "calib": "txt", "planes": "txt", "velodyne": "bin", "meta": "json"}
-    return f"{number:06d}.{suffixes.get(kind, 'label' if kind == 'point_labels' else 'png')}"
+    return f"{number:06d}{SUFFIXES[kind]}"
 
 
 def unlink(kind: str) -> Damage:
@@ -131,6 +132,7 @@ def rewrite(number: int = 1, **changes: Any) -> Damage:
         for kind, data in (
             ("image_3", images.encode_png(frame.image)),
             ("point_labels", np.zeros(len(frame.points_velo), "<u4").tobytes()),
+            ("point_times", np.zeros(len(frame.points_velo), "<f4").tobytes()),
         ):
             file(root, kind, number).write_bytes(data)
 
@@ -235,7 +237,14 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         True,
         "point_labels/000001.label",
         "damaged-file",
-        "400 bytes, expected 4 for each",
+        "100 points",
+    ),
+    "times of other points": (
+        cut("point_times", 200),
+        True,
+        "point_times/000001.bin",
+        "damaged-file",
+        "50 points",
     ),
     "a file of no frame": (
         lambda root: (root / "training" / "planes" / "000009.txt").write_text(""),

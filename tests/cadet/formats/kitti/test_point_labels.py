@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from cadet import Agent, KittiFormatError, Scan, Semantic
-from cadet.formats.kitti.files.point_labels import bytes_from_point_labels, point_labels, point_labels_from_bytes
+from cadet.formats.kitti.files.point_labels import (
+    bytes_from_point_labels,
+    point_labels,
+    point_labels_from_bytes,
+    point_times_from_bytes,
+)
 
 
 def make_scan(seen: list[tuple[int, Semantic]]) -> Scan:
@@ -46,3 +51,6 @@ def test_files_come_back_and_damaged_ones_are_refused() -> None:
     np.testing.assert_array_equal(point_labels_from_bytes(data), labels)
     with pytest.raises(KittiFormatError, match="7 bytes are not a whole number of labels"):
         point_labels_from_bytes(data[:-1])
+    np.testing.assert_array_equal(point_times_from_bytes(b"\x00\x00\x00\xbf"), np.array([-0.5], np.float32))
+    with pytest.raises(KittiFormatError, match="3 bytes are not a whole number of times"):
+        point_times_from_bytes(b"abc")

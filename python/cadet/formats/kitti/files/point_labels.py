@@ -85,6 +85,19 @@ def point_labels_from_bytes(data: bytes, file: str = "point_labels") -> NDArray[
     Raises:
         KittiFormatError: not a whole number of labels.
     """
+    return np.frombuffer(_whole(data, "labels", file), "<u4").astype(np.uint32)
+
+
+def point_times_from_bytes(data: bytes, file: str = "point_times") -> NDArray[np.float32]:
+    """Read a file of `Scan.time_s`: (N,) float32, seconds.
+
+    Raises:
+        KittiFormatError: not a whole number of times.
+    """
+    return np.frombuffer(_whole(data, "times", file), "<f4").astype(np.float32)
+
+
+def _whole(data: bytes, what: str, file: str) -> bytes:
     if len(data) % _BYTES:
-        raise KittiFormatError(f"{len(data)} bytes are not a whole number of labels of {_BYTES} bytes", file)
-    return np.frombuffer(data, "<u4").astype(np.uint32)
+        raise KittiFormatError(f"{len(data)} bytes are not a whole number of {what} of {_BYTES} bytes", file)
+    return data

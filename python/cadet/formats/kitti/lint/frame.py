@@ -17,6 +17,7 @@ from cadet.formats.kitti import dataset
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files.dialects import collected
 from cadet.formats.kitti.files.folder import SUFFIXES, display_name, found_path
+from cadet.formats.kitti.files.point_labels import point_labels_from_bytes, point_times_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import FolderFiles, image_from_files, read_text
 from cadet.formats.kitti.lint.duplicates import Signature, signature_of
@@ -34,8 +35,7 @@ SCAN_RANGE_M: Final = (1.45, 80.0)
 _LOOSE_RANGE_M: Final = 120.0
 _MM: Final = 0.001
 _RIGHT_IMAGE: Final = "image_3"
-_PER_POINT: Final = ("point_labels", "point_times")
-_BYTES_PER_POINT: Final = 4
+_PER_POINT: Final = {"point_labels": point_labels_from_bytes, "point_times": point_times_from_bytes}
 
 
 @dataclass(frozen=True)
@@ -222,8 +222,15 @@ class _FrameLint:
 
     def _lint_per_point(self, kind: str, frame: Frame) -> None:
         data = self._optional(kind)
-        if data is not None and len(data) != _BYTES_PER_POINT * len(frame.points_velo):
-            message = f"{len(data)} bytes, expected {_BYTES_PER_POINT} for each of {len(frame.points_velo)} points"
+        if data is None:
+            return
+        try:
+            number = len(_PER_POINT[kind](data))
+        except KittiFormatError as error:
+            self._add(kind, Problem(None, "damaged-file", error.reason))
+            return
+        if number != len(frame.points_velo):
+            message = f"holds {number} points, the scan has {len(frame.points_velo)}"
             self._add(kind, Problem(None, "damaged-file", message))
 
     def _optional(self, kind: str) -> bytes | None:
