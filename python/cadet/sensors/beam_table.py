@@ -289,7 +289,7 @@ class BeamTable(LidarFile):
             **{key: [float(getattr(laser, key)) for laser in self.rings] for key in _NUMBERS},
             "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],
             "firing": {"pattern": _pattern_of(self.firing), **firing},
-            **{key: getattr(self, key) for key in _PLAIN},
+            **{key: v if isinstance(v := getattr(self, key), str) else float(v) for key in _PLAIN},
         }
 
 

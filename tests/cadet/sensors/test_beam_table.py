@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -261,3 +263,9 @@ class TestOnTheCore:
         (tmp_path / "bad.toml").write_text(TEXT.replace("gain", "gian"))
         assert cadet(monkeypatch, "lidar", tmp_path / "bad.toml") == 2
         assert capsys.readouterr().err.startswith(f"cadet: {tmp_path}/bad.toml:8: rings[1].gian: unknown key")
+
+
+def test_a_manifest_has_the_same_numbers_however_they_were_written() -> None:
+    table = Lidar.vlp16().beam_table()
+    whole = replace(table, min_range_m=1, rate_hz=10, start_azimuth_deg=180)
+    assert json.dumps(whole.to_dict()) == json.dumps(table.to_dict())
