@@ -341,7 +341,7 @@ class Agent:
 
 @final
 class Sighting:
-    """What the first camera sees of an actor."""
+    """What a camera sees of an actor."""
 
     actor_id: Final[int]
     class_name: Final[str]
@@ -367,7 +367,14 @@ class Request:
     """What is to be captured; `sample` names the noise."""
 
     def __new__(
-        cls, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]
+        cls,
+        sample: int,
+        *,
+        maps: bool,
+        pixels: bool,
+        sightings: bool,
+        cameras: Sequence[int],
+        lidars: Sequence[int],
     ) -> Request: ...
 
 @final
@@ -388,8 +395,8 @@ class Capture:
     boxes: Final[str]
     plane: Final[NDArray[np.float64]]
     agents: Final[list[Agent]]
-    sightings: Final[list[Sighting]]
     names: Final[tuple[list[str], list[str]]]
+    def sightings(self, index: int) -> list[Sighting] | None: ...
     def image(self, index: int) -> NDArray[np.uint8]: ...
     def png(self, index: int) -> bytes: ...
     def maps(self, index: int) -> dict[str, NDArray[Any]] | None: ...

@@ -111,7 +111,7 @@ class Undisturbed:
     def __init__(self, dataset_format: str, folder: Path) -> None:
         self.settings = settings_of(dataset_format)
         self._samples: dict[tuple[int, int], Any] = {}
-        wanted = self.settings.exporter.wanted(self.settings.write)
+        wanted = self.settings.wanted
         for episode in range(self.settings.num_episodes):
             views = Episode(self.settings.policy, self.settings.seed, episode, wanted=wanted)
             for number in range(self.settings.num_samples(episode)):

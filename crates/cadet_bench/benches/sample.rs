@@ -45,7 +45,7 @@ fn bench(c: &mut Criterion) {
             b.iter(|| {
                 scene.drive(10.0, 2.0).expect("a road");
                 let frame = scene.capture(&CaptureRequest::default()).expect("a frame");
-                black_box((encode_rgb8(1242, 375, &frame.images[0].rendered.image), frame.scans, frame.sightings))
+                black_box((encode_rgb8(1242, 375, &frame.images[0].rendered.image), frame.scans))
             });
         });
         group.finish();

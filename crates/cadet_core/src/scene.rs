@@ -98,7 +98,7 @@ struct Sensed {
 ///
 /// let frame = scene.capture(&CaptureRequest::default())?;
 /// assert_eq!((frame.images.len(), frame.scans.len()), (1, 1));
-/// assert_eq!(frame.sightings[0].actor_id, car);
+/// assert_eq!(frame.sightings()[0].actor_id, car);
 /// # Ok::<_, cadet_core::Error>(())
 /// ```
 pub struct Scene {

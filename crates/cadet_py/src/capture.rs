@@ -26,9 +26,24 @@ pub(crate) struct Request {
 #[pymethods]
 impl Request {
     #[new]
-    #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
-    fn new(sample: u64, maps: bool, pixels: bool, cameras: Vec<usize>, lidars: Vec<usize>) -> Self {
-        Self { inner: core::CaptureRequest { sample, with_maps: maps, with_pixels: pixels, cameras, lidars } }
+    #[pyo3(signature = (sample, *, maps, pixels, sightings, cameras, lidars))]
+    fn new(
+        sample: u64,
+        maps: bool,
+        pixels: bool,
+        sightings: bool,
+        cameras: Vec<usize>,
+        lidars: Vec<usize>,
+    ) -> Self {
+        let inner = core::CaptureRequest {
+            sample,
+            with_maps: maps,
+            with_pixels: pixels,
+            with_all_sightings: sightings,
+            cameras,
+            lidars,
+        };
+        Self { inner }
     }
 }
 
@@ -73,7 +88,7 @@ impl Agent {
     }
 }
 
-/// What the first camera sees of an actor.
+/// What a camera sees of an actor.
 #[pyclass(frozen, get_all, module = "cadet._cadet")]
 pub(crate) struct Sighting {
     actor_id: i32,
@@ -220,9 +235,10 @@ impl Capture {
         self.frame.actors.iter().enumerate().map(|(i, a)| Agent::of(a, self.frame.pixels.get(i).copied())).collect()
     }
 
-    #[getter]
-    fn sightings(&self) -> Vec<Sighting> {
-        self.frame.sightings.iter().map(Sighting::from).collect()
+    /// What the camera of an image sees of actors; `None` unless asked for.
+    fn sightings(&self, index: usize) -> PyResult<Option<Vec<Sighting>>> {
+        let sightings = self.image_at(index)?.sightings.as_ref();
+        Ok(sightings.map(|all| all.iter().map(Sighting::from).collect()))
     }
 
     /// Names of the images and of the scans.

@@ -13,10 +13,10 @@ from cadet._util.sink import LocalSink
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import (
     REQUIRED,
-    SUFFIXES,
     file_path,
     found_path,
     frame_ids,
+    kinds_in,
     sample_folder,
     set_root,
     testing_folder,
@@ -131,7 +131,8 @@ def _open_folder(root: Path) -> _Source:
             if split_ids:
                 splits[split] = (files, split_ids)
         ids_of_part = {frame_id for split_ids in of_splits.values() for frame_id in split_ids}
-        taken |= {found_path(part, kind, frame_id).relative_to(root) for kind in SUFFIXES for frame_id in ids_of_part}
+        kinds = kinds_in(part)
+        taken |= {found_path(part, kind, frame_id).relative_to(root) for kind in kinds for frame_id in ids_of_part}
     if not splits:
         raise MissingFileError(no_frames(root, folder, REQUIRED))
     lists = list_paths(root)
@@ -199,7 +200,7 @@ def _put_shards(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[st
 
 def _files_of(files: FrameFiles, frame_id: str) -> Iterator[tuple[str, str, bytes]]:
     """Yield kind, suffix and bytes of each file of a frame."""
-    for kind in SUFFIXES:
+    for kind in files.kinds:
         if files.has(kind, frame_id):
             data, name = files.read(kind, frame_id)
             yield kind, Path(name).suffix, data

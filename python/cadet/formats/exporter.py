@@ -87,8 +87,8 @@ class Exporter(Protocol):
             CadetError: in one line.
         """
 
-    def wanted(self, extras: tuple[str, ...]) -> Wanted:
-        """Return what must be captured."""
+    def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
+        """Return what must be captured, the same of all rigs."""
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
         """Return the kinds of files that a sample has."""

@@ -20,6 +20,7 @@ from cadet.formats.nuscenes.exporter import NuscenesExporter
 from cadet.formats.webdataset.exporter import WebdatasetExporter
 from cadet.generate.object_sink import open_sink
 from cadet.sensors.rig import Rig
+from cadet.sensors.sample import Wanted
 from cadet.worlds.policy import ResetPolicy
 
 FORMAT_VERSION = 2
@@ -120,9 +121,14 @@ class Settings:
         return self.exporter.kinds([rig for rig, _ in self.policy.rigs], self.write)
 
     @property
+    def wanted(self) -> Wanted:
+        """What must be captured of each sample."""
+        return self.exporter.wanted([rig for rig, _ in self.policy.rigs], self.write)
+
+    @property
     def unwritten_sensors(self) -> tuple[str, ...]:
         """Names of sensors of the rigs that the format has no room for."""
-        wanted = self.exporter.wanted(self.write).sensors
+        wanted = self.wanted.sensors
         names = {mounted.name for rig, _ in self.policy.rigs for mounted in rig.more}
         return () if wanted is None else tuple(sorted(names - {*wanted}))
 

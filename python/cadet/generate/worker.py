@@ -53,7 +53,7 @@ def _make_samples(
     sink: Sink, settings: Settings, episode: int, missing: list[int], report: Callable[[Made], None]
 ) -> None:
     places = settings.places_of(episode)
-    views = Episode(settings.policy, settings.seed, episode, wanted=settings.exporter.wanted(settings.write))
+    views = Episode(settings.policy, settings.seed, episode, wanted=settings.wanted)
     # Driving leads from view to view, so frames that are there already are seen again, but not written.
     for number in range(missing[-1] + 1):
         sample = views.next_sample(number)

@@ -238,8 +238,12 @@ class Rig(NamedFile):
     def camera_names(self) -> tuple[str, ...]:
         """The cameras that can take an image, the first one first."""
         right = (RIGHT_CAMERA,) if self.has_right_camera else ()
-        more = (mounted.name for mounted in self.more if isinstance(mounted, MountedCamera))
-        return (self.camera_name, *right, *more, *self.gray_cameras)
+        return (self.camera_name, *right, *self.mounted_cameras, *self.gray_cameras)
+
+    @property
+    def mounted_cameras(self) -> tuple[str, ...]:
+        """The cameras among `more`."""
+        return tuple(mounted.name for mounted in self.more if isinstance(mounted, MountedCamera))
 
     @property
     def lidar_names(self) -> tuple[str, ...]:

@@ -53,6 +53,8 @@ class Wanted:
     """More sensors of the rig by name; None for all of `Rig.more`."""
     maps: bool = True
     """Depth, instances and classes of every image."""
+    labels: bool = True
+    """What every camera sees of agents, not the first one alone."""
     shares: bool = False
     """How much of each agent the images show."""
 
@@ -225,10 +227,12 @@ class Sample:
         """Every agent around the ego, by rising id."""
         return tuple(agent_from_native(native) for native in self._native.agents)
 
-    @cached_property
-    def _sightings(self) -> list[_cadet.Sighting]:
-        """What the first camera sees of agents: those that get a label by rising id, then the others."""
-        return self._native.sightings
+    def _sightings(self, name: str | None = None) -> list[_cadet.Sighting] | None:
+        """Return what a camera, the first one if None, sees of agents: those with a label by id, then the others.
+
+        None unless asked for; the first camera always is.
+        """
+        return self._native.sightings(_index(self.image_names, name))
 
     @cached_property
     def image_names(self) -> tuple[str, ...]:

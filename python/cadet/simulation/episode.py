@@ -47,7 +47,14 @@ def request(rig: Rig, number: int, wanted: Wanted) -> _cadet.Request:
         CadetError: the rig lacks a sensor that is wanted.
     """
     cameras, lidars = rig.wanted(wanted.sensors)
-    return _cadet.Request(number, maps=wanted.maps, pixels=wanted.shares, cameras=cameras, lidars=lidars)
+    return _cadet.Request(
+        number,
+        maps=wanted.maps,
+        pixels=wanted.shares,
+        sightings=wanted.labels,
+        cameras=cameras,
+        lidars=lidars,
+    )
 
 
 def as_command(owner: str, speed_mps: float, lateral_m: float) -> tuple[float, float]:

@@ -30,6 +30,8 @@ pub struct CaptureRequest {
     pub with_maps: bool,
     /// How much of each actor the images show together.
     pub with_pixels: bool,
+    /// What every camera sees of actors, not the first one alone.
+    pub with_all_sightings: bool,
     /// More cameras, by their place in [`Rig::cameras`](cadet_sensors::rig::Rig::cameras).
     pub cameras: Vec<usize>,
     /// More LIDARs, by their place in [`Rig::lidars`](cadet_sensors::rig::Rig::lidars).
@@ -47,6 +49,9 @@ pub struct Image {
     pub height: usize,
     /// Colors, and maps if asked for.
     pub rendered: Rendered,
+    /// What the camera sees of actors, in its own frame: those with a label by rising id, then the others; `None` unless
+    /// asked for. The first camera is always asked.
+    pub sightings: Option<Vec<Sighting>>,
 }
 
 /// A scan with the name of its LIDAR.
@@ -73,8 +78,6 @@ pub struct CapturedFrame {
     pub actors: Vec<ActorState>,
     /// Pixels of each actor's outline in the images together, and those that are seen; empty unless asked for.
     pub pixels: Vec<[f64; 2]>,
-    /// What the first camera sees of actors: those with a label by rising id, then the others.
-    pub sightings: Vec<Sighting>,
     /// Which boxes the sightings hold.
     pub boxes: Boxes,
     /// The road's plane in the first camera's frame.
@@ -85,11 +88,26 @@ pub struct CapturedFrame {
     pub scans: Vec<NamedScan>,
 }
 
-/// What the first camera looks at, before light and color.
+impl CapturedFrame {
+    /// What the first camera sees of actors.
+    #[must_use]
+    pub fn sightings(&self) -> &[Sighting] {
+        self.images[0].sightings.as_deref().unwrap_or_default()
+    }
+}
+
+/// What a camera looks at, before light and color.
 struct Looked {
     view: View,
     seen: Visibility,
-    sightings: Vec<Sighting>,
+    /// `None` unless asked for.
+    sightings: Option<Vec<Sighting>>,
+}
+
+impl Looked {
+    fn labeled(&self) -> impl Iterator<Item = &Sighting> {
+        self.sightings.iter().flatten().filter(|s| s.is_labeled)
+    }
 }
 
 impl Scene {
@@ -99,7 +117,7 @@ impl Scene {
     /// A sensor that the rig lacks; [`Error::Scene`] where no ground lies ahead of the first camera.
     pub fn capture(&mut self, request: &CaptureRequest) -> Result<CapturedFrame> {
         self.check(request)?;
-        let looked = self.look()?;
+        let looked = self.look(0, true)?;
         self.finish(request, looked)
     }
 
@@ -116,22 +134,22 @@ impl Scene {
         if !may_label(&self.label, &as_labeled(&snapshot, &self.rig), self.rig.camera(), &world_from_cam) {
             return Ok(None);
         }
-        let looked = self.look()?;
-        if !looked.sightings.iter().any(|s| s.is_labeled) {
+        let looked = self.look(0, true)?;
+        if looked.labeled().next().is_none() {
             return Ok(None);
         }
         let (world_from_ego, width) = (self.snapshot().ego.world_from_ego, self.rig.camera().width);
-        let has_moved =
-            |t: &TakenView| t.ego_has_moved(&world_from_ego) || t.object_has_moved(&looked.sightings, width);
+        let first = looked.sightings.as_deref().unwrap_or_default();
+        let has_moved = |t: &TakenView| t.ego_has_moved(&world_from_ego) || t.object_has_moved(first, width);
         if self.taken.as_ref().is_some_and(|t| !has_moved(t)) {
             return Ok(None);
         }
         let frame = self.finish(request, looked)?;
         // The scan may have taken the last label away.
-        if !frame.sightings.iter().any(|s| s.is_labeled) {
+        if !frame.sightings().iter().any(|s| s.is_labeled) {
             return Ok(None);
         }
-        self.taken = Some(TakenView::new(world_from_ego, &frame.sightings));
+        self.taken = Some(TakenView::new(world_from_ego, frame.sightings()));
         Ok(Some(frame))
     }
 
@@ -152,43 +170,45 @@ impl Scene {
         Ok(())
     }
 
-    fn look(&mut self) -> Result<Looked> {
-        let world_from_cam = self.world_from_cam();
+    /// What the camera at a place of the rig looks at; `with_sightings`: and what it sees of actors.
+    fn look(&mut self, index: usize, with_sightings: bool) -> Result<Looked> {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
-        let camera = self.rig.camera();
-        let view = View::new(camera, &world_from_cam);
+        let Mounted { sensor, mount, .. } = &self.rig.cameras()[index];
+        let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);
+        let view = View::new(sensor, &world_from_cam);
         let seen = visibility_pass(&posed, &view)?;
-        let extinction_per_m = self.weather.extinction_per_m();
-        let actors = as_labeled(&snapshot, &self.rig);
-        let sightings = sightings(&self.label, &actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
+        let sightings = with_sightings.then(|| {
+            let (actors, air) = (as_labeled(&snapshot, &self.rig), self.weather.extinction_per_m());
+            sightings(&self.label, &actors, &posed, sensor, &world_from_cam, &seen, air)
+        });
         Ok(Looked { view, seen, sightings })
     }
 
-    fn finish(&mut self, request: &CaptureRequest, looked: Looked) -> Result<CapturedFrame> {
+    fn finish(&mut self, request: &CaptureRequest, first: Looked) -> Result<CapturedFrame> {
         let snapshot = Arc::clone(&self.sensed().snapshot);
-        let Looked { view, seen, mut sightings } = looked;
-        let mut images = vec![self.image(0, request, &view, &seen)?];
-        let mut pixels = if request.with_pixels { self.pixels(0, &seen) } else { Vec::new() };
-        // Its memory serves the next camera.
-        drop(seen);
-        for index in &request.cameras {
-            let mounted = &self.rig.cameras()[*index];
-            let view = View::new(&mounted.sensor, &mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego));
-            let seen = visibility_pass(&self.triangles(), &view)?;
-            images.push(self.image(*index, request, &view, &seen)?);
+        let mut images = Vec::with_capacity(1 + request.cameras.len());
+        let mut pixels = vec![[0.0; 2]; if request.with_pixels { snapshot.actors.len() } else { 0 }];
+        let mut first = Some(first);
+        for index in std::iter::once(0).chain(request.cameras.iter().copied()) {
+            // Each camera's memory serves the next one.
+            let looked = first.take().map_or_else(|| self.look(index, request.with_all_sightings), Ok)?;
             if request.with_pixels {
-                for (sum, more) in pixels.iter_mut().zip(self.pixels(*index, &seen)) {
+                for (sum, more) in pixels.iter_mut().zip(self.pixels(index, &looked.seen)) {
                     *sum = [sum[0] + more[0], sum[1] + more[1]];
                 }
             }
+            images.push(self.image(index, request, looked)?);
         }
         let mut scans = Vec::with_capacity(1 + request.lidars.len());
         for index in std::iter::once(0).chain(request.lidars.iter().copied()) {
             let (name, scan) = (self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?);
             scans.push(NamedScan { name, scan });
         }
-        add_points(&self.label, &mut sightings, &scans[0].scan.actor_id);
-        let labeled: Vec<i32> = sightings.iter().filter(|s| s.is_labeled).map(|s| s.actor_id).collect();
+        for sightings in images.iter_mut().filter_map(|image| image.sightings.as_mut()) {
+            add_points(&self.label, sightings, &scans[0].scan.actor_id);
+        }
+        let labeled: Vec<i32> =
+            images[0].sightings.iter().flatten().filter(|s| s.is_labeled).map(|s| s.actor_id).collect();
         self.world.note_labeled(&labeled);
         Ok(CapturedFrame {
             time_s: snapshot.time_s,
@@ -197,7 +217,6 @@ impl Scene {
             ego_angular_velocity_world: snapshot.ego.angular_velocity_world,
             actors: snapshot.actors.clone(),
             pixels,
-            sightings,
             boxes: self.label.boxes,
             plane_cam: self.plane()?,
             images,
@@ -205,7 +224,8 @@ impl Scene {
         })
     }
 
-    fn image(&mut self, index: usize, request: &CaptureRequest, view: &View, seen: &Visibility) -> Result<Image> {
+    fn image(&mut self, index: usize, request: &CaptureRequest, looked: Looked) -> Result<Image> {
+        let Looked { view, seen, sightings } = looked;
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
@@ -233,10 +253,10 @@ impl Scene {
             };
             render_rolling(&moving, sensor, &self.weather, request.with_maps, &mut stream)?
         } else {
-            let image = render_through(&posed, view, &self.weather, seen, &foreground, &mut stream);
+            let image = render_through(&posed, &view, &self.weather, &seen, &foreground, &mut stream);
             Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
         };
-        Ok(Image { name: name.clone(), width, height, rendered })
+        Ok(Image { name: name.clone(), width, height, rendered, sightings })
     }
 
     /// What vehicles throw up, the same for all sensors.

@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet._util.checks import as_path, check_flag, check_kind
+from cadet._util.checks import as_path, check_flag, check_kind, is_one_of, shown
 from cadet._util.user_files import read_file
 from cadet.errors import CadetError, FrameExistsError, MissingFileError
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.folder import (
     SUFFIXES,
+    camera_names,
     check_id,
     display_name,
     file_path,
@@ -32,7 +33,9 @@ from cadet.formats.kitti.files.text import content_lines, text_from_bytes
 from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import (
+    CameraFiles,
     FolderFiles,
+    FrameFiles,
     frame_from_files,
     image_from_files,
     meta_from_files,
@@ -45,13 +48,15 @@ from cadet.formats.kitti.image_sets import list_frame, other_split, read_image_s
 from cadet.formats.kitti.label import Label, labels_from_text, text_from_labels
 
 
-def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True) -> Frame:
+def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True, camera: str | None = None) -> Frame:
     """Read one frame of a KITTI folder, real or generated.
 
     Args:
         root: the folder that holds `training`, or one that holds `calib` and its fellows itself.
         frame_id: the name of its files without suffix; a number means six digits.
         has_extras: read what KITTI's own frames lack too: depth, instance, semantic and meta; else they are None.
+        camera: the name of a further camera of the rig (`cadet-gen --write cameras`): the frame as it sees it, without
+            plane and meta; None for the first one.
 
     Returns:
         The frame; labels are empty where the set has none, everything else optional is None where nothing was written.
@@ -61,7 +66,14 @@ def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True
         KittiFormatError: a damaged file, named with line and reason.
     """
     check_flag("", "has_extras", has_extras)
-    return frame_from_files(FolderFiles(sample_folder(root)), check_id(frame_id), has_extras=has_extras)
+    folder = sample_folder(root)
+    files: FrameFiles = FolderFiles(folder)
+    if camera is not None:
+        if not is_one_of(camera, camera_names(folder)):
+            known = ", ".join(camera_names(folder)) or "none but the first"
+            raise MissingFileError(f"{folder}: no camera {shown(camera)}; there are {known}")
+        files = CameraFiles(files, camera)
+    return frame_from_files(files, check_id(frame_id), has_extras=has_extras)
 
 
 def read_labels(path: str | Path, frame_id: str | int | None = None) -> tuple[Label, ...]:
@@ -120,12 +132,15 @@ def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetE
     Raises:
         MissingFileError: no KITTI folder.
     """
-    files = FolderFiles(sample_folder(root))
-    frame_id = check_id(frame_id)
+    return errors_of_files(FolderFiles(sample_folder(root)), check_id(frame_id))
+
+
+def errors_of_files(files: FrameFiles, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
+    """List what is wrong with each file of a frame, wherever they lie: as `check_files`."""
     readers: dict[str, Callable[[], object]] = {
         "image_2": lambda: image_from_files(files, frame_id),
         "velodyne": lambda: points_from_bytes(*files.read("velodyne", frame_id)),
-        "calib": lambda: read_calib(files.folder, frame_id),
+        "calib": lambda: Calibration.from_text(*read_text(files, "calib", frame_id)),
     }
     optional: dict[str, Callable[[], object]] = {
         "planes": lambda: plane_from_text(*read_text(files, "planes", frame_id)),
@@ -321,7 +336,7 @@ def _error_of(reader: Callable[[], object]) -> CadetError | OSError | None:
     return None
 
 
-def _label_errors(files: FolderFiles, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
+def _label_errors(files: FrameFiles, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
     if not files.has_kind("label_2"):
         return []
     try:

@@ -8,62 +8,93 @@ from dataclasses import replace
 from itertools import tee
 from typing import Any, Final
 
+from cadet._util.checks import shown
 from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError
 from cadet.formats.exporter import Ending, FilesInPlace, Place
 from cadet.formats.kitti.dataset import encode_facts, encode_maps, encode_meta
-from cadet.formats.kitti.files.folder import REQUIRED, SUFFIXES, ids_among, is_numbered
+from cadet.formats.kitti.files.folder import (
+    CAMERAS,
+    OF_CAMERA,
+    REQUIRED,
+    camera_kind,
+    ids_among,
+    is_camera_name,
+    is_numbered,
+    suffix_of,
+)
 from cadet.formats.kitti.files.point_labels import bytes_from_point_labels, point_labels
 from cadet.formats.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
 from cadet.formats.kitti.image_sets import ImageSet
+from cadet.formats.kitti.label import text_from_labels
 from cadet.sensors.rig import RIGHT_CAMERA, Rig
 from cadet.sensors.sample import Sample, Wanted
 
 _MAPS: Final = ("depth", "instance", "semantic")
+_RIGHT_LABELS: Final = "label_3"
 
 
 class KittiExporter(FilesInPlace):
     """One image, one scan, labels, a calibration and a plane for each sample; see `cadet.formats.exporter.Exporter`."""
 
     name = "kitti"
-    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, "point_labels", "point_times")
+    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, _RIGHT_LABELS, CAMERAS, "point_labels", "point_times")
     base: tuple[str, ...] = ("image_2", "velodyne", "calib", "label_2", "planes")
     needs_sequence = False
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
-        """Refuse a right image of a rig without a right camera."""
-        if RIGHT_CAMERA in extras and not rig.has_right_camera:
-            raise CadetError(f"cannot write {RIGHT_CAMERA}: the rig {rig.name} has no right color camera")
+        """Refuse what a rig has no camera for, and cameras whose names are none of folders."""
+        for extra in (RIGHT_CAMERA, _RIGHT_LABELS):
+            if extra in extras and not rig.has_right_camera:
+                raise CadetError(f"cannot write {extra}: the rig {rig.name} has no right color camera")
+        if CAMERAS in extras:
+            if not rig.mounted_cameras:
+                raise CadetError(f"cannot write {CAMERAS}: the rig {rig.name} has no further camera")
+            for name in rig.mounted_cameras:
+                if not is_camera_name(name):
+                    rule = "expected letters, digits, _, and -, up to 64"
+                    raise CadetError(f"cannot write the camera {shown(name)} of the rig {rig.name}: {rule}")
 
-    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+    def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return what the folders need."""
-        sensors = (RIGHT_CAMERA,) if RIGHT_CAMERA in extras else ()
-        return Wanted(sensors=sensors, maps=any(name in extras for name in _MAPS))
+        right = (RIGHT_CAMERA,) if RIGHT_CAMERA in extras or _RIGHT_LABELS in extras else ()
+        cameras = _cameras(rigs, extras)
+        labels = _RIGHT_LABELS in extras or bool(cameras)
+        return Wanted(sensors=right + cameras, maps=any(name in extras for name in _MAPS), labels=labels)
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the folders."""
-        return self.base + tuple(extra for extra in self.extras if extra in extras)
+        """Return the folders.
+
+        Raises:
+            CadetError: further cameras are to be written, and the rigs have different ones.
+        """
+        own = tuple(extra for extra in self.extras if extra in extras and extra != CAMERAS)
+        of_camera = [kind for kind in OF_CAMERA if kind in (*self.base, *extras)]
+        cameras = _cameras(rigs, extras)
+        return self.base + own + tuple(camera_kind(name, kind) for name in cameras for kind in of_camera)
 
     def path(self, place: Place, kind: str) -> str:
         """Return a file's name under `training` or `testing`."""
         folder = "meta" if kind == "record" else kind
         part = "testing" if place.split == "test" else "training"
-        return f"{part}/{folder}/{place.id}{SUFFIXES[folder]}"
+        return f"{part}/{folder}/{place.id}{suffix_of(folder)}"
 
     def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
         """Return the files by folder. Images are encoded by the core that made them."""
         calib, scan = calibration_of(sample.rig), sample.scan()
         points_velo = move_off_zero_depth(scan.points_velo, calib)
         files = {"image_2": sample.png()} | encode_facts(points_velo, calib, labels_of(sample), sample.plane)
-        maps = sample.maps() if any(name in extras for name in _MAPS) else None
-        if maps is not None:
-            files |= encode_maps(*(getattr(maps, name) if name in extras else None for name in _MAPS))
+        files |= _maps(sample, None, extras)
         if RIGHT_CAMERA in extras:
             files[RIGHT_CAMERA] = sample.png(RIGHT_CAMERA)
+        if _RIGHT_LABELS in extras:
+            files[_RIGHT_LABELS] = text_from_labels(labels_of(sample, RIGHT_CAMERA)).encode("ascii")
         if "point_labels" in extras:
             files["point_labels"] = bytes_from_point_labels(point_labels(scan, sample.agents))
         if "point_times" in extras:
             files["point_times"] = scan.time_s.astype("<f4").tobytes()
+        for name in _cameras([sample.rig], extras):
+            files |= {camera_kind(name, kind): data for kind, data in _of_camera(sample, name, extras).items()}
         return files
 
     def record(self, sample: Sample) -> dict[str, Any]:
@@ -90,6 +121,30 @@ class KittiExporter(FilesInPlace):
         # Tools of others list these folders, be there a test frame or none.
         folders = tuple(f"testing/{folder}" for folder in REQUIRED)
         return replace(ending(places, labels), folders=folders)
+
+
+def _cameras(rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the further cameras that are to be written."""
+    names = {rig.mounted_cameras for rig in rigs} if CAMERAS in extras else {()}
+    if len(names) != 1:
+        raise CadetError(f"cannot write {CAMERAS}: expected the same further cameras on all rigs of the policy")
+    return names.pop()
+
+
+def _of_camera(sample: Sample, name: str, extras: tuple[str, ...]) -> dict[str, bytes]:
+    files = {
+        "image_2": sample.png(name),
+        "calib": calibration_of(sample.rig, name).to_text().encode("ascii"),
+        "label_2": text_from_labels(labels_of(sample, name)).encode("ascii"),
+    }
+    return files | _maps(sample, name, extras)
+
+
+def _maps(sample: Sample, camera: str | None, extras: tuple[str, ...]) -> dict[str, bytes]:
+    maps = sample.maps(camera) if any(name in extras for name in _MAPS) else None
+    if maps is None:
+        return {}
+    return encode_maps(*(getattr(maps, name) if name in extras else None for name in _MAPS))
 
 
 def ending(places: Iterable[Place], labels: Iterable[bytes]) -> Ending:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cadet._util.arrays import check_array
 from cadet._util.checks import check_kind
 from cadet._util.summary import counts, summary
-from cadet.errors import ShapeError
+from cadet.errors import CadetError, ShapeError
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.frame_object import FrameObject, objects_of
@@ -89,6 +89,35 @@ class Frame:
             return {"image_2": self.image}
         first, *others = self.sample.image_names
         return {first: self.image} | {name: self.sample.image(name) for name in others}
+
+    @property
+    def camera_labels(self) -> dict[str, tuple[Label, ...]]:
+        """Every camera's labels by its name, each in that camera's own frame and image: `labels` and the others'."""
+        if self.sample is None:
+            return {"image_2": self.labels}
+        # `from_sample` makes frames.
+        from cadet.formats.kitti.from_sample import labels_of
+
+        first, *others = self.sample.image_names
+        return {first: self.labels} | {name: labels_of(self.sample, name) for name in others}
+
+    def of_camera(self, name: str) -> Frame:
+        """Return the frame as if one of the rig's cameras were its first.
+
+        Image, maps, labels, `calib`, and `meta` are that camera's, and the points are the same; there is no plane. The
+        right and the gray cameras of a rig share the first one's frame, in which their labels stand, too.
+
+        Args:
+            name: the name of one of `images`.
+
+        Raises:
+            CadetError: a frame that was read or made by hand, or without that camera's image or labels.
+        """
+        if self.sample is None:
+            raise CadetError("of_camera: a frame that was read has one camera; read_frame(camera=...) reads another's")
+        from cadet.formats.kitti.from_sample import frame_from_sample
+
+        return frame_from_sample(self.sample, name)
 
     @property
     def scans(self) -> dict[str, Scan]:

@@ -17,7 +17,15 @@ from cadet.errors import FileFormatError, KittiFormatError, MissingFileError
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.files.dialects import accept
-from cadet.formats.kitti.files.folder import SUFFIXES, display_name, found_path
+from cadet.formats.kitti.files.folder import (
+    OF_CAMERA,
+    SUFFIXES,
+    camera_kind,
+    display_name,
+    found_path,
+    kinds_in,
+    suffix_of,
+)
 from cadet.formats.kitti.files.planes import plane_from_text
 from cadet.formats.kitti.files.text import text_from_bytes
 from cadet.formats.kitti.files.velodyne import points_from_bytes
@@ -26,7 +34,11 @@ from cadet.formats.kitti.label import Label, labels_from_text
 
 
 class FrameFiles(Protocol):
-    """A store of frames' files. Kinds are the keys of `cadet.formats.kitti.files.folder.SUFFIXES`."""
+    """A store of frames' files. Kinds are those of `cadet.formats.kitti.files.folder.is_kind`."""
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of files that frames may have, in the order in which they are listed."""
 
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether anything stands in a file's place, readable or not."""
@@ -48,6 +60,11 @@ class FolderFiles:
     """The files of a folder that holds `calib` and its fellows."""
 
     folder: Path
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of files that frames may have, further cameras' last."""
+        return kinds_in(self.folder)
 
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether anything stands in a file's place."""
@@ -75,6 +92,34 @@ class FolderFiles:
             others = sorted(other.name for other in path.parent.glob(f"{glob.escape(frame_id)}.*"))
             beside = f"; {others[0]} is there: save it as {path.name}" if others else ""
             raise MissingFileError(f"{path}: no such file{beside}") from None
+
+
+@dataclass(frozen=True)
+class CameraFiles:
+    """The files of frames as a further camera saw them: its own, and those that all share, such as scans."""
+
+    files: FrameFiles
+    camera: str
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of files that one camera's frames may have."""
+        return tuple(SUFFIXES)
+
+    def has(self, kind: str, frame_id: str) -> bool:
+        """Tell whether anything stands in a file's place; planes and `meta` are the first camera's."""
+        return kind not in ("planes", "meta") and self.files.has(self._kind(kind), frame_id)
+
+    def has_kind(self, kind: str) -> bool:
+        """Tell whether there is such a folder."""
+        return self.files.has_kind(self._kind(kind))
+
+    def read(self, kind: str, frame_id: str) -> tuple[bytes, str]:
+        """Return a file's bytes, and its name for messages: as the store of all cameras does."""
+        return self.files.read(self._kind(kind), frame_id)
+
+    def _kind(self, kind: str) -> str:
+        return camera_kind(self.camera, kind) if kind in OF_CAMERA else kind
 
 
 def frame_from_files(files: FrameFiles, frame_id: str, *, has_extras: bool = True) -> Frame:
@@ -113,8 +158,8 @@ def image_from_files(files: FrameFiles, frame_id: str, kind: str = "image_2") ->
         KittiFormatError: as `images.decode_image` refuses it.
     """
     data, name = files.read(kind, frame_id)
-    if not name.endswith(SUFFIXES[kind]):
-        accept("image-suffix", f"{Path(name).suffix} is read where KITTI has {SUFFIXES[kind]}", name)
+    if not name.endswith(suffix_of(kind)):
+        accept("image-suffix", f"{Path(name).suffix} is read where KITTI has {suffix_of(kind)}", name)
     return images.decode_image(data, name)
 
 

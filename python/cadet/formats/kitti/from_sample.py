@@ -10,49 +10,83 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
+from cadet._util.checks import shown
+from cadet.errors import CadetError
 from cadet.formats.kitti.calib import Calibration, is_at_zero_depth
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.label import Label
-from cadet.sensors.rig import Rig
+from cadet.sensors.mounted import MountedCamera
+from cadet.sensors.pose import inverse, product
+from cadet.sensors.rig import GRAY_CAMERAS, RIGHT_CAMERA, Rig
 from cadet.sensors.sample import Sample
 
 _STEPS: Final = 1e6
 """The numbers of a `meta` are rounded to a millionth: keeps the file short."""
 
 
-def frame_from_sample(sample: Sample) -> Frame:
-    """Return KITTI's view of a sample: the first camera's image and the first LIDAR's scan."""
-    calib = calibration_of(sample.rig)
-    maps = sample.maps()
+def frame_from_sample(sample: Sample, camera: str | None = None) -> Frame:
+    """Return KITTI's view of a sample: a camera's image and the first LIDAR's scan.
+
+    Args:
+        sample: the sample.
+        camera: None for the rig's first camera; another one's frame is `Frame.of_camera`.
+
+    Raises:
+        CadetError: the sample has no image or no labels of such a camera.
+    """
+    labels = labels_of(sample, camera)
+    calib, maps = calibration_of(sample.rig, camera), sample.maps(camera)
     return Frame(
-        image=sample.image(),
+        image=sample.image(camera),
         points_velo=move_off_zero_depth(sample.scan().points_velo, calib),
-        labels=labels_of(sample),
+        labels=labels,
         calib=calib,
-        plane=sample.plane,
+        plane=sample.plane if camera is None else None,
         depth=None if maps is None else maps.depth,
         instance=None if maps is None else maps.instance,
         semantic=None if maps is None else maps.semantic,
-        meta=meta_of(sample),
-        sample=sample,
+        meta=meta_of(sample, camera),
+        sample=sample if camera is None else None,
     )
 
 
-def calibration_of(rig: Rig) -> Calibration:
-    """Return the calibration file's matrices of a rig."""
+def calibration_of(rig: Rig, camera: str | None = None) -> Calibration:
+    """Return the calibration file's matrices of a rig.
+
+    Args:
+        rig: the rig.
+        camera: whose image P2 is to project into, and whose frame is the cam frame; the first one if None. The right
+            and the gray cameras of a rig share the first one's frame.
+    """
     matrices: dict[str, Any] = {**rig.camera.projections(), **rig.extrinsics.matrices()}
-    return Calibration(**matrices)
+    if camera is None or camera == rig.camera_name:
+        return Calibration(**matrices)
+    for mounted in rig.more:
+        if mounted.name == camera and isinstance(mounted, MountedCamera):
+            cam_from_velo = product(inverse(mounted.pose.matrix()), rig.ego_from_sensor(rig.lidar_name))[:3]
+            own = {**mounted.camera.projections(), "R0_rect": np.eye(3), "Tr_velo_to_cam": cam_from_velo}
+            return Calibration(**matrices | own)
+    beside = dict(zip((*GRAY_CAMERAS, RIGHT_CAMERA), ("P0", "P1", "P3"), strict=True))
+    return Calibration(**matrices | {"P2": matrices[beside[camera]]})
 
 
-def labels_of(sample: Sample) -> tuple[Label, ...]:
-    """Return the lines of a sample's label file: objects, then a DontCare region for what is seen without a label."""
+def labels_of(sample: Sample, camera: str | None = None) -> tuple[Label, ...]:
+    """Return the lines of a camera's label file: objects, then a DontCare region for what is seen without a label.
+
+    Args:
+        sample: the sample.
+        camera: one of `sample.image_names`, the first one if None.
+
+    Raises:
+        CadetError: the sample has no image or no labels of such a camera.
+    """
     return tuple(
-        _label(seen) if seen.is_labeled else Label.in_image("DontCare", seen.bbox) for seen in sample._sightings
+        _label(seen) if seen.is_labeled else Label.in_image("DontCare", seen.bbox) for seen in _seen(sample, camera)
     )
 
 
-def meta_of(sample: Sample) -> dict[str, Any]:
-    """Return what else is known of a sample, with one entry of `objects` for each line of its labels."""
+def meta_of(sample: Sample, camera: str | None = None) -> dict[str, Any]:
+    """Return what else is known of a sample, with one entry of `objects` for each line of a camera's labels."""
     elevation_rad, azimuth_rad = sample.sun_rad
     return {
         **sample.origin,
@@ -60,7 +94,7 @@ def meta_of(sample: Sample) -> dict[str, Any]:
         "ego_speed_mps": sample.ego_speed_mps,
         "world_from_ego": sample.world_from_ego.tolist(),
         "boxes": sample.boxes,
-        "objects": [_object(seen) for seen in sample._sightings],
+        "objects": [_object(seen) for seen in _seen(sample, camera)],
         "map": sample.map,
         "weather": sample.weather,
         "rig": sample.rig.name,
@@ -90,6 +124,15 @@ def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) ->
     millimeters = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
     moved[is_zero, axis] = (millimeters + np.where(millimeters < 0.0, -1.0, 1.0)) / 1e3
     return moved
+
+
+def _seen(sample: Sample, camera: str | None) -> list[_cadet.Sighting]:
+    if camera is not None and camera not in sample.image_names:
+        raise CadetError(f"no image of the camera {shown(camera)}; there are {', '.join(sample.image_names)}")
+    sightings = sample._sightings(camera)
+    if sightings is None:
+        raise CadetError(f"no labels of the camera {camera} were asked for")
+    return sightings
 
 
 def _label(seen: _cadet.Sighting) -> Label:

@@ -55,7 +55,7 @@ def record_of(sample: Sample) -> dict[str, Any]:
         "ego_speed_mps": sample.ego_speed_mps,
         "ego_velocity_world": sample.ego_velocity_world,
         "ego_angular_velocity_world": sample.ego_angular_velocity_world,
-        "objects": [_object(seen, calib) for seen in sample._sightings],
+        "objects": [_object(seen, calib) for seen in sample._sightings() or ()],
         "agents": dict(_agents(sample, inverse(world_from_velo))),
         **({} if span_s is None else {SPAN_S: span_s}),
     }

@@ -41,9 +41,10 @@ class SequenceExporter(FilesInPlace):
                 kind = "right color" if extra == RIGHT_CAMERA else "gray"
                 raise CadetError(f"cannot write {extra}: the rig {rig.name} has no {kind} camera")
 
-    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+    def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return the cameras whose images are to be written besides the left color camera's."""
-        return Wanted(sensors=tuple(extra for extra in self.extras if extra in extras), maps=False)
+        sensors = tuple(extra for extra in self.extras if extra in extras)
+        return Wanted(sensors=sensors, maps=False, labels=False)
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
         """Return the kinds of files."""

@@ -57,9 +57,9 @@ class NuscenesExporter(FilesInPlace):
             if isinstance(sensor, Camera) and any(sensor.distortion):
                 raise CadetError(f"cannot write the sensor {name!r} of the rig {rig.name}: nuScenes has no distortion")
 
-    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+    def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return all sensors, and how much of each agent the images show."""
-        return Wanted(sensors=None, maps=False, shares=True)
+        return Wanted(sensors=None, maps=False, labels=False, shares=True)
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
         """Return the channels with their suffixes.

@@ -15,7 +15,7 @@ from cadet.formats.kitti import Frame, Label
 from cadet.formats.kitti.files.folder import REQUIRED
 from cadet.formats.kitti.frame_files import frame_from_files, labels_from_files
 from cadet.formats.webdataset.member import ArchiveError
-from cadet.formats.webdataset.member_names import found_member, member_name, parse_member_name
+from cadet.formats.webdataset.member_names import found_member, kind_order, member_name, parse_member_name
 from cadet.formats.webdataset.shard import Shard
 
 _RANGE: Final = re.compile(r"\{([0-9]{1,9})\.\.([0-9]{1,9})\}")
@@ -58,6 +58,11 @@ class ShardDataset:
                     f"the member {shown(name)}: {first.path} holds the frame {frame_id}", str(shard.path)
                 )
             self._kinds.add(kind)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of files that frames have, in the order in which shards list them."""
+        return tuple(sorted(self._kinds, key=kind_order))
 
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether a frame has such a file."""

@@ -40,9 +40,9 @@ class WebdatasetExporter:
         """Refuse what KITTI's exporter refuses."""
         _KITTI.check_size(num_episodes)
 
-    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+    def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return what the files need."""
-        return _KITTI.wanted(extras)
+        return _KITTI.wanted(rigs, extras)
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
         """Return the kinds of files."""

@@ -27,11 +27,18 @@ SUFFIXES: Final = {
     "instance": ".png",
     "semantic": ".png",
     "image_3": ".png",
+    "label_3": ".txt",
     "point_labels": ".label",
     "point_times": ".bin",
 }
 """Every folder of a training set and the suffix of its files."""
 
+CAMERAS: Final = "cameras"
+"""The folder of a rig's further cameras: `cameras/NAME` holds folders of `OF_CAMERA`."""
+OF_CAMERA: Final = ("image_2", "calib", "label_2", "depth", "instance", "semantic")
+"""The folders that a further camera has, each with what the first camera's has."""
+
+_CAMERA: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
 _IMAGE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG")
 _READ_SUFFIXES: Final = {"image_2": _IMAGE_SUFFIXES, "image_3": _IMAGE_SUFFIXES}
 
@@ -69,6 +76,38 @@ def check_id(frame_id: str | int) -> str:
             f"frame id: expected the name of a frame's files without suffix, such as '000012', got {shown(frame_id)}"
         )
     return frame_id
+
+
+def is_camera_name(name: str) -> bool:
+    """Tell whether a camera's name can be that of its folder: letters, digits, `_`, and `-`, up to 64."""
+    return _CAMERA.fullmatch(name) is not None
+
+
+def camera_kind(camera: str, kind: str) -> str:
+    """Name the kind of file that a further camera has in place of one of `OF_CAMERA`."""
+    return f"{CAMERAS}/{camera}/{kind}"
+
+
+def is_kind(kind: str) -> bool:
+    """Tell whether a folder is one of `SUFFIXES`, or one of a further camera's."""
+    parent, _, own = kind.rpartition("/")
+    lead, _, camera = parent.partition("/")
+    return kind in SUFFIXES or (lead == CAMERAS and is_camera_name(camera) and own in OF_CAMERA)
+
+
+def suffix_of(kind: str) -> str:
+    """Return the suffix that files of one kind, such as a further camera's, are written with."""
+    return SUFFIXES[kind.rpartition("/")[2]]
+
+
+def camera_names(folder: Path) -> tuple[str, ...]:
+    """List the further cameras of the folder that holds `calib`, sorted."""
+    return tuple(sorted(name for name in _names(folder / CAMERAS) if is_camera_name(name)))
+
+
+def kinds_in(folder: Path) -> tuple[str, ...]:
+    """List the kinds of files that may be in the folder that holds `calib`, those of its further cameras last."""
+    return (*SUFFIXES, *(camera_kind(camera, kind) for camera in camera_names(folder) for kind in OF_CAMERA))
 
 
 def set_root(root: str | Path) -> Path:
@@ -124,13 +163,13 @@ def split_folder(root: str | Path, split: str | None) -> Path:
 
 
 def file_path(folder: Path, kind: str, frame_id: str, suffix: str | None = None) -> Path:
-    """Name the file of one kind (a key of `SUFFIXES`) of a frame, as it is written unless another suffix is given."""
-    return folder / kind / f"{frame_id}{suffix or SUFFIXES[kind]}"
+    """Name the file of one kind (see `is_kind`) of a frame, as it is written unless another suffix is given."""
+    return folder / kind / f"{frame_id}{suffix or suffix_of(kind)}"
 
 
 def read_suffixes(kind: str) -> tuple[str, ...]:
     """Return the suffixes that files of one kind are read with; the first that is there is read."""
-    return _READ_SUFFIXES.get(kind, (SUFFIXES[kind],))
+    return _READ_SUFFIXES.get(kind.rpartition("/")[2], (suffix_of(kind),))
 
 
 def found_path(folder: Path, kind: str, frame_id: str) -> Path:
@@ -141,8 +180,14 @@ def found_path(folder: Path, kind: str, frame_id: str) -> Path:
 
 
 def display_name(path: Path) -> str:
-    """Name a file in messages: its folder and name."""
-    return f"{path.parent.name}/{path.name}"
+    """Name a file in messages: as it lies in the folder that holds `calib`."""
+    return str(path.relative_to(folder_of(path)))
+
+
+def folder_of(path: Path) -> Path:
+    """Return the folder that holds `calib` and its fellows, of a frame's file or of one of its further cameras'."""
+    is_of_camera = len(path.parts) > 4 and path.parts[-4] == CAMERAS
+    return path.parents[3] if is_of_camera else path.parent.parent
 
 
 def frame_ids(folder: Path) -> tuple[str, ...]:

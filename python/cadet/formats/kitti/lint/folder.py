@@ -12,10 +12,10 @@ from cadet._util.process_map import process_map
 from cadet.errors import MissingFileError
 from cadet.formats.kitti.files.folder import (
     REQUIRED,
-    SUFFIXES,
     check_id,
     found_path,
     frame_ids,
+    kinds_in,
     sample_folder,
     set_root,
     testing_folder,
@@ -137,7 +137,7 @@ def _absence(part: _Part, kind: str) -> str:
 
 def _usual_kinds(folder: Path, ids: Collection[str]) -> tuple[str, ...]:
     """Return the optional folders in which more than half of the frames have a file."""
-    kinds = [kind for kind in SUFFIXES if kind not in (*REQUIRED, _BY_FRAME) and (folder / kind).is_dir()]
+    kinds = [kind for kind in kinds_in(folder) if kind not in (*REQUIRED, _BY_FRAME) and (folder / kind).is_dir()]
     files = FolderFiles(folder)
     return tuple(kind for kind in kinds if 2 * sum(files.has(kind, one) for one in ids) > len(ids))
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
@@ -13,13 +14,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
-from cadet.formats.kitti import dataset
 from cadet.formats.kitti.calib import Calibration
+from cadet.formats.kitti.dataset import errors_of_files
 from cadet.formats.kitti.files.dialects import collected
-from cadet.formats.kitti.files.folder import SUFFIXES, display_name, found_path
+from cadet.formats.kitti.files.folder import (
+    OF_CAMERA,
+    camera_kind,
+    camera_names,
+    display_name,
+    folder_of,
+    found_path,
+    is_kind,
+)
 from cadet.formats.kitti.files.point_labels import point_labels_from_bytes, point_times_from_bytes
 from cadet.formats.kitti.frame import Frame
-from cadet.formats.kitti.frame_files import FolderFiles, image_from_files, read_text
+from cadet.formats.kitti.frame_files import (
+    CameraFiles,
+    FolderFiles,
+    FrameFiles,
+    frame_from_files,
+    image_from_files,
+    read_text,
+)
+from cadet.formats.kitti.label import labels_from_text
 from cadet.formats.kitti.lint.duplicates import Signature, signature_of
 from cadet.formats.kitti.lint.evidence import lint_evidence
 from cadet.formats.kitti.lint.finding import Finding, Problem, Severity
@@ -35,6 +52,7 @@ SCAN_RANGE_M: Final = (1.45, 80.0)
 _LOOSE_RANGE_M: Final = 120.0
 _MM: Final = 0.001
 _RIGHT_IMAGE: Final = "image_3"
+_RIGHT_LABELS: Final = "label_3"
 _PER_POINT: Final = {"point_labels": point_labels_from_bytes, "point_times": point_times_from_bytes}
 
 
@@ -89,7 +107,7 @@ def display(path: Path) -> str:
     """Name a file: its folder and name, led by `testing` for a test frame's."""
     name = path.parent.name if path.suffix == "" and path.parent.name in ("training", "testing") else ""
     shown = path.name if name else display_name(path)
-    is_test = "testing" in (path.parent.name, path.parent.parent.name)
+    is_test = "testing" in (path.parent.name, folder_of(path).name)
     return printable(f"testing/{shown}" if is_test else shown)
 
 
@@ -99,6 +117,7 @@ class _FrameLint:
     def __init__(self, task: Task) -> None:
         self.task = task
         self.folder = task.folder
+        self.files = FolderFiles(task.folder)
         self.frame_id = task.frame_id
         self.soft: Severity = "error" if task.strict else "warning"
         self.findings: list[Finding] = []
@@ -108,17 +127,19 @@ class _FrameLint:
         """Check file by file; what cannot be read is one finding and is left out of the checks that need it."""
         frame: Frame | None = None
         try:
-            frame = dataset.read_frame(self.folder, self.frame_id)
-            texts = {kind: self._text(kind) for kind in ("calib", "label_2")}
+            frame = frame_from_files(self.files, self.frame_id)
+            texts = self._texts(self.files)
         except (CadetError, OSError) as error:
-            self._lint_readable_files()
+            self._lint_readable_files(self.files)
             if not self.findings and not self.task.absent:
                 self._add("image_2", Problem(None, "damaged-file", f"the frame cannot be read: {error}"))
             frame = None
         else:
             # Numbers of a damaged file may overflow; comparing finds what comes of it, a warning would say it twice.
             with np.errstate(all="ignore"):
-                self._lint_frame(frame, texts)
+                self._lint_seen(frame, texts)
+                self._lint_frame(frame)
+        self._lint_cameras()
         self._lint_presence()
         self._lint_hashes(None if frame is None else recorded_hashes(frame.meta))
         if frame is not None and frame.meta is not None and "meta" not in self.is_damaged:
@@ -128,16 +149,21 @@ class _FrameLint:
         types = Counter(label.type for label in frame.labels)
         return Report(self.findings, types, episode_of(frame.meta), signature_of(frame))
 
-    def _lint_frame(self, frame: Frame, texts: dict[str, str]) -> None:
-        self._lint_calib(frame.calib)
-        self._extend("calib", lint_calib_lines(texts["calib"], self.soft))
-        if (self.folder / "label_2").is_dir():
-            self._extend("label_2", lint_label_lines(texts["label_2"], frame.labels, self.soft))
+    def _lint_seen(self, frame: Frame, texts: dict[str, str], kind_of: Callable[[str], str] = str) -> None:
+        """Check the calibration and the labels of one camera, whose files of a kind `kind_of` names."""
+        calib, labels = kind_of("calib"), kind_of("label_2")
+        self._lint_calib(frame.calib, calib)
+        self._extend(calib, lint_calib_lines(texts["calib"], self.soft))
+        if (self.folder / labels).is_dir():
+            self._extend(labels, lint_label_lines(texts["label_2"], frame.labels, self.soft))
         problems = lint_labels(texts["label_2"], frame.labels, frame.calib, frame.image_size, strict=self.task.strict)
-        self._extend("label_2", problems)
+        self._extend(labels, problems)
+
+    def _lint_frame(self, frame: Frame) -> None:
         self._lint_points(frame.points_velo)
         self._extend("velodyne", lint_depths(frame.points_velo, frame.calib, self.soft))
         self._lint_right_image(frame)
+        self._lint_right_labels(frame)
         for kind in _PER_POINT:
             self._lint_per_point(kind, frame)
         if frame.plane is not None:
@@ -150,9 +176,23 @@ class _FrameLint:
             for kind, problem in lint_evidence(frame, self.soft):
                 self._add(kind, problem)
 
-    def _text(self, kind: str) -> str:
-        files = FolderFiles(self.folder)
-        return read_text(files, kind, self.frame_id)[0] if files.has(kind, self.frame_id) else ""
+    def _lint_cameras(self) -> None:
+        """Check what further cameras saw, each against its own calibration."""
+        for name in camera_names(self.folder):
+            files, kind_of = CameraFiles(self.files, name), partial(camera_kind, name)
+            if not any(files.has(kind, self.frame_id) for kind in OF_CAMERA):
+                continue
+            try:
+                seen, texts = frame_from_files(files, self.frame_id), self._texts(files)
+            except (CadetError, OSError):
+                self._lint_readable_files(files, kind_of)
+            else:
+                with np.errstate(all="ignore"):
+                    self._lint_seen(seen, texts, kind_of)
+
+    def _texts(self, files: FrameFiles) -> dict[str, str]:
+        kinds = [kind for kind in ("calib", "label_2") if files.has(kind, self.frame_id)]
+        return {"calib": "", "label_2": ""} | {kind: read_text(files, kind, self.frame_id)[0] for kind in kinds}
 
     def _add(self, kind: str, problem: Problem) -> None:
         if problem.severity == "error":
@@ -163,8 +203,12 @@ class _FrameLint:
         for problem in problems:
             self._add(kind, problem)
 
-    def _lint_readable_files(self) -> None:
-        for kind, error in dataset.check_files(self.folder, self.frame_id):
+    def _lint_readable_files(self, files: FrameFiles, kind_of: Callable[[str], str] = str) -> None:
+        for own, error in errors_of_files(files, self.frame_id):
+            kind = kind_of(own)
+            # What cameras share has been looked at with the first.
+            if kind != own and own not in OF_CAMERA:
+                continue
             if isinstance(error, MissingFileError):
                 if kind not in self.task.absent:
                     self._add(kind, Problem(None, "missing-file", "missing"))
@@ -192,7 +236,7 @@ class _FrameLint:
         expected |= {kind: (digest, "manifest.json") for kind, digest in self.task.hashes.items()}
         for kind, (digest, source) in expected.items():
             # A file of which something worse is known need not be named again.
-            if kind in self.is_damaged or kind not in SUFFIXES:
+            if kind in self.is_damaged or not is_kind(kind):
                 continue
             try:
                 found = sha256(found_path(self.folder, kind, self.frame_id).read_bytes()).hexdigest()
@@ -204,12 +248,29 @@ class _FrameLint:
                 if found != digest:
                     self._add(kind, Problem(None, "wrong-hash", f"not the file that {source} names"))
 
+    def _lint_right_labels(self, frame: Frame) -> None:
+        if not self.files.has(_RIGHT_LABELS, self.frame_id):
+            return
+        calib = replace(frame.calib, P2=frame.calib.P3)
+        try:
+            text, name = read_text(self.files, _RIGHT_LABELS, self.frame_id)
+            labels = labels_from_text(text, name)
+        except KittiFormatError as error:
+            self._add(_RIGHT_LABELS, Problem(error.line, "damaged-file", error.reason))
+        except OSError as error:
+            self._add(_RIGHT_LABELS, Problem(None, "unreadable-file", f"cannot be read: {error.strerror or error}"))
+        else:
+            self._extend(_RIGHT_LABELS, lint_label_lines(text, labels, self.soft))
+            # KITTI's projections are 0 where they are unknown.
+            if calib.P3.any():
+                problems = lint_labels(text, labels, calib, frame.image_size, strict=self.task.strict)
+                self._extend(_RIGHT_LABELS, problems)
+
     def _lint_right_image(self, frame: Frame) -> None:
-        files = FolderFiles(self.folder)
-        if not files.has(_RIGHT_IMAGE, self.frame_id):
+        if not self.files.has(_RIGHT_IMAGE, self.frame_id):
             return
         try:
-            image = image_from_files(files, self.frame_id, _RIGHT_IMAGE)
+            image = image_from_files(self.files, self.frame_id, _RIGHT_IMAGE)
         except KittiFormatError as error:
             self._add(_RIGHT_IMAGE, Problem(None, "damaged-file", error.reason))
             return
@@ -241,7 +302,7 @@ class _FrameLint:
             self._add(kind, Problem(None, "unreadable-file", f"cannot be read: {error.strerror or error}"))
             return None
 
-    def _lint_calib(self, calib: Calibration) -> None:
+    def _lint_calib(self, calib: Calibration, kind: str) -> None:
         for name, rotation in (
             ("R0_rect", calib.R0_rect),
             ("Tr_velo_to_cam", calib.Tr_velo_to_cam[:, :3]),
@@ -251,10 +312,10 @@ class _FrameLint:
                 continue
             deviation = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
             if not (deviation <= _UNIT_TOLERANCE and np.linalg.det(rotation) > 0.0):
-                self._add("calib", Problem(None, "calibration", f"{name}: not a rotation (off by {deviation:.2g})"))
+                self._add(kind, Problem(None, "calibration", f"{name}: not a rotation (off by {deviation:.2g})"))
         if min(calib.P2[0, 0], calib.P2[1, 1]) <= 0.0:
             self._add(
-                "calib",
+                kind,
                 Problem(None, "calibration", f"P2: focal lengths {calib.P2[0, 0]}, {calib.P2[1, 1]} are not positive"),
             )
 

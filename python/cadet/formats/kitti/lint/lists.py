@@ -10,7 +10,7 @@ from typing import Final
 
 from cadet.errors import KittiFormatError
 from cadet.formats.kitti.files.dialects import Dialect, collected
-from cadet.formats.kitti.files.folder import REQUIRED, SUFFIXES, found_path, ids_among
+from cadet.formats.kitti.files.folder import REQUIRED, found_path, ids_among, kinds_in
 from cadet.formats.kitti.image_sets import LISTS, ImageSet, list_name, list_paths, read_list
 from cadet.formats.kitti.lint.finding import Finding, Severity
 
@@ -25,7 +25,7 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
         ids: the frames that are there.
         display: names a file in messages.
     """
-    for kind in SUFFIXES:
+    for kind in kinds_in(folder):
         try:
             names = sorted(os.listdir(folder / kind))  # noqa: PTH208 - listing alone, no entry is opened
         except FileNotFoundError:

@@ -12,7 +12,7 @@ from typing import Any
 
 from cadet._util.plain_text import json_from_text
 from cadet.errors import FileFormatError
-from cadet.formats.kitti.files.folder import SUFFIXES
+from cadet.formats.kitti.files.folder import is_kind, suffix_of
 from cadet.formats.kitti.files.other_layouts import MANIFEST
 from cadet.formats.kitti.lint.finding import Finding
 from cadet.formats.kitti.lint.lists import is_number, printable, unreadable
@@ -135,9 +135,9 @@ def _read_hashes(
         return {}, {}
     for name, digest in hashes.items():
         part, _, rest = name.partition("/")
-        kind, _, file = rest.partition("/")
-        if part in ("training", "testing") and kind in SUFFIXES and file.endswith(SUFFIXES[kind]):
-            frames.setdefault((part, file.removesuffix(SUFFIXES[kind])), {})[kind] = digest
+        kind, _, file = rest.rpartition("/")
+        if part in ("training", "testing") and is_kind(kind) and file.endswith(suffix_of(kind)):
+            frames.setdefault((part, file.removesuffix(suffix_of(kind))), {})[kind] = digest
         elif part == "ImageSets" and rest and "/" not in rest and rest not in (".", ".."):
             others[name] = digest
         else:
