@@ -27,6 +27,17 @@ pub(crate) fn rgb(py: Python<'_>, data: Vec<u8>, height: usize, width: usize) ->
     PyArray3::from_owned_array(py, image)
 }
 
+/// A row-major image of (height, width, N).
+pub(crate) fn vectors_of_pixels<T: Element + Copy, const N: usize>(
+    py: Python<'_>,
+    data: Vec<[T; N]>,
+    height: usize,
+    width: usize,
+) -> Bound<'_, PyArray3<T>> {
+    let image = Array3::from_shape_vec((height, width, N), data.into_flattened()).expect("a vector a pixel");
+    PyArray3::from_owned_array(py, image)
+}
+
 /// Vectors as the rows of an (n, 3) array.
 pub(crate) fn vectors<'py>(py: Python<'py>, data: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
     rows(py, data.iter().map(|v| [v.x, v.y, v.z]).collect())

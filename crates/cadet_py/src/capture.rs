@@ -2,6 +2,7 @@
 
 use cadet_core::actor::{ActorState, BrakesFor};
 use cadet_core::camera::png::encode_rgb8;
+use cadet_core::camera::{SurfaceMapKinds, SurfaceMaps};
 use cadet_core::label::{Rect, Sighting as CoreSighting};
 use cadet_core::lidar::Scan;
 use cadet_core::math::DPose3;
@@ -26,10 +27,13 @@ pub(crate) struct Request {
 #[pymethods]
 impl Request {
     #[new]
-    #[pyo3(signature = (sample, *, maps, pixels, sightings, cameras, lidars))]
+    #[pyo3(signature = (sample, *, maps, normals, scene_flow, optical_flow_s, pixels, sightings, cameras, lidars))]
     fn new(
         sample: u64,
         maps: bool,
+        normals: bool,
+        scene_flow: bool,
+        optical_flow_s: Option<f64>,
         pixels: bool,
         sightings: bool,
         cameras: Vec<usize>,
@@ -37,7 +41,7 @@ impl Request {
     ) -> Self {
         let inner = core::CaptureRequest {
             sample,
-            with_maps: maps,
+            maps: maps.then_some(SurfaceMapKinds { normals, scene_flow, optical_flow_s }),
             with_pixels: pixels,
             with_all_sightings: sightings,
             cameras,
@@ -261,7 +265,7 @@ impl Capture {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Depth, instances and classes of an image; `None` unless asked for.
+    /// Depth, instances and classes of an image, and those maps of surfaces that were asked for; `None` unless asked for.
     fn maps<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
         let image = self.image_at(index)?;
         let Some(maps) = &image.rendered.maps else { return Ok(None) };
@@ -269,6 +273,15 @@ impl Capture {
         dict.set_item("depth", arrays::plane(py, maps.depth_m.clone(), image.height, image.width))?;
         dict.set_item("instance", arrays::plane(py, maps.instance.clone(), image.height, image.width))?;
         dict.set_item("semantic", arrays::plane(py, maps.semantic.clone(), image.height, image.width))?;
+        let SurfaceMaps { normal_cam, velocity_cam_m_per_s, flow_px } = &maps.surfaces;
+        for (name, vectors) in [("normals", normal_cam), ("scene_flow", velocity_cam_m_per_s)] {
+            if !vectors.is_empty() {
+                dict.set_item(name, arrays::vectors_of_pixels(py, vectors.clone(), image.height, image.width))?;
+            }
+        }
+        if !flow_px.is_empty() {
+            dict.set_item("optical_flow", arrays::vectors_of_pixels(py, flow_px.clone(), image.height, image.width))?;
+        }
         Ok(Some(dict))
     }
 

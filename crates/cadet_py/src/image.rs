@@ -1,6 +1,6 @@
 //! Image files: PNG encoding, and decoding of what others write.
 
-use cadet_core::camera::png::{encode_gray8, encode_gray16, encode_rgb8, encode_rgba8};
+use cadet_core::camera::png::{encode_gray8, encode_gray16, encode_rgb8, encode_rgb16, encode_rgba8};
 use cadet_core::image_file::{PixelValues, decode};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -9,11 +9,12 @@ use pyo3::types::PyBytes;
 
 use crate::guard;
 
-/// Encodes an image as PNG, C-contiguous: uint8 (H, W, 3) RGB or (H, W, 4) RGB and opacity, uint8 or uint16 (H, W).
+/// Encodes an image as PNG, C-contiguous: uint8 (H, W, 3) RGB or (H, W, 4) RGB and opacity, uint8 (H, W), uint16 (H, W)
+/// or (H, W, 3).
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     let refused = || {
-        PyTypeError::new_err("image must be a C-contiguous array: uint8 (H, W, 3 or 4), uint8 (H, W) or uint16 (H, W)")
+        PyTypeError::new_err("image must be C-contiguous: uint8 (H, W) or (H, W, 3 or 4), or uint16 (H, W) or (H, W, 3)")
     };
     let bytes = if let Ok(array) = image.extract::<PyReadonlyArrayDyn<'py, u8>>() {
         let data = array.as_slice().map_err(|_| refused())?;
@@ -27,6 +28,7 @@ pub(crate) fn encode_png<'py>(py: Python<'py>, image: &Bound<'py, PyAny>) -> PyR
         let data = array.as_slice().map_err(|_| refused())?;
         match *array.shape() {
             [height, width] => guard::detached(py, || encode_gray16(width as u32, height as u32, data)),
+            [height, width, 3] => guard::detached(py, || encode_rgb16(width as u32, height as u32, data)),
             _ => return Err(refused()),
         }
     } else {

@@ -6,13 +6,15 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
+from cadet._util.checks import as_tuple, check_number, is_one_of, shown
 from cadet._util.summary import counts, summary
+from cadet.errors import CadetError
 from cadet.sensors.rig import Rig
 
 
@@ -45,6 +47,13 @@ class Scan:
         return summary(self, f"{rings} rings", f"{hits} hits", points_velo=self.points_velo)
 
 
+MORE_MAPS: Final = ("normals", "optical_flow", "scene_flow")
+"""The maps of an image that are made on demand; see `Maps`."""
+_FLOW_S: Final = 0.1
+"""The time between KITTI's images."""
+_FLOW_LIMITS_S: Final = (1e-3, 10.0)
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What each sample has besides the first camera's image and the first LIDAR's scan; all else costs nothing."""
@@ -55,27 +64,62 @@ class Wanted:
     """Depth, instances and classes of every image."""
     labels: bool = True
     """What every camera sees of agents, not the first one alone."""
+    more_maps: tuple[str, ...] = ()
+    """Some of `MORE_MAPS`, of every image; they come with the other maps."""
+    flow_s: float | None = None
+    """The time of the optical flow; None for that to the next sample of a sequence, and 0.1 s elsewhere."""
     shares: bool = False
     """How much of each agent the images show."""
 
+    def __post_init__(self) -> None:
+        for name in self.more_maps:
+            if not is_one_of(name, MORE_MAPS):
+                raise CadetError(f"more_maps: unknown map {shown(name)}; known: {', '.join(MORE_MAPS)}")
+        if self.flow_s is not None:
+            check_number("", "flow_s", self.flow_s, *_FLOW_LIMITS_S)
+
     @classmethod
-    def all_of(cls, sensors: Iterable[str] | None, *, shares: bool = False) -> Wanted:
-        """Return these sensors with all their maps."""
-        return cls(sensors=None if sensors is None else tuple(sensors), shares=shares)
+    def all_of(
+        cls, sensors: Iterable[str] | None, more_maps: Iterable[str] = (), flow_s: float | None = None
+    ) -> Wanted:
+        """Return these sensors with their maps.
+
+        Raises:
+            CadetError: an unknown map, or a time out of range.
+        """
+        names = as_tuple("", "more_maps", more_maps, "maps' names")
+        return cls(sensors=None if sensors is None else tuple(sensors), more_maps=names, flow_s=flow_s)
+
+    def optical_flow_s(self, time_step_s: float | None) -> float | None:
+        """Return the time of the optical flow, None if it is not wanted; `time_step_s` is a sequence's."""
+        return float(self.flow_s or time_step_s or _FLOW_S) if "optical_flow" in self.more_maps else None
 
 
 class Maps(NamedTuple):
-    """What the pixels' centers of an image show.
+    """What the pixels' centers of an image show. What is None was not asked for.
+
+    Both flows are those of the motion at the image's instant, with velocities and angular velocities kept: exact for
+    what moves steadily. Actors are rigid: how limbs swing and wheels turn is left out. Under a rolling shutter each
+    row's motion begins at its own time.
 
     Attributes:
         depth: (H, W) float32, meters along the optical axis, inf for sky.
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 agents.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
+        normals: (H, W, 3) float32, unit normals of the triangles, toward the camera, in the axes of its frame (x right,
+            y down, z forward); 0 for sky.
+        optical_flow: (H, W, 2) float32, columns and rows by which what a pixel shows moves until the next image; NaN
+            for sky and for what comes behind the camera.
+        scene_flow: (H, W, 3) float32, velocity over the ground in m/s, in the same axes as the normals; 0 for the
+            static world and the sky.
     """
 
     depth: NDArray[np.float32]
     instance: NDArray[np.int32]
     semantic: NDArray[np.uint8]
+    normals: NDArray[np.float32] | None = None
+    optical_flow: NDArray[np.float32] | None = None
+    scene_flow: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, eq=False)

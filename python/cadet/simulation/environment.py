@@ -32,9 +32,11 @@ class Environment:
         config: how full every scene is, and what gets a label; what it was not given is drawn.
         assets: the user's own meshes, or their folder; the policy's if None.
         sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`.
+        more_maps: as for `Scene.capture`; the optical flow leads to the next frame of a sequence, or over 0.1 s.
 
     Raises:
-        CadetError: an unknown policy or weather, no rig or configuration, a map that can't be read, or bad assets.
+        CadetError: an unknown policy, weather, or name of `more_maps`, no rig or configuration, a map that can't be
+            read, or bad assets.
         MissingFileError: there is no such map, or no such assets.
     """
 
@@ -48,10 +50,11 @@ class Environment:
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
         sensors: Iterable[str] | None = None,
+        more_maps: Iterable[str] = (),
     ) -> None:
         self.policy = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
         self._draw = draw_with(self.policy, config)
-        self._wanted = Wanted.all_of(sensors)
+        self._wanted = Wanted.all_of(sensors, more_maps)
         for rig_of_policy, _ in self.policy.rigs:
             rig_of_policy.wanted(self._wanted.sensors)
         self._current: Episode | None = None

@@ -40,8 +40,14 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
     return scene
 
 
-def request(rig: Rig, number: int, wanted: Wanted) -> _cadet.Request:
-    """Return what the core is to capture; `number` names the noise.
+def request(rig: Rig, number: int, wanted: Wanted, time_step_s: float | None = None) -> _cadet.Request:
+    """Return what the core is to capture.
+
+    Args:
+        rig: the sensors.
+        number: names the noise.
+        wanted: what each sample has.
+        time_step_s: the time to the next sample of a sequence.
 
     Raises:
         CadetError: the rig lacks a sensor that is wanted.
@@ -49,7 +55,10 @@ def request(rig: Rig, number: int, wanted: Wanted) -> _cadet.Request:
     cameras, lidars = rig.wanted(wanted.sensors)
     return _cadet.Request(
         number,
-        maps=wanted.maps,
+        maps=wanted.maps or bool(wanted.more_maps),
+        normals="normals" in wanted.more_maps,
+        scene_flow="scene_flow" in wanted.more_maps,
+        optical_flow_s=wanted.optical_flow_s(time_step_s),
         pixels=wanted.shares,
         sightings=wanted.labels,
         cameras=cameras,
@@ -119,9 +128,9 @@ class Episode:
             scene, spec = self._advance(number)
             if self._is_in_sequence(number):
                 self._note_road_end(scene, spec)
-                taken = scene.capture(request(spec.mounted_rig, number, self._wanted))
+                taken = scene.capture(self._request(spec, number))
                 return Sample(taken, spec.mounted_rig, self._origin(number, spec))
-            captured = scene.capture_labeled(request(spec.mounted_rig, number, self._wanted))
+            captured = scene.capture_labeled(self._request(spec, number))
             if captured is None:
                 self._num_empty += 1
                 if self._num_empty >= self.policy.empty_views_limit:
@@ -134,7 +143,11 @@ class Episode:
         """Tell whether the sample follows another one by time alone."""
         return self.policy.time_step_s is not None and number > 0
 
+    def _request(self, spec: EpisodeSpec, number: int) -> _cadet.Request:
+        return request(spec.mounted_rig, number, self._wanted, self.policy.time_step_s)
+
     def _origin(self, number: int, spec: EpisodeSpec) -> dict[str, Any]:
+        flow_s = self._wanted.optical_flow_s(self.policy.time_step_s)
         return {
             "seed": self.seed,
             "episode": self.number,
@@ -142,6 +155,7 @@ class Episode:
             "attempt": self._attempt,
             "policy": self.policy.name,
             "district": spec.district,
+            **({} if flow_s is None else {"flow_s": flow_s}),
         }
 
     def _advance(self, number: int) -> tuple[_cadet.Scene, EpisodeSpec]:

@@ -282,21 +282,29 @@ class Scene:
         self._forget_first()
         self._native.step(float(seconds), True)
 
-    def capture(self, *, sensors: Iterable[str] | None = None) -> Frame:
+    def capture(
+        self, *, sensors: Iterable[str] | None = None, more_maps: Iterable[str] = (), flow_s: float = 0.1
+    ) -> Frame:
         """Return what the rig sees now. At the same instant it returns the same frame, noise and `meta` included.
 
         Args:
             sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`. The
                 right color camera, "image_3", must be named. What is not asked for is not rendered.
+            more_maps: "normals", "optical_flow", and "scene_flow", of every image, beside its depth, instances, and
+                classes; see `cadet.Maps`.
+            flow_s: the time of the optical flow.
 
         Raises:
-            CadetError: the rig has no sensor of a name.
+            CadetError: the rig has no sensor of a name, an unknown map, or a time out of range.
         """
-        if sensors is None and self._first is not None:
+        wanted = Wanted.all_of(sensors, more_maps, flow_s)
+        if sensors is None and not wanted.more_maps and self._first is not None:
             sample, self._first = self._first, None
             return frame_from_sample(sample)
-        native = self._native.capture(request(self._rig, self._num_moves, Wanted.all_of(sensors)))
-        return frame_from_sample(Sample(native, self._rig, self._origin or {"sample": self._num_moves}))
+        native = self._native.capture(request(self._rig, self._num_moves, wanted))
+        over_s = wanted.optical_flow_s(None)
+        flow = {} if over_s is None else {"flow_s": over_s}
+        return frame_from_sample(Sample(native, self._rig, (self._origin or {"sample": self._num_moves}) | flow))
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
         """Take a scan with a LIDAR.

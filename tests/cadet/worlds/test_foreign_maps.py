@@ -134,7 +134,7 @@ def test_a_far_map_gives_the_frames_of_the_same_map_at_the_origin() -> None:
         assert far.map_offset_m == (x, y)
         np.testing.assert_allclose(far.world_from_ego, near.world_from_ego, atol=1e-6)
         np.testing.assert_allclose(far.plane, near.plane, atol=1e-6)
-        assert [s.bbox for s in far._sightings] == [s.bbox for s in near._sightings]
+        assert [s.bbox for s in far._sightings() or ()] == [s.bbox for s in near._sightings() or ()]
     assert meta_of(far)["map_offset_m"] == (-25000.0, 0.0)
     assert "map_offset_m" not in meta_of(near)
 

@@ -8,8 +8,8 @@ use cadet_base::actor::ActorState;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_sensors::camera::{
-    CameraModel, Foreground, LensDrops, Moving, Precipitation, Rendered, View, Visibility, render_rolling,
-    render_through, visibility_pass,
+    CameraModel, Foreground, LensDrops, Maps, Motions, Moving, Precipitation, Rendered, SurfaceMapKinds, View,
+    Visibility, render_rolling, render_through, visibility_pass,
 };
 use cadet_sensors::label::{
     Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
@@ -22,12 +22,12 @@ use cadet_town::GroundKind;
 use cadet_world::{EgoState, Snapshot};
 
 /// Request for more than the first camera's image and the first LIDAR's scan. What is not asked for costs nothing.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct CaptureRequest {
     /// Names the random streams of noise.
     pub sample: u64,
-    /// Depth, instances and classes with every image.
-    pub with_maps: bool,
+    /// Depth, instances and classes with every image, and maps of surfaces; `None` for no map at all.
+    pub maps: Option<SurfaceMapKinds>,
     /// How much of each actor the images show together.
     pub with_pixels: bool,
     /// What every camera sees of actors, not the first one alone.
@@ -243,18 +243,24 @@ impl Scene {
             lens_drops: LensDrops::at(&self.weather, snapshot.time_s, drops_stream),
             warp,
         };
+        let (camera, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
         let rendered = if sensor.rolling_shutter_s() > 0.0 {
             let moving = Moving {
                 scene: &posed,
                 world_from_cam: &mount.world_from_sensor(&snapshot.ego.world_from_ego),
-                camera: motion_of_ego(&snapshot),
-                motion_of: |id| motion_of_actor(&snapshot, id),
+                camera,
+                motion_of,
                 foreground,
             };
-            render_rolling(&moving, sensor, &self.weather, request.with_maps, &mut stream)?
+            render_rolling(&moving, sensor, &self.weather, request.maps.as_ref(), &mut stream)?
         } else {
             let image = render_through(&posed, &view, &self.weather, &seen, &foreground, &mut stream);
-            Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
+            let motions = Motions { camera, of_actor: &motion_of };
+            let maps = request.maps.map(|kinds| {
+                let surfaces = seen.surface_maps(&posed, sensor, &motions, &kinds);
+                Maps { surfaces, ..seen.maps(&posed) }.through(warp)
+            });
+            Rendered { image, maps }
         };
         Ok(Image { name: name.clone(), width, height, rendered, sightings })
     }

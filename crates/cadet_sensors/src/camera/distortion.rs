@@ -174,9 +174,12 @@ impl Warp {
         }
     }
 
-    /// The distorted map of a pinhole image's: of each pixel the nearest.
+    /// The distorted map of a pinhole image's: of each pixel the nearest; none of none.
     #[must_use]
     pub fn nearest<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        if values.is_empty() {
+            return Vec::new();
+        }
         let mut out = Vec::with_capacity(self.places.len());
         self.append_nearest(0..self.image_size().1, 0, values, &mut out);
         out

@@ -14,6 +14,7 @@ mod face_cache;
 mod fragment_binning;
 mod lens_drops;
 mod light;
+mod maps;
 mod model;
 mod mosaic;
 mod night_lights;
@@ -30,6 +31,7 @@ mod sky;
 mod sky_rows;
 mod sky_visibility;
 mod spray;
+mod surface_maps;
 #[cfg(test)]
 mod tests;
 mod textures;
@@ -41,8 +43,10 @@ pub use distortion::{Distortion, Warp};
 pub use lens_drops::LensDrops;
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
+pub use maps::{Maps, SurfaceMaps};
 pub use model::{CameraModel, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
 pub use precipitation::Precipitation;
 pub use render::{Foreground, Rendered, render, render_through};
 pub use rolling_shutter::{Moving, render_rolling};
-pub use visibility_pass::{Maps, View, Visibility, visibility_pass};
+pub use surface_maps::{Motions, SurfaceMapKinds};
+pub use visibility_pass::{View, Visibility, visibility_pass};

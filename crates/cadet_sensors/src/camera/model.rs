@@ -13,7 +13,7 @@ pub const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
 /// The longest time from the first row's exposure to the last's, seconds.
 pub const MAX_ROLLING_SHUTTER_S: f64 = 0.1;
 /// Points nearer to the camera's plane than this are not projected, meters.
-const LEAST_DEPTH_M: f64 = 1e-9;
+pub(super) const LEAST_DEPTH_M: f64 = 1e-9;
 
 /// A camera: the size of its image, and how points of its frame (x right, y down, z forward) are projected into it.
 ///
@@ -172,13 +172,20 @@ impl CameraModel {
         let (u, v) = (h.x / h.z, h.y / h.z);
         let uv = match &self.lens {
             None => DVec2::new(u, v),
-            Some(lens) => {
+            Some(_) => {
                 let [fx, fy, cx, cy] = self.intrinsics_px();
-                let [x, y] = lens.distortion.apply_within_reach([(u - cx) / fx, (v - cy) / fy]);
-                DVec2::new(x * fx + cx, y * fy + cy)
+                self.pixel_of_slopes([(u - cx) / fx, (v - cy) / fy])
             }
         };
         Some(Pixel { uv, depth_m: h.z })
+    }
+
+    /// Where a ray of slopes (x, y) = (x / z, y / z) of the camera's axes meets the image.
+    #[must_use]
+    pub fn pixel_of_slopes(&self, slopes: [f64; 2]) -> DVec2 {
+        let [fx, fy, cx, cy] = self.intrinsics_px();
+        let [x, y] = self.lens.as_ref().map_or(slopes, |lens| lens.distortion.apply_within_reach(slopes));
+        DVec2::new(x * fx + cx, y * fy + cy)
     }
 }
 

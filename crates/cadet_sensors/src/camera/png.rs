@@ -40,6 +40,15 @@ pub fn encode_gray16(width: u32, height: u32, pixels: &[u16]) -> Result<Vec<u8>>
     encode(width, height, ColorType::Grayscale, BitDepth::Sixteen, 2, &big_endian)
 }
 
+/// Encodes 16-bit RGB, row-major: vectors such as KITTI's optical flow.
+///
+/// # Errors
+/// [`Error::Image`] where the size does not fit the pixels.
+pub fn encode_rgb16(width: u32, height: u32, pixels: &[u16]) -> Result<Vec<u8>> {
+    let big_endian: Vec<u8> = pixels.iter().flat_map(|p| p.to_be_bytes()).collect();
+    encode(width, height, ColorType::Rgb, BitDepth::Sixteen, 6, &big_endian)
+}
+
 fn encode(
     width: u32,
     height: u32,
@@ -83,7 +92,9 @@ mod tests {
         }
         let deep: Vec<u16> = (0..35).map(|i| i * 1871).collect();
         let back = decode(&encode_gray16(7, 5, &deep).unwrap(), 35).unwrap();
-        assert_eq!((back.channels, back.samples), (1, PixelValues::Sixteen(deep)));
+        assert_eq!((back.channels, back.samples), (1, PixelValues::Sixteen(deep.clone())));
+        let back = decode(&encode_rgb16(7, 1, &deep[..21]).unwrap(), 35).unwrap();
+        assert_eq!((back.channels, back.samples), (3, PixelValues::Sixteen(deep[..21].to_vec())));
     }
 
     #[test]

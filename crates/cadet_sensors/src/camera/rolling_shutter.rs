@@ -7,11 +7,13 @@ use std::ops::Range;
 
 use super::bloom::add_halos;
 use super::distortion::Warp;
+use super::maps::Maps;
 use super::model::CameraModel;
 use super::noise::{ROWS_BEFORE, blur, expose};
 use super::render::{Foreground, Rendered, Scratch, exposure, radiance};
 use super::spray;
-use super::visibility_pass::{Maps, View, visibility_pass};
+use super::surface_maps::{Motions, SurfaceMapKinds};
+use super::visibility_pass::{View, visibility_pass};
 use crate::sense::{PosedScene, RigidMotion};
 use crate::weather::Weather;
 use cadet_base::error::Result;
@@ -49,7 +51,8 @@ fn bands(camera: &CameraModel) -> impl Iterator<Item = Range<usize>> {
     (0..count).map(move |i| i * height / count..(i + 1) * height / count)
 }
 
-/// As [`super::render_through`] and [`super::Visibility::maps_through`], row by row.
+/// As [`super::render_through`], [`super::Visibility::maps`], and [`super::Visibility::surface_maps`], row by row: what moves
+/// does so from the row's time on. `maps` says which are made; `None` makes none at all.
 ///
 /// # Errors
 /// Those of [`visibility_pass`].
@@ -57,13 +60,13 @@ pub fn render_rolling(
     moving: &Moving<'_, impl Fn(i32) -> RigidMotion>,
     camera: &CameraModel,
     weather: &Weather,
-    with_maps: bool,
+    maps: Option<&SurfaceMapKinds>,
     stream: &mut Stream,
 ) -> Result<Rendered> {
     let at_instant = View::new(camera, moving.world_from_cam);
     let mut scratch = Scratch::default();
     let (mut rgb, mut sums) = (Vec::with_capacity(camera.width * camera.height * 3), [0.0; 3]);
-    let (mut maps, is_night) = (with_maps.then(Maps::default), weather.is_night());
+    let (mut maps, is_night) = (maps.map(|kinds| (kinds, Maps::default())), weather.is_night());
     for rows in bands(camera) {
         let time_s = row_time_s(camera, 0.5 * (rows.start + rows.end - 1) as f64);
         // Of the image before the lens.
@@ -89,11 +92,17 @@ pub fn render_rolling(
                 *sum += f64::from(value.min(ceiling));
             }
         }
-        if let Some(maps) = &mut maps {
+        if let Some((kinds, maps)) = &mut maps {
+            let of_actor = |id| (moving.motion_of)(id).after(time_s);
+            let motions = Motions { camera: moving.camera.after(time_s), of_actor: &of_actor };
             let of_band = seen.maps(&scene);
+            let surfaces = seen.surface_maps(&scene, camera, &motions, kinds);
             band.append(&of_band.depth_m, &mut maps.depth_m);
             band.append(&of_band.instance, &mut maps.instance);
             band.append(&of_band.semantic, &mut maps.semantic);
+            band.append(&surfaces.normal_cam, &mut maps.surfaces.normal_cam);
+            band.append(&surfaces.velocity_cam_m_per_s, &mut maps.surfaces.velocity_cam_m_per_s);
+            band.append(&surfaces.flow_px, &mut maps.surfaces.flow_px);
         }
     }
     moving.foreground.lens_drops.draw(&mut rgb, &View { width: camera.width, height: camera.height, ..at_instant });
@@ -101,7 +110,8 @@ pub fn render_rolling(
         add_halos(&mut rgb, camera.width, camera.height);
     }
     let exposed = exposure(&rgb, sums, is_night, stream);
-    Ok(Rendered { image: expose(&rgb, camera.width, camera.height, &exposed, stream), maps })
+    let image = expose(&rgb, camera.width, camera.height, &exposed, stream);
+    Ok(Rendered { image, maps: maps.map(|(_, maps)| maps) })
 }
 
 /// Rows of the image, taken from an image before the lens that begins at row `first`.
@@ -125,8 +135,10 @@ impl Band<'_> {
         }
     }
 
+    /// Nothing of a map that was not made.
     fn append<T: Copy>(&self, values: &[T], out: &mut Vec<T>) {
         match self.warp {
+            _ if values.is_empty() => {}
             None => out.extend_from_slice(&values[self.pixels()]),
             Some(warp) => warp.append_nearest(self.rows.clone(), self.first, values, out),
         }

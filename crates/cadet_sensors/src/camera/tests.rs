@@ -13,6 +13,7 @@ mod shadow_proxies;
 mod sky_visibility;
 mod snow;
 mod spray;
+mod surface_maps;
 mod thin_things;
 mod wet_ground;
 

@@ -3,8 +3,9 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::{CameraModel, Warp};
-use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
+use super::CameraModel;
+use super::maps::{Maps, SurfaceMaps};
+use crate::sense::{BLOCK, DrawnFace, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
 use cadet_base::error::Result;
 use cadet_base::material::Semantic;
 use cadet_base::math::{DPose3, DVec3, Vec3};
@@ -53,20 +54,9 @@ impl View {
 pub struct Visibility {
     /// Two samples a pixel, in a quincunx: one on its center, one half a pixel to the right and below.
     pub(super) samples: Samples,
-    grid: PinholeGrid,
+    pub(super) grid: PinholeGrid,
     /// Of the scene's instances.
     actor_ids: Vec<i32>,
-}
-
-/// What the pixels' centers show; every array is row-major.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Maps {
-    /// z along the optical axis, meters; infinite for the sky.
-    pub depth_m: Vec<f32>,
-    /// -1 sky, 0 static world, actors from 1; transparent surfaces carry their car's id.
-    pub instance: Vec<i32>,
-    /// [`Semantic`] as a byte.
-    pub semantic: Vec<u8>,
 }
 
 impl Visibility {
@@ -77,29 +67,36 @@ impl Visibility {
         self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_m_at(x, y))
     }
 
-    /// Returns the maps as a lens shows them; without a `warp`, as the pinhole camera sees them.
-    #[must_use]
-    pub fn maps_through(&self, scene: &PosedScene, warp: Option<&Warp>) -> Maps {
-        let maps = self.maps(scene);
-        let Some(warp) = warp else { return maps };
-        Maps {
-            depth_m: warp.nearest(&maps.depth_m),
-            instance: warp.nearest(&maps.instance),
-            semantic: warp.nearest(&maps.semantic),
-        }
-    }
-
-    /// What the pixels' centers show. `scene`: the one that was looked at.
+    /// Depth, instances, and classes at the pixels' centers. `scene`: the one that was looked at.
     #[must_use]
     pub fn maps(&self, scene: &PosedScene) -> Maps {
+        let mut depth = vec![f32::INFINITY; self.num_pixels()];
+        let mut instance = vec![-1; self.num_pixels()];
+        let mut semantic = vec![Semantic::Sky as u8; self.num_pixels()];
+        // Neighbors mostly show the same face.
+        let (mut last_face, mut actor_id, mut class) = ([u32::MAX; 2], -1, Semantic::Sky as u8);
+        self.each_center(|at, face, [x, y]| {
+            if last_face != [face.instance, face.face] {
+                let posed = &scene.instances[face.instance as usize];
+                last_face = [face.instance, face.face];
+                (actor_id, class) = (posed.actor_id, posed.material(face.face).semantic as u8);
+            }
+            depth[at] = face.depth_m_at(x, y);
+            (instance[at], semantic[at]) = (actor_id, class);
+        });
+        Maps { depth_m: depth, instance, semantic, surfaces: SurfaceMaps::default() }
+    }
+
+    pub(super) fn num_pixels(&self) -> usize {
+        self.samples.0.columns * (self.samples.0.rows / 2)
+    }
+
+    /// Calls `see` for each pixel whose center shows a face, with the pixel's number, the face, and the slopes of the ray.
+    #[inline(always)]
+    pub(super) fn each_center(&self, mut see: impl FnMut(usize, &DrawnFace, [f64; 2])) {
         let buffer = &self.samples.0;
         let (width, height) = (buffer.columns, buffer.rows / 2);
-        let mut depth = vec![f32::INFINITY; width * height];
-        let mut instance = vec![-1; width * height];
-        let mut semantic = vec![Semantic::Sky as u8; width * height];
         let (columns_x, rows_y) = (self.grid.columns_x(0), self.grid.rows_y());
-        // Neighbors mostly show the same face.
-        let (mut last_id, mut actor_id, mut class) = (u32::MAX, -1, Semantic::Sky as u8);
         for number in 0..buffer.num_blocks() {
             let opaque = buffer.opaque(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
@@ -116,18 +113,10 @@ impl Visibility {
                     if inverse_depth <= 0.0 {
                         continue;
                     }
-                    let face = &buffer.faces[id as usize];
-                    if last_id != id {
-                        let posed = &scene.instances[face.instance as usize];
-                        (last_id, actor_id, class) = (id, posed.actor_id, posed.material(face.face).semantic as u8);
-                    }
-                    let at = line + j;
-                    depth[at] = face.depth_m_at(columns_x[left + j], y);
-                    (instance[at], semantic[at]) = (actor_id, class);
+                    see(line + j, &buffer.faces[id as usize], [columns_x[left + j], y]);
                 }
             }
         }
-        Maps { depth_m: depth, instance, semantic }
     }
 
     /// How many samples of a window see an actor: those of row 2 v lie on the centers of the pixels of row v, those of row

@@ -1,4 +1,4 @@
-//! How a rigid thing moves during the tenth of a second that a LIDAR takes to turn.
+//! How a rigid thing moves during the tenth of a second that a LIDAR takes to turn, or between two images.
 
 use cadet_base::math::{DPose3, DQuat, DVec3};
 
@@ -29,6 +29,12 @@ impl RigidMotion {
         let rotation = if angle_rad > 0.0 { axis_angle(turn / angle_rad, angle_rad) } else { DQuat::IDENTITY };
         let pivot_then = self.pivot_world + self.velocity_world * time_s;
         DPose3 { rotation, translation: pivot_then - rotation * self.pivot_world }
+    }
+
+    /// This motion, with its instant 0 `time_s` later.
+    #[must_use]
+    pub fn after(&self, time_s: f64) -> Self {
+        Self { pivot_world: self.pivot_world + self.velocity_world * time_s, ..*self }
     }
 
     /// How far a point at `radius_m` from the pivot gets in `time_s` at most.

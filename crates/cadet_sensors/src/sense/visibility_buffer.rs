@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::grid::Window;
-use cadet_base::math::lesser;
+use cadet_base::math::{DVec3, lesser};
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
@@ -20,7 +20,7 @@ pub struct DrawnFace {
     pub face: u32,
     /// It was drawn with its partner.
     pub is_quad: bool,
-    /// Its plane in the camera's frame, turned towards the camera: z = volume / (normal · (x, y, 1)).
+    /// Its plane in the camera's frame: z = volume / (normal · (x, y, 1)).
     pub(super) normal: [f64; 3],
     pub(super) volume6_m3: f64,
 }
@@ -30,8 +30,22 @@ impl DrawnFace {
     #[inline]
     #[must_use]
     pub fn depth_m_at(&self, x: f64, y: f64) -> f32 {
+        self.exact_depth_m_at(x, y) as f32
+    }
+
+    /// As [`DrawnFace::depth_m_at`], in double precision.
+    #[inline]
+    #[must_use]
+    pub fn exact_depth_m_at(&self, x: f64, y: f64) -> f64 {
         let [a, b, c] = self.normal;
-        (self.volume6_m3 / (a * x + (b * y + c))) as f32
+        self.volume6_m3 / (a * x + (b * y + c))
+    }
+
+    /// The unit normal of the face's plane on the camera's side, in the camera's frame.
+    #[must_use]
+    pub fn normal_cam(&self) -> DVec3 {
+        let away = DVec3::from_array(self.normal) * self.volume6_m3;
+        -away / away.length()
     }
 
     /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,17 +30,17 @@ from cadet.formats.kitti.files.folder import (
 )
 from cadet.formats.kitti.files.planes import plane_from_text, text_from_plane
 from cadet.formats.kitti.files.text import content_lines, text_from_bytes
+from cadet.formats.kitti.files.vector_images import bytes_from_flow, bytes_from_vectors
 from cadet.formats.kitti.files.velodyne import bytes_from_points, points_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import (
+    MAPS,
     CameraFiles,
     FolderFiles,
     FrameFiles,
     frame_from_files,
     image_from_files,
     meta_from_files,
-    read_depth,
-    read_instance,
     read_map,
     read_text,
 )
@@ -54,7 +54,7 @@ def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True
     Args:
         root: the folder that holds `training`, or one that holds `calib` and its fellows itself.
         frame_id: the name of its files without suffix; a number means six digits.
-        has_extras: read what KITTI's own frames lack too: depth, instance, semantic and meta; else they are None.
+        has_extras: read what KITTI's own frames lack too: maps of the image and meta; else they are None.
         camera: the name of a further camera of the rig (`cadet-gen --write cameras`): the frame as it sees it, without
             plane and meta; None for the first one.
 
@@ -151,11 +151,7 @@ def errors_of_files(files: FrameFiles, frame_id: str) -> list[tuple[str, CadetEr
     is_image_read = all(kind != "image_2" for kind, _ in wrong)
     if is_image_read:
         shape = image_from_files(files, frame_id).shape
-        maps: dict[str, Callable[[], object]] = {
-            "depth": lambda: read_depth(files, frame_id, shape),
-            "instance": lambda: read_instance(files, frame_id, shape),
-            "semantic": lambda: read_map(files, "semantic", frame_id, np.uint8, shape),
-        }
+        maps = {kind: partial(read_map, files, kind, frame_id, shape) for kind in MAPS}
         wrong += [(kind, error) for kind, reader in maps.items() if (error := _error_of(reader)) is not None]
     return wrong + _label_errors(files, frame_id)
 
@@ -174,7 +170,7 @@ def encode_frame(frame: Frame) -> dict[str, bytes]:
     contents |= encode_facts(frame.points_velo, frame.calib, frame.labels, frame.plane)
     if frame.meta is not None:
         contents["meta"] = encode_meta(frame.meta)
-    return contents | encode_maps(frame.depth, frame.instance, frame.semantic)
+    return contents | encode_maps({kind: getattr(frame, kind) for kind in MAPS})
 
 
 def encode_facts(
@@ -194,22 +190,23 @@ def encode_facts(
     return contents
 
 
-def encode_maps(
-    depth: NDArray[np.float32] | None, instance: NDArray[np.int32] | None, semantic: NDArray[np.uint8] | None
-) -> dict[str, bytes]:
+def encode_maps(maps: Mapping[str, NDArray[Any] | None]) -> dict[str, bytes]:
     """Return the bytes of those maps that are not None, by folder.
 
     Raises:
         CadetError: an instance id above 65534.
     """
-    contents = {}
-    if depth is not None:
-        contents["depth"] = images.encode_png(images.pixels_from_depth(depth))
-    if instance is not None:
-        contents["instance"] = images.encode_png(images.pixels_from_instance(instance))
-    if semantic is not None:
-        contents["semantic"] = images.encode_png(semantic)
-    return contents
+    return {kind: _ENCODE[kind](values) for kind, values in maps.items() if values is not None}
+
+
+_ENCODE: Final[dict[str, Callable[[NDArray[Any]], bytes]]] = {
+    "depth": lambda depth: images.encode_png(images.pixels_from_depth(depth)),
+    "instance": lambda instance: images.encode_png(images.pixels_from_instance(instance)),
+    "semantic": images.encode_png,
+    "normals": lambda normals: bytes_from_vectors(normals, "normals"),
+    "optical_flow": bytes_from_flow,
+    "scene_flow": lambda scene_flow: bytes_from_vectors(scene_flow, "scene_flow"),
+}
 
 
 def encode_meta(meta: dict[str, Any]) -> bytes:

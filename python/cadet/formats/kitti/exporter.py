@@ -28,9 +28,9 @@ from cadet.formats.kitti.from_sample import calibration_of, labels_of, meta_of, 
 from cadet.formats.kitti.image_sets import ImageSet
 from cadet.formats.kitti.label import text_from_labels
 from cadet.sensors.rig import RIGHT_CAMERA, Rig
-from cadet.sensors.sample import Sample, Wanted
+from cadet.sensors.sample import MORE_MAPS, Sample, Wanted
 
-_MAPS: Final = ("depth", "instance", "semantic")
+_MAPS: Final = ("depth", "instance", "semantic", *MORE_MAPS)
 _RIGHT_LABELS: Final = "label_3"
 
 
@@ -59,8 +59,12 @@ class KittiExporter(FilesInPlace):
         """Return what the folders need."""
         right = (RIGHT_CAMERA,) if RIGHT_CAMERA in extras or _RIGHT_LABELS in extras else ()
         cameras = _cameras(rigs, extras)
-        labels = _RIGHT_LABELS in extras or bool(cameras)
-        return Wanted(sensors=right + cameras, maps=any(name in extras for name in _MAPS), labels=labels)
+        return Wanted(
+            sensors=right + cameras,
+            maps=any(name in extras for name in _MAPS),
+            labels=_RIGHT_LABELS in extras or bool(cameras),
+            more_maps=tuple(name for name in MORE_MAPS if name in extras),
+        )
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
         """Return the folders.
@@ -144,7 +148,7 @@ def _maps(sample: Sample, camera: str | None, extras: tuple[str, ...]) -> dict[s
     maps = sample.maps(camera) if any(name in extras for name in _MAPS) else None
     if maps is None:
         return {}
-    return encode_maps(*(getattr(maps, name) if name in extras else None for name in _MAPS))
+    return encode_maps({name: getattr(maps, name) for name in _MAPS if name in extras})
 
 
 def ending(places: Iterable[Place], labels: Iterable[bytes]) -> Ending:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from cadet._util.arrays import check_array
 from cadet._util.checks import check_kind
 from cadet._util.summary import counts, summary
-from cadet.errors import CadetError, ShapeError
+from cadet.errors import ShapeError
 from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files import images
 from cadet.formats.kitti.frame_object import FrameObject, objects_of
@@ -34,12 +35,17 @@ class Frame:
         depth: (H, W) float32, meters along the optical axis, inf for sky.
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 actors.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
+        normals: (H, W, 3) float32: as `cadet.Maps` says, as the next two.
+        optical_flow: (H, W, 2) float32, pixels, NaN where it is unknown.
+        scene_flow: (H, W, 3) float32, m/s.
+        camera_labels: the labels of every camera by its name, `labels` among them, each in the camera's own frame and
+            image; empty for a frame that was read or made by hand.
         meta: what else the generator knows, as it stands in `meta/ID.json`.
         sample: what it was made from: all sensors and agents; None for a frame that was read or made by hand.
 
     Raises:
         ShapeError: an array has the wrong shape or dtype.
-        NonFiniteError: NaN or infinity in `points_velo` or `plane`, NaN in `depth`.
+        NonFiniteError: NaN or infinity in `points_velo`, `plane`, `normals`, or `scene_flow`, NaN in `depth`.
         CadetError: labels, a calibration or a `meta` that are none.
     """
 
@@ -51,6 +57,10 @@ class Frame:
     depth: NDArray[np.float32] | None = None
     instance: NDArray[np.int32] | None = None
     semantic: NDArray[np.uint8] | None = None
+    normals: NDArray[np.float32] | None = None
+    optical_flow: NDArray[np.float32] | None = None
+    scene_flow: NDArray[np.float32] | None = None
+    camera_labels: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     meta: dict[str, Any] | None = None
     sample: Sample | None = None
 
@@ -68,6 +78,9 @@ class Frame:
             check_array(self.instance, "instance", (height, width), np.int32)
         if self.semantic is not None:
             check_array(self.semantic, "semantic", (height, width), np.uint8)
+        for name, size in (("normals", 3), ("optical_flow", 2), ("scene_flow", 3)):
+            if (vectors := getattr(self, name)) is not None:
+                check_array(vectors, name, (height, width, size), np.float32, finite=size == 3)
         if not isinstance(self.labels, tuple):
             raise ShapeError(f"labels: expected a tuple of Label, got {type(self.labels).__name__}")
         for label in self.labels:
@@ -89,35 +102,6 @@ class Frame:
             return {"image_2": self.image}
         first, *others = self.sample.image_names
         return {first: self.image} | {name: self.sample.image(name) for name in others}
-
-    @property
-    def camera_labels(self) -> dict[str, tuple[Label, ...]]:
-        """Every camera's labels by its name, each in that camera's own frame and image: `labels` and the others'."""
-        if self.sample is None:
-            return {"image_2": self.labels}
-        # `from_sample` makes frames.
-        from cadet.formats.kitti.from_sample import labels_of
-
-        first, *others = self.sample.image_names
-        return {first: self.labels} | {name: labels_of(self.sample, name) for name in others}
-
-    def of_camera(self, name: str) -> Frame:
-        """Return the frame as if one of the rig's cameras were its first.
-
-        Image, maps, labels, `calib`, and `meta` are that camera's, and the points are the same; there is no plane. The
-        right and the gray cameras of a rig share the first one's frame, in which their labels stand, too.
-
-        Args:
-            name: the name of one of `images`.
-
-        Raises:
-            CadetError: a frame that was read or made by hand, or without that camera's image or labels.
-        """
-        if self.sample is None:
-            raise CadetError("of_camera: a frame that was read has one camera; read_frame(camera=...) reads another's")
-        from cadet.formats.kitti.from_sample import frame_from_sample
-
-        return frame_from_sample(self.sample, name)
 
     @property
     def scans(self) -> dict[str, Scan]:
@@ -171,5 +155,8 @@ class Frame:
             depth=self.depth,
             instance=self.instance,
             semantic=self.semantic,
+            normals=self.normals,
+            optical_flow=self.optical_flow,
+            scene_flow=self.scene_flow,
             meta=None if self.meta is None else list(self.meta),
         )

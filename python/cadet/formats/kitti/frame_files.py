@@ -5,9 +5,10 @@ from __future__ import annotations
 import glob
 import os
 import stat
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from cadet.formats.kitti.files.folder import (
 )
 from cadet.formats.kitti.files.planes import plane_from_text
 from cadet.formats.kitti.files.text import text_from_bytes
+from cadet.formats.kitti.files.vector_images import flow_from_bytes, vectors_from_bytes
 from cadet.formats.kitti.files.velodyne import points_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.label import Label, labels_from_text
@@ -134,12 +136,8 @@ def frame_from_files(files: FrameFiles, frame_id: str, *, has_extras: bool = Tru
     calib = Calibration.from_text(*read_text(files, "calib", frame_id))
     extras: dict[str, Any] = {}
     if has_extras:
-        extras = {
-            "depth": read_depth(files, frame_id, image.shape),
-            "instance": read_instance(files, frame_id, image.shape),
-            "semantic": read_map(files, "semantic", frame_id, np.uint8, image.shape),
-            "meta": meta_from_files(files, frame_id) if files.has("meta", frame_id) else None,
-        }
+        extras = {kind: read_map(files, kind, frame_id, image.shape) for kind in MAPS}
+        extras["meta"] = meta_from_files(files, frame_id) if files.has("meta", frame_id) else None
     return Frame(
         image=image,
         points_velo=points_velo,
@@ -184,10 +182,8 @@ def read_text(files: FrameFiles, kind: str, frame_id: str) -> tuple[str, str]:
     return text_from_bytes(data, name), name
 
 
-def read_map(
-    files: FrameFiles, kind: str, frame_id: str, dtype: type[np.generic], image_shape: tuple[int, ...]
-) -> NDArray[Any] | None:
-    """Read a map of the image; None where there is none.
+def read_map(files: FrameFiles, kind: str, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[Any] | None:
+    """Read a map of the image, of a kind of `MAPS`; None where there is none.
 
     Raises:
         KittiFormatError: a damaged one, or one of another size than the image.
@@ -195,24 +191,23 @@ def read_map(
     if not files.has(kind, frame_id):
         return None
     data, name = files.read(kind, frame_id)
-    pixels = images.decode_map(data, name, dtype)
-    if pixels.shape != image_shape[:2]:
+    values = MAPS[kind](data, name)
+    if values.shape[:2] != image_shape[:2]:
         raise KittiFormatError(
-            f"{pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
+            f"{values.shape[1]} x {values.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
         )
-    return pixels
+    return values
 
 
-def read_depth(files: FrameFiles, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.float32] | None:
-    """Read the depth of the image in meters: as `read_map`."""
-    pixels = read_map(files, "depth", frame_id, np.uint16, image_shape)
-    return None if pixels is None else images.depth_from_pixels(pixels)
-
-
-def read_instance(files: FrameFiles, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.int32] | None:
-    """Read the actors' ids in the image: as `read_map`."""
-    pixels = read_map(files, "instance", frame_id, np.uint16, image_shape)
-    return None if pixels is None else images.instance_from_pixels(pixels)
+MAPS: Final[dict[str, Callable[[bytes, str], NDArray[Any]]]] = {
+    "depth": lambda data, name: images.depth_from_pixels(images.decode_map(data, name, np.uint16)),
+    "instance": lambda data, name: images.instance_from_pixels(images.decode_map(data, name, np.uint16)),
+    "semantic": lambda data, name: images.decode_map(data, name, np.uint8),
+    "normals": lambda data, name: vectors_from_bytes(data, name, "normals"),
+    "optical_flow": flow_from_bytes,
+    "scene_flow": lambda data, name: vectors_from_bytes(data, name, "scene_flow"),
+}
+"""The maps of an image, and what decodes each from its file's bytes and name."""
 
 
 def meta_from_files(files: FrameFiles, frame_id: str) -> dict[str, Any]:

@@ -29,7 +29,8 @@ def frame_from_sample(sample: Sample, camera: str | None = None) -> Frame:
 
     Args:
         sample: the sample.
-        camera: None for the rig's first camera; another one's frame is `Frame.of_camera`.
+        camera: one of `sample.image_names`: the frame is as if this camera were the rig's first, so that image, maps,
+            labels, calibration, and `meta` are its own, and there is no plane. None for the first.
 
     Raises:
         CadetError: the sample has no image or no labels of such a camera.
@@ -42,9 +43,8 @@ def frame_from_sample(sample: Sample, camera: str | None = None) -> Frame:
         labels=labels,
         calib=calib,
         plane=sample.plane if camera is None else None,
-        depth=None if maps is None else maps.depth,
-        instance=None if maps is None else maps.instance,
-        semantic=None if maps is None else maps.semantic,
+        **({} if maps is None else maps._asdict()),
+        camera_labels=_camera_labels(sample) if camera is None else {},
         meta=meta_of(sample, camera),
         sample=sample if camera is None else None,
     )
@@ -124,6 +124,10 @@ def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) ->
     millimeters = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
     moved[is_zero, axis] = (millimeters + np.where(millimeters < 0.0, -1.0, 1.0)) / 1e3
     return moved
+
+
+def _camera_labels(sample: Sample) -> dict[str, tuple[Label, ...]]:
+    return {name: labels_of(sample, name) for name in sample.image_names if sample._sightings(name) is not None}
 
 
 def _seen(sample: Sample, camera: str | None) -> list[_cadet.Sighting]:

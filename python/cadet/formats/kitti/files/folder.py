@@ -26,6 +26,9 @@ SUFFIXES: Final = {
     "depth": ".png",
     "instance": ".png",
     "semantic": ".png",
+    "normals": ".png",
+    "optical_flow": ".png",
+    "scene_flow": ".png",
     "image_3": ".png",
     "label_3": ".txt",
     "point_labels": ".label",
@@ -35,7 +38,10 @@ SUFFIXES: Final = {
 
 CAMERAS: Final = "cameras"
 """The folder of a rig's further cameras: `cameras/NAME` holds folders of `OF_CAMERA`."""
-OF_CAMERA: Final = ("image_2", "calib", "label_2", "depth", "instance", "semantic")
+OF_CAMERA: Final = (
+    *("image_2", "calib", "label_2"),
+    *("depth", "instance", "semantic", "normals", "optical_flow", "scene_flow"),
+)
 """The folders that a further camera has, each with what the first camera's has."""
 
 _CAMERA: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")

@@ -33,16 +33,18 @@ def encode_png(image: NDArray[Any]) -> bytes:
     """Encode an image as a PNG file.
 
     Args:
-        image: (H, W, 3) uint8 RGB, (H, W, 4) uint8 RGB and opacity, (H, W) uint8 or (H, W) uint16.
+        image: (H, W, 3) uint8 or uint16 RGB, (H, W, 4) uint8 RGB and opacity, (H, W) uint8 or (H, W) uint16.
 
     Raises:
         ShapeError: another shape or dtype, no pixels, or more than are read.
     """
     is_color = isinstance(image, np.ndarray) and image.ndim == _NUM_COLORS
+    dtype = np.uint16 if getattr(image, "dtype", None) == np.uint16 else np.uint8
     if is_color:
-        check_array(image, "image", ("H", "W", 4 if image.shape[2] == _NUM_RGBA else 3), np.uint8)
+        channels = 4 if image.shape[2] == _NUM_RGBA and dtype == np.uint8 else 3
+        check_array(image, "image", ("H", "W", channels), dtype)
     else:
-        check_array(image, "image", ("H", "W"), np.uint16 if getattr(image, "dtype", None) == np.uint16 else np.uint8)
+        check_array(image, "image", ("H", "W"), dtype)
     if image.size == 0:
         raise ShapeError(f"image: no pixels: {image.shape}")
     if image.shape[0] * image.shape[1] > MAX_PIXELS:
