@@ -315,6 +315,10 @@ class Camera:
         projection: NDArray[np.float64],
         distortion: Sequence[float],
         rolling_shutter_s: float,
+        exposure_ev: float,
+        noise: float,
+        white_balance: Sequence[float],
+        response: str | Sequence[Sequence[float]],
         mount: Sequence[Pose],
     ) -> Camera: ...
 
@@ -374,6 +378,7 @@ class Request:
         normals: bool,
         scene_flow: bool,
         optical_flow_s: float | None,
+        radiance: bool,
         pixels: bool,
         sightings: bool,
         cameras: Sequence[int],
@@ -401,6 +406,7 @@ class Capture:
     names: Final[tuple[list[str], list[str]]]
     def sightings(self, index: int) -> list[Sighting] | None: ...
     def image(self, index: int) -> NDArray[np.uint8]: ...
+    def radiance(self, index: int) -> NDArray[np.float32] | None: ...
     def png(self, index: int) -> bytes: ...
     def maps(self, index: int) -> dict[str, NDArray[Any]] | None: ...
     def scan(self, index: int) -> dict[str, NDArray[Any]]: ...

@@ -27,13 +27,14 @@ pub(crate) struct Request {
 #[pymethods]
 impl Request {
     #[new]
-    #[pyo3(signature = (sample, *, maps, normals, scene_flow, optical_flow_s, pixels, sightings, cameras, lidars))]
+    #[pyo3(signature = (sample, *, maps, normals, scene_flow, optical_flow_s, radiance, pixels, sightings, cameras, lidars))]
     fn new(
         sample: u64,
         maps: bool,
         normals: bool,
         scene_flow: bool,
         optical_flow_s: Option<f64>,
+        radiance: bool,
         pixels: bool,
         sightings: bool,
         cameras: Vec<usize>,
@@ -42,6 +43,7 @@ impl Request {
         let inner = core::CaptureRequest {
             sample,
             maps: maps.then_some(SurfaceMapKinds { normals, scene_flow, optical_flow_s }),
+            with_radiance: radiance,
             with_pixels: pixels,
             with_all_sightings: sightings,
             cameras,
@@ -255,6 +257,13 @@ impl Capture {
     fn image<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let image = self.image_at(index)?;
         Ok(arrays::rgb(py, image.rendered.image.clone(), image.height, image.width))
+    }
+
+    /// The light of an image in shares of white; `None` unless asked for.
+    fn radiance<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        let image = self.image_at(index)?;
+        let pixels = image.rendered.radiance.as_ref().map(|rgb| rgb.as_chunks::<3>().0.to_vec());
+        Ok(pixels.map(|pixels| arrays::vectors_of_pixels(py, pixels, image.height, image.width)))
     }
 
     /// The image as a PNG file.

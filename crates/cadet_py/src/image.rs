@@ -14,7 +14,9 @@ use crate::guard;
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     let refused = || {
-        PyTypeError::new_err("image must be C-contiguous: uint8 (H, W) or (H, W, 3 or 4), or uint16 (H, W) or (H, W, 3)")
+        PyTypeError::new_err(
+            "image must be C-contiguous: uint8 (H, W) or (H, W, 3 or 4), or uint16 (H, W) or (H, W, 3)",
+        )
     };
     let bytes = if let Ok(array) = image.extract::<PyReadonlyArrayDyn<'py, u8>>() {
         let data = array.as_slice().map_err(|_| refused())?;

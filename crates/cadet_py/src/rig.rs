@@ -1,6 +1,6 @@
 //! Rigs: sensors with their names and places.
 
-use cadet_core::camera::{CameraModel, Distortion};
+use cadet_core::camera::{CameraModel, Development, Distortion, Response};
 use cadet_core::frames;
 use cadet_core::math::{DPose3, DVec3};
 use cadet_core::nalgebra::Matrix3x4;
@@ -51,6 +51,28 @@ fn mount(chain: &[Pose]) -> Mount {
     Mount::new(chain.iter().map(|p| p.pose).collect())
 }
 
+/// What a camera makes of light: a name, or points of a curve.
+#[derive(FromPyObject)]
+pub(crate) enum ResponseCurve {
+    Named(String),
+    Points(Vec<[f64; 2]>),
+}
+
+impl ResponseCurve {
+    fn of_core(&self) -> Result<Response> {
+        match self {
+            Self::Points(points) => Response::through(points),
+            Self::Named(name) if name == "linear" => Ok(Response::Linear),
+            Self::Named(name) if name == "srgb" => Ok(Response::srgb()),
+            Self::Named(name) => Err(Error::OutOfRange {
+                what: "response",
+                value: name.clone(),
+                expected: "linear, srgb, or points".to_owned(),
+            }),
+        }
+    }
+}
+
 /// A camera with its name and place.
 #[pyclass(frozen, from_py_object, module = "cadet._cadet")]
 #[derive(Clone)]
@@ -60,9 +82,10 @@ pub(crate) struct Camera {
 
 #[pymethods]
 impl Camera {
-    /// `projection` is (3, 4), `distortion` k1, k2, p1, p2, k3, `rolling_shutter_s` the time from the first row to the last, and `mount` leads from the ego to the camera's frame.
+    /// `projection` is (3, 4), `distortion` k1, k2, p1, p2, k3, `rolling_shutter_s` the time from the first row to the last, and `mount` leads
+    /// from the ego to the camera's frame. `response` is "linear", "srgb", or points (light, value).
     #[new]
-    #[pyo3(signature = (name, *, width, height, projection, distortion, rolling_shutter_s, mount))]
+    #[pyo3(signature = (name, *, width, height, projection, distortion, rolling_shutter_s, exposure_ev, noise, white_balance, response, mount))]
     fn new(
         name: String,
         width: usize,
@@ -70,11 +93,16 @@ impl Camera {
         projection: PyReadonlyArray2<'_, f64>,
         distortion: [f64; 5],
         rolling_shutter_s: f64,
+        exposure_ev: f64,
+        noise: f64,
+        white_balance: [f64; 3],
+        response: ResponseCurve,
         mount: Vec<Pose>,
     ) -> std::result::Result<Self, BorderError> {
         let projection = matrix_3x4("projection", &projection)?;
         let sensor = CameraModel::new(width, height, projection, Distortion::from_opencv(distortion))?
-            .with_rolling_shutter(rolling_shutter_s)?;
+            .with_rolling_shutter(rolling_shutter_s)?
+            .with_development(Development::new(exposure_ev, noise, white_balance, response.of_core()?)?);
         Ok(Self { mounted: Mounted { name, sensor, mount: self::mount(&mount) } })
     }
 }

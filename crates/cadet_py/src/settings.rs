@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use cadet_core::actor::ObjectClass;
 use cadet_core::assets::imported::UserModels;
 use cadet_core::assets::props::OwnProps;
-use cadet_core::camera::{MAX_ROLLING_SHUTTER_S, SIDES_PX};
+use cadet_core::camera::{
+    CURVE_POINTS, MAX_ROLLING_SHUTTER_S, MOST_EXPOSURE_EV, MOST_NOISE, SIDES_PX, WHITE_BALANCE_FACTORS,
+};
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
 use cadet_core::lidar::{MAX_COLUMNS, MAX_DIVERGENCE_RAD};
 use cadet_core::scene::{MAX_STEP_S, SceneConfig as CoreSceneConfig};
@@ -31,11 +33,15 @@ pub(crate) fn limits() -> BTreeMap<&'static str, (f64, f64)> {
     BTreeMap::from([
         ("columns", (1.0, MAX_COLUMNS as f64)),
         ("divergence_mrad", (0.0, MAX_DIVERGENCE_RAD * 1e3)),
+        ("curve_points", (*CURVE_POINTS.start() as f64, *CURVE_POINTS.end() as f64)),
+        ("exposure_ev", (-MOST_EXPOSURE_EV, MOST_EXPOSURE_EV)),
         ("image_side_px", (*SIDES_PX.start() as f64, *SIDES_PX.end() as f64)),
         ("lateral_m", (-MAX_LATERAL_M, MAX_LATERAL_M)),
+        ("noise", (0.0, MOST_NOISE)),
         ("rolling_shutter_s", (0.0, MAX_ROLLING_SHUTTER_S)),
         ("speed_mps", (0.0, FASTEST_VEHICLE_MPS)),
         ("step_s", (0.0, MAX_STEP_S)),
+        ("white_balance", (*WHITE_BALANCE_FACTORS.start(), *WHITE_BALANCE_FACTORS.end())),
     ])
 }
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet._util.checks import Limits, check_fields, check_number, check_three, make_plain, shown
+from cadet._util.checks import Limits, check_fields, check_number, check_three, is_one_of, make_plain, shown
 from cadet._util.plain_tables import check_keys, object_of_table, table_of_object
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError
@@ -31,6 +32,12 @@ MAX_PIXELS = 1 << 24
 """The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
 
 
+RESPONSES = ("linear", "srgb")
+"""How values follow the light; others are given as points."""
+_DEVELOPMENT = ("exposure_ev", "noise", "white_balance", "response")
+"""What is made of the light: fields that no manifest names where they are KITTI's."""
+_RESPONSE = '"linear", "srgb", or points (light, value) that rise from (0, 0) to (1, 1)'
+_RARE = ("image_scale", "distortion", "rolling_shutter_s", *_DEVELOPMENT)
 _INTRINSICS = ("width", "height", "fx", "fy", "cx", "cy")
 _OFFSETS = ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m")
 
@@ -38,6 +45,21 @@ _OFFSETS = ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m")
 def _check_side(name: str, size: object) -> None:
     least, most = _cadet.limits()["image_side_px"]
     check_number("Camera", name, size, int(least), int(most), whole=True)
+
+
+def _check_response(response: object) -> None:
+    if is_one_of(response, RESPONSES):
+        return
+    least, most = _cadet.limits()["curve_points"]
+    is_curve = isinstance(response, tuple) and least <= len(response) <= most
+    if not is_curve or not all(isinstance(point, tuple) and len(point) == 2 for point in response):
+        raise CadetError(f"Camera.response: expected {_RESPONSE}, got {shown(response)}")
+    for point in response:
+        for share in point:
+            check_number("Camera", "response", share, 0, 1)
+    rises = all(a[0] < b[0] and a[1] <= b[1] for a, b in pairwise(response))
+    if (response[0], response[-1]) != ((0, 0), (1, 1)) or not rises:
+        raise CadetError(f"Camera.response: expected {_RESPONSE}, got {shown(response)}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +99,17 @@ class Camera(TomlFile):
     rolling_shutter_s: float = 0.0
     """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0: a global shutter."""
 
+    exposure_ev: float = 0.0
+    """Stops by which the image is brighter than the meter has it, -8 to 8."""
+    noise: float = 1.0
+    """Standard deviation of the sensor's noise in units of that of KITTI's cameras, 0 to 16."""
+    white_balance: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """Factors of red, green, and blue beside KITTI's own white balance, 0.125 to 8 each."""
+    response: str | tuple[tuple[float, float], ...] = "linear"
+    """How values follow the light: "linear" as KITTI's, "srgb", or a curve of 2 to 1024 points (light, value) in shares
+    of white that rise from (0, 0) to (1, 1), with straight lines between. Behind a curve the
+    meter aims at middle gray, 18 % of white."""
+
     def __post_init__(self) -> None:
         make_plain(self)
         for name in ("width", "height"):
@@ -90,11 +123,17 @@ class Camera(TomlFile):
         if not isinstance(self.distortion, tuple) or len(self.distortion) != 5:
             raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
         check_fields(self)
-        check_number("Camera", "rolling_shutter_s", self.rolling_shutter_s, *_cadet.limits()["rolling_shutter_s"])
+        limits = _cadet.limits()
+        for name in ("rolling_shutter_s", "exposure_ev", "noise"):
+            check_number("Camera", name, getattr(self, name), *limits[name])
+        if not isinstance(self.white_balance, tuple) or len(self.white_balance) != 3:
+            raise CadetError(f"Camera.white_balance: expected three numbers, got {shown(self.white_balance)}")
+        for factor in self.white_balance:
+            check_number("Camera", "white_balance", factor, *limits["white_balance"])
+        _check_response(self.response)
 
     def __repr__(self) -> str:
-        rare = ("image_scale", "distortion", "rolling_shutter_s")
-        usual = {f.name: f.default for f in fields(self) if f.name in rare}
+        usual = {f.name: f.default for f in fields(self) if f.name in _RARE}
         parts = {f.name: getattr(self, f.name) for f in fields(self)}
         shown = {name: value for name, value in parts.items() if name not in usual or value != usual[name]}
         return f"Camera({', '.join(f'{name}={value!r}' for name, value in shown.items())})"
@@ -186,16 +225,14 @@ class Camera(TomlFile):
             image_scale=(self.image_scale[0] * x, self.image_scale[1] * y),
         )
 
-    def unusual(self) -> dict[str, list[float] | float]:
-        """Return what most cameras do not have, for a manifest."""
-        found: dict[str, list[float] | float] = {}
-        if self.image_scale != (1.0, 1.0):
-            found["image_scale"] = list(self.image_scale)
-        if any(self.distortion):
-            found["distortion"] = list(self.distortion)
-        if self.rolling_shutter_s > 0.0:
-            found["rolling_shutter_s"] = self.rolling_shutter_s
-        return found
+    def unusual(self) -> dict[str, Any]:
+        """Return what most cameras do not have, in plain values for a manifest."""
+        table = table_of_object(self)
+        return {f.name: table[f.name] for f in fields(self) if f.name in _RARE and getattr(self, f.name) != f.default}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the camera in plain numbers, for a manifest."""
+        return {name: value for name, value in asdict(self).items() if name not in _DEVELOPMENT} | self.unusual()
 
     def _to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
         """Return the camera as the core takes it.
@@ -212,6 +249,10 @@ class Camera(TomlFile):
             projection=projection,
             distortion=[float(k) for k in self.distortion],
             rolling_shutter_s=float(self.rolling_shutter_s),
+            exposure_ev=float(self.exposure_ev),
+            noise=float(self.noise),
+            white_balance=[float(factor) for factor in self.white_balance],
+            response=self.response,
             mount=mount,
         )
 

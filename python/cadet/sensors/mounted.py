@@ -33,7 +33,7 @@ class MountedCamera:
 
     def to_dict(self) -> dict[str, Any]:
         """Return it in plain numbers."""
-        return {"camera": asdict(self.camera), "pose": asdict(self.pose)}
+        return {"camera": self.camera.to_dict(), "pose": asdict(self.pose)}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -47,7 +47,7 @@ class Scan:
         return summary(self, f"{rings} rings", f"{hits} hits", points_velo=self.points_velo)
 
 
-MORE_MAPS: Final = ("normals", "optical_flow", "scene_flow")
+MORE_MAPS: Final = ("normals", "optical_flow", "scene_flow", "radiance")
 """The maps of an image that are made on demand; see `Maps`."""
 _FLOW_S: Final = 0.1
 """The time between KITTI's images."""
@@ -112,6 +112,9 @@ class Maps(NamedTuple):
             for sky and for what comes behind the camera.
         scene_flow: (H, W, 3) float32, velocity over the ground in m/s, in the same axes as the normals; 0 for the
             static world and the sky.
+        radiance: (H, W, 3) float32, linear RGB light in shares of the image's white, which may be far above 1: what the
+            lens lets through, exposed and balanced as the image is, without the sensor's color filters, noise,
+            clipping, and response.
     """
 
     depth: NDArray[np.float32]
@@ -120,6 +123,7 @@ class Maps(NamedTuple):
     normals: NDArray[np.float32] | None = None
     optical_flow: NDArray[np.float32] | None = None
     scene_flow: NDArray[np.float32] | None = None
+    radiance: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,8 +302,9 @@ class Sample:
 
     def maps(self, name: str | None = None) -> Maps | None:
         """Return depth, instances and classes of an image; None unless asked for."""
-        maps = self._native.maps(_index(self.image_names, name))
-        return None if maps is None else Maps(**maps)
+        index = _index(self.image_names, name)
+        maps = self._native.maps(index)
+        return None if maps is None else Maps(**maps, radiance=self._native.radiance(index))
 
     def scan(self, name: str | None = None) -> Scan:
         """Return a LIDAR's scan, the first one's if None."""

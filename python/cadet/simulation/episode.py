@@ -59,6 +59,7 @@ def request(rig: Rig, number: int, wanted: Wanted, time_step_s: float | None = N
         normals="normals" in wanted.more_maps,
         scene_flow="scene_flow" in wanted.more_maps,
         optical_flow_s=wanted.optical_flow_s(time_step_s),
+        radiance="radiance" in wanted.more_maps,
         pixels=wanted.shares,
         sightings=wanted.labels,
         cameras=cameras,

@@ -290,8 +290,8 @@ class Scene:
         Args:
             sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`. The
                 right color camera, "image_3", must be named. What is not asked for is not rendered.
-            more_maps: "normals", "optical_flow", and "scene_flow", of every image, beside its depth, instances, and
-                classes; see `cadet.Maps`.
+            more_maps: some of "normals", "optical_flow", "scene_flow", and "radiance", of every image, beside its
+                depth, instances, and classes; see `cadet.Maps`.
             flow_s: the time of the optical flow.
 
         Raises:

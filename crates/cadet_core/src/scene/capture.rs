@@ -28,6 +28,8 @@ pub struct CaptureRequest {
     pub sample: u64,
     /// Depth, instances and classes with every image, and maps of surfaces; `None` for no map at all.
     pub maps: Option<SurfaceMapKinds>,
+    /// The light of every image.
+    pub with_radiance: bool,
     /// How much of each actor the images show together.
     pub with_pixels: bool,
     /// What every camera sees of actors, not the first one alone.
@@ -242,6 +244,8 @@ impl Scene {
             ),
             lens_drops: LensDrops::at(&self.weather, snapshot.time_s, drops_stream),
             warp,
+            development: sensor.development().clone(),
+            with_radiance: request.with_radiance,
         };
         let (camera, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
         let rendered = if sensor.rolling_shutter_s() > 0.0 {
@@ -254,13 +258,13 @@ impl Scene {
             };
             render_rolling(&moving, sensor, &self.weather, request.maps.as_ref(), &mut stream)?
         } else {
-            let image = render_through(&posed, &view, &self.weather, &seen, &foreground, &mut stream);
+            let rendered = render_through(&posed, &view, &self.weather, &seen, &foreground, &mut stream);
             let motions = Motions { camera, of_actor: &motion_of };
             let maps = request.maps.map(|kinds| {
                 let surfaces = seen.surface_maps(&posed, sensor, &motions, &kinds);
                 Maps { surfaces, ..seen.maps(&posed) }.through(warp)
             });
-            Rendered { image, maps }
+            Rendered { maps, ..rendered }
         };
         Ok(Image { name: name.clone(), width, height, rendered, sightings })
     }

@@ -69,6 +69,16 @@ pub struct Exposure {
     pub amplification: f32,
 }
 
+impl Exposure {
+    /// The light of an image as it is exposed, interleaved RGB in shares of white: what the lens let through, without the sensor's
+    /// color filters, noise, clipping, and response.
+    #[must_use]
+    pub fn light(&self, rgb: &[f32]) -> Vec<f32> {
+        let Self { veil, gains, .. } = self;
+        rgb.iter().enumerate().map(|(i, v)| (v + veil[i % 3]) * (gains[i % 3] / WHITE)).collect()
+    }
+}
+
 /// The gain at night, no more than the sensor has, and how much it amplifies the noise.
 #[must_use]
 pub fn night_gain(wanted_gain: f32) -> (f32, f32) {

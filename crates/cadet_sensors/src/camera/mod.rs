@@ -7,6 +7,7 @@ mod compositing;
 mod contact_occlusion;
 mod coverage;
 mod deferred_shading;
+mod development;
 mod distortion;
 mod exposure;
 mod face;
@@ -39,11 +40,12 @@ mod value_noise;
 mod visibility_pass;
 mod windows;
 
+pub use development::{CURVE_POINTS, Development, MOST_EXPOSURE_EV, MOST_NOISE, Response, WHITE_BALANCE_FACTORS};
 pub use distortion::{Distortion, Warp};
 pub use lens_drops::LensDrops;
+pub use maps::{Maps, SurfaceMaps};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
-pub use maps::{Maps, SurfaceMaps};
 pub use model::{CameraModel, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
 pub use precipitation::Precipitation;
 pub use render::{Foreground, Rendered, render, render_through};

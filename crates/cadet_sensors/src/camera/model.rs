@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3x4, Vector4};
 
+use super::development::Development;
 use super::distortion::{Distortion, Warp};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{DPose3, DVec2, DVec3};
@@ -30,6 +31,7 @@ pub struct CameraModel {
     /// A lens that bends straight lines.
     lens: Option<Lens>,
     rolling_shutter_s: f64,
+    development: Development,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +85,8 @@ impl CameraModel {
                 expected: "0 0 1".to_owned(),
             });
         }
-        let mut camera = Self { width, height, projection, lens: None, rolling_shutter_s: 0.0 };
+        let development = Development::default();
+        let mut camera = Self { width, height, projection, lens: None, rolling_shutter_s: 0.0, development };
         if let Some(distortion) = distortion {
             let warp = Arc::new(Warp::new(&distortion, camera.intrinsics_px(), width, height)?);
             camera.lens = Some(Lens { distortion, warp });
@@ -102,8 +105,7 @@ impl CameraModel {
         projection[(1, 2)] += down;
         projection[(0, 3)] += right * z;
         projection[(1, 3)] += down * z;
-        let rolling_shutter_s = self.rolling_shutter_s;
-        Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None, rolling_shutter_s }
+        Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None, ..self.clone() }
     }
 
     /// Returns this camera with rows that are exposed from the top to the bottom within so many seconds, from the first
@@ -124,6 +126,19 @@ impl CameraModel {
     #[must_use]
     pub fn rolling_shutter_s(&self) -> f64 {
         self.rolling_shutter_s
+    }
+
+    /// Returns this camera with values that are made otherwise of its light.
+    #[must_use]
+    pub fn with_development(mut self, development: Development) -> Self {
+        self.development = development;
+        self
+    }
+
+    /// How values are made of the light.
+    #[must_use]
+    pub fn development(&self) -> &Development {
+        &self.development
     }
 
     /// How the image is taken from the pinhole camera's; `None` without distortion.

@@ -2,6 +2,7 @@
 
 use macro_rules_attribute::apply;
 
+use super::development::Development;
 use super::exposure::Exposure;
 use super::mosaic::Demosaic;
 use cadet_base::math;
@@ -29,9 +30,6 @@ const NOISE_REACH: usize = 1;
 const SUMS: usize = 24;
 /// Values far above white get no more noise.
 const MAX_VALUE: f32 = 2000.0;
-const WHITE: f32 = 255.0;
-/// 2^23: added to a number it leaves the nearest integer in the lowest bits.
-const ROUNDER: f32 = 8_388_608.0;
 /// Two of a number's four bytes.
 const EVEN_BYTES: u32 = 0x00FF_00FF;
 const LOW_HALF: u32 = 0xFFFF;
@@ -109,20 +107,28 @@ fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32
     sums
 }
 
-/// Adds the veil, applies the gains, takes one color a pixel, adds the noise, and rounds to 8 bits.
+/// Adds the veil, applies the gains, takes one color a pixel, adds the noise, and gives the response in 8 bits.
 ///
 /// Where the signal is amplified, the variance of the photons' noise grows with it and that of the read-out with its square
 /// (EMVA 1288).
 #[must_use]
-pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, stream: &mut Stream) -> Vec<u8> {
+pub fn expose(
+    rgb: &[f32],
+    width: usize,
+    height: usize,
+    exposure: &Exposure,
+    development: &Development,
+    stream: &mut Stream,
+) -> Vec<u8> {
     let &Exposure { veil, gains, amplification } = exposure;
+    let noise = development.noise * development.noise;
     let seed = stream.next_u64();
     let stride = width * 3;
     let sensor = Sensor {
         gain: (0..stride).map(|i| gains[i % 3]).collect(),
         offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
-        variance: (0..stride).map(|i| READ_OUT_VARIANCE[i % 3] * (amplification * amplification)).collect(),
-        per_value: (0..stride).map(|i| VARIANCE_PER_VALUE[i % 3] * amplification).collect(),
+        variance: (0..stride).map(|i| READ_OUT_VARIANCE[i % 3] * (amplification * amplification) * noise).collect(),
+        per_value: (0..stride).map(|i| VARIANCE_PER_VALUE[i % 3] * amplification * noise).collect(),
     };
     // White noise with a border of one pixel; three rows of it are alive at a time.
     let wide = stride + 2 * NOISE_REACH * RGB;
@@ -150,7 +156,8 @@ pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, str
         rows.rotate_left(1);
         fill(row + 2, &mut rows[2]);
         let [above, here, below] = &rows;
-        expose_row(&sensor, [above, here, below], &mut down, &values, out);
+        add_noise(&sensor, [above, here, below], &mut down, &mut values);
+        development.response.write(&values, out);
     }
     image
 }
@@ -179,24 +186,20 @@ fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
 }
 
 #[apply(for_wide_registers)]
-fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], values: &[f32], out: &mut [u8]) {
-    let (n, wide) = (out.len(), down.len());
+fn add_noise(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], values: &mut [f32]) {
+    let (n, wide) = (values.len(), down.len());
     let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
     // The filter keeps the variance.
     let normal = 1.0 / (1.0 + 2.0 * NEIGHBOUR * NEIGHBOUR);
     for i in 0..wide {
         down[i] = (here[i] + NEIGHBOUR * (above[i] + below[i])) * normal;
     }
-    let values = &values[..n];
     let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
     let (left, middle, right) = (&down[..n], &down[RGB..][..n], &down[2 * RGB..][..n]);
     for i in 0..n {
         let value = values[i];
         let sd = (variance[i] + per_value[i] * value).sqrt();
-        let noisy = value + sd * (middle[i] + NEIGHBOUR * (left[i] + right[i]));
-        // Rounded to the nearest by the mantissa's last bits.
-        let rounded = noisy.clamp(0.0, WHITE) + ROUNDER;
-        out[i] = rounded.to_bits() as u8;
+        values[i] = value + sd * (middle[i] + NEIGHBOUR * (left[i] + right[i]));
     }
 }
 
@@ -237,7 +240,7 @@ mod tests {
         let (w, h) = (400, 300);
         let rgb = vec![60.0_f32; w * h * 3];
         let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
-        let image = expose(&rgb, w, h, &amplified, &mut Stream::from_seed("amplified", 3));
+        let image = expose(&rgb, w, h, &amplified, &Development::default(), &mut Stream::from_seed("amplified", 3));
         for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -251,7 +254,7 @@ mod tests {
     fn noise_has_the_measured_variance_and_correlation() {
         let (w, h) = (400, 300);
         let rgb = vec![120.0_f32; w * h * 3];
-        let image = expose(&rgb, w, h, &gain(1.0), &mut Stream::from_seed("noise", 3));
+        let image = expose(&rgb, w, h, &gain(1.0), &Development::default(), &mut Stream::from_seed("noise", 3));
         for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -279,7 +282,7 @@ mod tests {
         let _ = blur(&mut rgb, w, h, 1.0);
         rgb.truncate(w * h * 3);
         // Behind lens and color filters, the mean green of all rows: the filters for it lie alike in all columns.
-        let image = expose(&rgb, w, h, &gain(200.0), &mut Stream::from_seed("edge", 1));
+        let image = expose(&rgb, w, h, &gain(200.0), &Development::default(), &mut Stream::from_seed("edge", 1));
         let row: Vec<f32> = (0..w)
             .map(|x| (0..h).map(|y| f32::from(image[(y * w + x) * 3 + 1])).sum::<f32>() / (200 * h) as f32)
             .collect();

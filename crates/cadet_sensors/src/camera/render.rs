@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use super::bloom::add_halos;
+use super::development::Development;
 use super::distortion::Warp;
 use super::exposure::{Exposure, WHITE_BALANCE, gain_at_night, gain_for_mean_luma, metered, night_gain};
 use super::lens_drops::LensDrops;
@@ -24,10 +25,12 @@ use cadet_base::rng::Stream;
 /// What the camera writes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// RGB, 8 bits, almost linear in the light, row-major.
+    /// RGB, 8 bits, by the camera's response to light, row-major.
     pub image: Vec<u8>,
     /// Depth and identity, if asked for.
     pub maps: Option<Maps>,
+    /// Light in shares of white, interleaved RGB, if asked for.
+    pub radiance: Option<Vec<f32>>,
 }
 
 /// Share of the mean radiance that lens and housing scatter over the image; see [`Light::glare_ceiling`].
@@ -69,6 +72,10 @@ pub struct Foreground<'a> {
     pub lens_drops: LensDrops,
     /// A lens that bends the image: it takes it from the view's, before the sensor's noise.
     pub warp: Option<&'a Warp>,
+    /// How values are made of the light.
+    pub development: Development,
+    /// Whether the light itself is wanted, beside the image.
+    pub with_radiance: bool,
 }
 
 /// Shades what is visible, exposes it, and adds the sensor's noise: RGB, 8 bits, row-major.
@@ -77,10 +84,10 @@ pub struct Foreground<'a> {
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
 #[must_use]
 pub fn render(scene: &PosedScene, view: &View, weather: &Weather, seen: &Visibility, stream: &mut Stream) -> Vec<u8> {
-    render_through(scene, view, weather, seen, &Foreground::default(), stream)
+    render_through(scene, view, weather, seen, &Foreground::default(), stream).image
 }
 
-/// Renders as [`render()`] does, through what is between scene and sensor.
+/// Renders as [`render()`] does, through what is between scene and sensor; without maps.
 #[must_use]
 pub fn render_through(
     scene: &PosedScene,
@@ -89,7 +96,7 @@ pub fn render_through(
     seen: &Visibility,
     foreground: &Foreground<'_>,
     stream: &mut Stream,
-) -> Vec<u8> {
+) -> Rendered {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let light = radiance(scene, view, weather, seen, &mut scratch);
@@ -106,32 +113,42 @@ pub fn render_through(
     if is_night {
         add_halos(blurred, width, height);
     }
-    let exposed = exposure(blurred, sums, is_night, stream);
-    let image = match foreground.warp {
-        None => expose(blurred, width, height, &exposed, stream),
-        Some(warp) => {
-            let (width, height) = warp.image_size();
-            expose(&warp.colors(blurred), width, height, &exposed, stream)
-        }
+    let exposed = exposure(blurred, sums, is_night, &foreground.development, stream);
+    let mut develop = |rgb: &[f32], (width, height)| Rendered {
+        image: expose(rgb, width, height, &exposed, &foreground.development, stream),
+        maps: None,
+        radiance: foreground.with_radiance.then(|| exposed.light(rgb)),
+    };
+    let rendered = match foreground.warp {
+        None => develop(blurred, (width, height)),
+        Some(warp) => develop(&warp.colors(blurred), warp.image_size()),
     };
     scratch.reuse(light);
     SCRATCH.set(scratch);
-    image
+    rendered
 }
 
 /// How an image is exposed. `radiance_sums` are those of [`blur`].
-pub(super) fn exposure(blurred_rgb: &[f32], radiance_sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
+pub(super) fn exposure(
+    blurred_rgb: &[f32],
+    radiance_sums: [f64; 3],
+    is_night: bool,
+    development: &Development,
+    stream: &mut Stream,
+) -> Exposure {
     let num_pixels = (blurred_rgb.len() / 3) as f64;
     let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
     let (mean, deviation) = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
-    let target = stream.clipped_normal(mean, deviation) as f32;
+    let target = development.response.metered(stream.clipped_normal(mean, deviation) as f32);
     let metered = metered(blurred_rgb, veil, METERED_STEP);
     let (gain, amplification) = if is_night {
         night_gain(gain_at_night(&metered, target))
     } else {
         (gain_for_mean_luma(&metered, target, 1), 1.0)
     };
-    Exposure { veil, gains: WHITE_BALANCE.map(|g| g * gain), amplification }
+    let gain = gain * development.exposure;
+    let gains = std::array::from_fn(|k| WHITE_BALANCE[k] * gain * development.white_balance[k]);
+    Exposure { veil, gains, amplification }
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `scratch.rgb` from the row [`ROWS_BEFORE`] on; returns the light.

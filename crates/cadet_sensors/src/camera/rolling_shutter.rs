@@ -109,9 +109,11 @@ pub fn render_rolling(
     if is_night {
         add_halos(&mut rgb, camera.width, camera.height);
     }
-    let exposed = exposure(&rgb, sums, is_night, stream);
-    let image = expose(&rgb, camera.width, camera.height, &exposed, stream);
-    Ok(Rendered { image, maps: maps.map(|(_, maps)| maps) })
+    let Foreground { development, with_radiance, .. } = &moving.foreground;
+    let exposed = exposure(&rgb, sums, is_night, development, stream);
+    let image = expose(&rgb, camera.width, camera.height, &exposed, development, stream);
+    let radiance = with_radiance.then(|| exposed.light(&rgb));
+    Ok(Rendered { image, maps: maps.map(|(_, maps)| maps), radiance })
 }
 
 /// Rows of the image, taken from an image before the lens that begins at row `first`.

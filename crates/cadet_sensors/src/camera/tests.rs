@@ -79,7 +79,7 @@ fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
     let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
     let seen = visibility_pass(&posed, &view()).unwrap();
     let image = render(&posed, &view(), weather, &seen, &mut Stream::from_seed("camera", seed));
-    Rendered { image, maps: Some(seen.maps(&posed)) }
+    Rendered { image, maps: Some(seen.maps(&posed)), radiance: None }
 }
 
 fn street() -> Vec<Instance> {

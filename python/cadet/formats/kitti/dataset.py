@@ -206,6 +206,7 @@ _ENCODE: Final[dict[str, Callable[[NDArray[Any]], bytes]]] = {
     "normals": lambda normals: bytes_from_vectors(normals, "normals"),
     "optical_flow": bytes_from_flow,
     "scene_flow": lambda scene_flow: bytes_from_vectors(scene_flow, "scene_flow"),
+    "radiance": lambda radiance: bytes_from_vectors(radiance, "radiance"),
 }
 
 

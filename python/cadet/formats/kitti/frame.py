@@ -35,9 +35,10 @@ class Frame:
         depth: (H, W) float32, meters along the optical axis, inf for sky.
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 actors.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
-        normals: (H, W, 3) float32: as `cadet.Maps` says, as the next two.
+        normals: (H, W, 3) float32: as `cadet.Maps` says, as the next three.
         optical_flow: (H, W, 2) float32, pixels, NaN where it is unknown.
         scene_flow: (H, W, 3) float32, m/s.
+        radiance: (H, W, 3) float32, linear RGB, 1 for the image's white.
         camera_labels: the labels of every camera by its name, `labels` among them, each in the camera's own frame and
             image; empty for a frame that was read or made by hand.
         meta: what else the generator knows, as it stands in `meta/ID.json`.
@@ -45,7 +46,8 @@ class Frame:
 
     Raises:
         ShapeError: an array has the wrong shape or dtype.
-        NonFiniteError: NaN or infinity in `points_velo`, `plane`, `normals`, or `scene_flow`, NaN in `depth`.
+        NonFiniteError: NaN or infinity in `points_velo`, `plane`, `normals`, `scene_flow`, or `radiance`, NaN in
+            `depth`.
         CadetError: labels, a calibration or a `meta` that are none.
     """
 
@@ -60,6 +62,7 @@ class Frame:
     normals: NDArray[np.float32] | None = None
     optical_flow: NDArray[np.float32] | None = None
     scene_flow: NDArray[np.float32] | None = None
+    radiance: NDArray[np.float32] | None = None
     camera_labels: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     meta: dict[str, Any] | None = None
     sample: Sample | None = None
@@ -78,7 +81,7 @@ class Frame:
             check_array(self.instance, "instance", (height, width), np.int32)
         if self.semantic is not None:
             check_array(self.semantic, "semantic", (height, width), np.uint8)
-        for name, size in (("normals", 3), ("optical_flow", 2), ("scene_flow", 3)):
+        for name, size in (("normals", 3), ("optical_flow", 2), ("scene_flow", 3), ("radiance", 3)):
             if (vectors := getattr(self, name)) is not None:
                 check_array(vectors, name, (height, width, size), np.float32, finite=size == 3)
         if not isinstance(self.labels, tuple):
@@ -158,5 +161,6 @@ class Frame:
             normals=self.normals,
             optical_flow=self.optical_flow,
             scene_flow=self.scene_flow,
+            radiance=self.radiance,
             meta=None if self.meta is None else list(self.meta),
         )

@@ -206,6 +206,7 @@ MAPS: Final[dict[str, Callable[[bytes, str], NDArray[Any]]]] = {
     "normals": lambda data, name: vectors_from_bytes(data, name, "normals"),
     "optical_flow": flow_from_bytes,
     "scene_flow": lambda data, name: vectors_from_bytes(data, name, "scene_flow"),
+    "radiance": lambda data, name: vectors_from_bytes(data, name, "radiance"),
 }
 """The maps of an image, and what decodes each from its file's bytes and name."""
 

@@ -4,7 +4,8 @@ use nalgebra::Matrix3x4;
 
 use super::{cuboid, gray, ground};
 use crate::camera::{
-    CameraModel, Distortion, Foreground, Maps, Moving, Rendered, SurfaceMapKinds, View, render, render_rolling, visibility_pass,
+    CameraModel, Distortion, Foreground, Maps, Moving, Rendered, SurfaceMapKinds, View, render, render_rolling,
+    visibility_pass,
 };
 use crate::sense::{PosedScene, RigidMotion};
 use crate::weather::Weather;
@@ -44,7 +45,8 @@ fn rolled(camera: &CameraModel, ego: RigidMotion, of_post: RigidMotion) -> Rende
     let foreground = Foreground { warp: camera.warp(), ..Default::default() };
     let moving = Moving { scene: &scene, world_from_cam: &pose, camera: ego, motion_of, foreground };
     let weather = Weather::preset("clear_noon").expect("a preset");
-    render_rolling(&moving, camera, &weather, Some(&SurfaceMapKinds::default()), &mut Stream::from_seed("camera", 1)).expect("an image")
+    render_rolling(&moving, camera, &weather, Some(&SurfaceMapKinds::default()), &mut Stream::from_seed("camera", 1))
+        .expect("an image")
 }
 
 /// The column of the first pixel of a row that shows the post, half a pixel to its left.

@@ -75,10 +75,9 @@ fn what_stands_flows_with_the_cameras_motion_alone() {
         angular_velocity_world: DVec3::Z * left_rad / FLOW_S,
     };
     let found = maps(&camera(None), ego, RigidMotion::default(), &ALL);
-    for (u, v, depth_m) in [
-        (ON_BOX.0, ON_BOX.1, AHEAD_M),
-        (ON_GROUND.0, ON_GROUND.1, EYE_HEIGHT_M / slopes(ON_GROUND.0, ON_GROUND.1).1),
-    ] {
+    for (u, v, depth_m) in
+        [(ON_BOX.0, ON_BOX.1, AHEAD_M), (ON_GROUND.0, ON_GROUND.1, EYE_HEIGHT_M / slopes(ON_GROUND.0, ON_GROUND.1).1)]
+    {
         let (x, y) = slopes(u, v);
         // The point as the camera sees it then: moved back, and turned to the right.
         let (right, ahead) = (x * depth_m, depth_m - ahead_m);

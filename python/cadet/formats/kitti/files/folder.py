@@ -29,6 +29,7 @@ SUFFIXES: Final = {
     "normals": ".png",
     "optical_flow": ".png",
     "scene_flow": ".png",
+    "radiance": ".png",
     "image_3": ".png",
     "label_3": ".txt",
     "point_labels": ".label",
@@ -40,7 +41,7 @@ CAMERAS: Final = "cameras"
 """The folder of a rig's further cameras: `cameras/NAME` holds folders of `OF_CAMERA`."""
 OF_CAMERA: Final = (
     *("image_2", "calib", "label_2"),
-    *("depth", "instance", "semantic", "normals", "optical_flow", "scene_flow"),
+    *("depth", "instance", "semantic", "normals", "optical_flow", "scene_flow", "radiance"),
 )
 """The folders that a further camera has, each with what the first camera's has."""
 

@@ -4,6 +4,7 @@ optical_flow: as in KITTI's flow benchmark: 64 u + 32768, 64 v + 32768, and 1 wh
 Steps of 1/64 pixel; a flow beyond -512..511.98 pixels counts as unknown.
 normals: 32767 times each component, plus 32768; the sky's is the null vector.
 scene_flow: 256 times each component in m/s, plus 32768: steps of 4 mm/s, up to 127.99 m/s.
+radiance: 4096 times red, green, and blue in shares of the image's white, up to 15.99.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from cadet.formats.kitti.files.images import encode_png
 _MIDDLE: Final = 32768
 _LARGEST: Final = 65535
 _FLOW_STEPS_PER_PX: Final = 64.0
-STEPS: Final = {"normals": 32767.0, "scene_flow": 256.0}
-"""Values a unit of the maps of three components."""
+_VALUES: Final = {"normals": (32767.0, _MIDDLE), "scene_flow": (256.0, _MIDDLE), "radiance": (4096.0, 0)}
+"""Values a unit of the maps of three components, and the value of 0."""
 _NUM_CHANNELS: Final = 3
 
 
@@ -55,23 +56,25 @@ def flow_from_bytes(data: bytes, file: str) -> NDArray[np.float32]:
 
 
 def bytes_from_vectors(vectors: NDArray[np.float32], kind: str) -> bytes:
-    """Encode a map of three components, of a kind of `STEPS`; what is beyond the largest value is written as that.
+    """Encode a map of three components, such as normals; what is beyond the largest value is written as that.
 
     Raises:
         ShapeError: not (H, W, 3) float32.
         NonFiniteError: NaN or infinity.
     """
     check_array(vectors, kind, ("H", "W", 3), np.float32, finite=True)
-    return encode_png(np.clip(np.rint(vectors * np.float32(STEPS[kind])) + _MIDDLE, 0, _LARGEST).astype(np.uint16))
+    steps, zero = _VALUES[kind]
+    return encode_png(np.clip(np.rint(vectors * np.float32(steps)) + zero, 0, _LARGEST).astype(np.uint16))
 
 
 def vectors_from_bytes(data: bytes, file: str, kind: str) -> NDArray[np.float32]:
-    """Decode a map of three components, of a kind of `STEPS`: (H, W, 3) float32.
+    """Decode a map of three components, such as normals: (H, W, 3) float32.
 
     Raises:
         KittiFormatError: no image, or not 16-bit RGB.
     """
-    return (_decode(data, file).astype(np.float32) - np.float32(_MIDDLE)) / np.float32(STEPS[kind])
+    steps, zero = _VALUES[kind]
+    return (_decode(data, file).astype(np.float32) - np.float32(zero)) / np.float32(steps)
 
 
 def _decode(data: bytes, file: str) -> NDArray[Any]:
