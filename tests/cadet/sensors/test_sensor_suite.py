@@ -240,6 +240,10 @@ def test_nuscenes_rig_is_nuscenes() -> None:
         "CAM_BACK_RIGHT",
     )
     assert rig.lidar_names == ("LIDAR_TOP",) and rig.lidar == Lidar.hdl32e()
+    # Its images are made for screens, KITTI's for measuring.
+    cameras = [rig.sensor(name) for name in rig.camera_names]
+    assert all(isinstance(camera, Camera) and camera.response == "srgb" for camera in cameras)
+    assert Rig.kitti().camera.response == "linear"
     front, lidar = rig.ego_from_sensor("CAM_FRONT"), rig.ego_from_sensor("LIDAR_TOP")
     # 1.70 m and 0.94 m ahead of the rear axle; the LIDAR's y axis and the camera's z axis look ahead.
     assert (front - lidar)[:3, 3] == pytest.approx([0.757, 0.016, -0.329], abs=1e-3)
