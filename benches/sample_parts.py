@@ -49,7 +49,7 @@ class Clock:
 
 def make_episode(settings: Settings, episode: int, sink: LocalSink, clock: Clock) -> None:
     """Write an episode as `cadet.simulation.episode.Episode` takes its views."""
-    policy, wanted = settings.policy, settings.exporter.wanted(settings.write)
+    policy, wanted = settings.policy, settings.wanted
     places = settings.places_of(episode)
     number, attempt = 0, 0
     while number < len(places):

@@ -312,6 +312,7 @@ class Camera:
         *,
         width: int,
         height: int,
+        is_fisheye: bool,
         projection: NDArray[np.float64],
         distortion: Sequence[float],
         rolling_shutter_s: float,

@@ -85,11 +85,12 @@ impl Camera {
     /// `projection` is (3, 4), `distortion` k1, k2, p1, p2, k3, `rolling_shutter_s` the time from the first row to the last, and `mount` leads
     /// from the ego to the camera's frame. `response` is "linear", "srgb", or points (light, value).
     #[new]
-    #[pyo3(signature = (name, *, width, height, projection, distortion, rolling_shutter_s, exposure_ev, noise, white_balance, response, mount))]
+    #[pyo3(signature = (name, *, width, height, is_fisheye, projection, distortion, rolling_shutter_s, exposure_ev, noise, white_balance, response, mount))]
     fn new(
         name: String,
         width: usize,
         height: usize,
+        is_fisheye: bool,
         projection: PyReadonlyArray2<'_, f64>,
         distortion: [f64; 5],
         rolling_shutter_s: f64,
@@ -100,9 +101,17 @@ impl Camera {
         mount: Vec<Pose>,
     ) -> std::result::Result<Self, BorderError> {
         let projection = matrix_3x4("projection", &projection)?;
-        let sensor = CameraModel::new(width, height, projection, Distortion::from_opencv(distortion))?
-            .with_rolling_shutter(rolling_shutter_s)?
-            .with_development(Development::new(exposure_ev, noise, white_balance, response.of_core()?)?);
+        let sensor = if is_fisheye {
+            CameraModel::fisheye_of(width, height, projection)?
+        } else {
+            CameraModel::new(width, height, projection, Distortion::from_opencv(distortion))?
+        };
+        let sensor = sensor.with_rolling_shutter(rolling_shutter_s)?.with_development(Development::new(
+            exposure_ev,
+            noise,
+            white_balance,
+            response.of_core()?,
+        )?);
         Ok(Self { mounted: Mounted { name, sensor, mount: self::mount(&mount) } })
     }
 }

@@ -83,6 +83,10 @@ impl Rig {
                 return Err(Error::OutOfRange { what, value: "0".to_owned(), expected: "at least 1".to_owned() });
             }
         }
+        if cameras[0].sensor.fisheye().is_some() {
+            let expected = "a pinhole camera, by which labels are made".to_owned();
+            return Err(Error::OutOfRange { what: "first camera", value: "a fisheye".to_owned(), expected });
+        }
         let mut names: Vec<&str> =
             cameras.iter().map(|c| c.name.as_str()).chain(lidars.iter().map(|l| l.name.as_str())).collect();
         names.sort_unstable();

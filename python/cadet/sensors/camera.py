@@ -32,12 +32,14 @@ MAX_PIXELS = 1 << 24
 """The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
 
 
+MODELS = ("pinhole", "fisheye")
+"""How rays become pixels."""
 RESPONSES = ("linear", "srgb")
 """How values follow the light; others are given as points."""
-_DEVELOPMENT = ("exposure_ev", "noise", "white_balance", "response")
-"""What is made of the light: fields that no manifest names where they are KITTI's."""
+_UNNAMED = ("exposure_ev", "noise", "white_balance", "response", "model")
+"""Fields that no manifest names where they are KITTI's."""
 _RESPONSE = '"linear", "srgb", or points (light, value) that rise from (0, 0) to (1, 1)'
-_RARE = ("image_scale", "distortion", "rolling_shutter_s", *_DEVELOPMENT)
+_RARE = ("image_scale", "distortion", "rolling_shutter_s", *_UNNAMED)
 _INTRINSICS = ("width", "height", "fx", "fy", "cx", "cy")
 _OFFSETS = ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m")
 
@@ -51,20 +53,20 @@ def _check_response(response: object) -> None:
     if is_one_of(response, RESPONSES):
         return
     least, most = _cadet.limits()["curve_points"]
-    is_curve = isinstance(response, tuple) and least <= len(response) <= most
-    if not is_curve or not all(isinstance(point, tuple) and len(point) == 2 for point in response):
-        raise CadetError(f"Camera.response: expected {_RESPONSE}, got {shown(response)}")
-    for point in response:
-        for share in point:
+    points: tuple[Any, ...] = response if isinstance(response, tuple) else ()
+    is_curve = least <= len(points) <= most and all(isinstance(point, tuple) and len(point) == 2 for point in points)
+    if is_curve:
+        for share in (share for point in points for share in point):
             check_number("Camera", "response", share, 0, 1)
-    rises = all(a[0] < b[0] and a[1] <= b[1] for a, b in pairwise(response))
-    if (response[0], response[-1]) != ((0, 0), (1, 1)) or not rises:
+        rises = all(a[0] < b[0] and a[1] <= b[1] for a, b in pairwise(points))
+        is_curve = rises and (points[0], points[-1]) == ((0, 0), (1, 1))
+    if not is_curve:
         raise CadetError(f"Camera.response: expected {_RESPONSE}, got {shown(response)}")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Camera(TomlFile):
-    """A pinhole camera by its intrinsics; `kitti` and `from_fov` derive them.
+    """A camera by its intrinsics; `kitti`, `from_fov`, and `fisheye` derive them.
 
     Labels stand in the frame of KITTI's camera 0, and the image is that of camera 2, the left color camera. The four
     cameras have the same intrinsics, and all are one unless it is told where the others stand.
@@ -78,9 +80,9 @@ class Camera(TomlFile):
     height: int
     """Pixels."""
     fx: Annotated[float, Limits(1, 1e6)]
-    """Focal length along the rows, pixels."""
+    """Focal length along the rows, pixels; of a fisheye, pixels a radian."""
     fy: Annotated[float, Limits(1, 1e6)]
-    """Focal length along the columns, pixels."""
+    """Focal length along the columns, likewise."""
     cx: Annotated[float, Limits(-1e6, 1e6)]
     """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
     cy: Annotated[float, Limits(-1e6, 1e6)]
@@ -99,6 +101,10 @@ class Camera(TomlFile):
     rolling_shutter_s: float = 0.0
     """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0: a global shutter."""
 
+    model: str = "pinhole"
+    """How rays become pixels: "pinhole", or "fisheye", the equidistant one: what is seen at an angle a to the optical
+    axis lies f a from the center, up to 95 degrees, beyond which the image is black. It has neither distortion nor a
+    rolling shutter, no labels, and depth along its rays."""
     exposure_ev: float = 0.0
     """Stops by which the image is brighter than the meter has it, -8 to 8."""
     noise: float = 1.0
@@ -131,6 +137,10 @@ class Camera(TomlFile):
         for factor in self.white_balance:
             check_number("Camera", "white_balance", factor, *limits["white_balance"])
         _check_response(self.response)
+        if not is_one_of(self.model, MODELS):
+            raise CadetError(f"Camera.model: expected {' or '.join(MODELS)}, got {shown(self.model)}")
+        if self.model == "fisheye" and (any(self.distortion) or self.rolling_shutter_s > 0.0):
+            raise CadetError("Camera.model: a fisheye has no distortion and no rolling_shutter_s")
 
     def __repr__(self) -> str:
         usual = {f.name: f.default for f in fields(self) if f.name in _RARE}
@@ -197,6 +207,32 @@ class Camera(TomlFile):
         )
 
     @classmethod
+    def fisheye(cls, width: int, height: int, *, fov_deg: float = 190.0) -> Camera:
+        """Return an equidistant fisheye whose optical axis goes through the middle of the image.
+
+        Args:
+            width: pixels.
+            height: pixels.
+            fov_deg: what it sees from the left edge to the right one, 1 to 190 degrees.
+
+        Raises:
+            CadetError: a number outside its range.
+        """
+        _check_side("width", width)
+        _check_side("height", height)
+        check_number("Camera", "fov_deg", fov_deg, 1, 190)
+        focal_px = round(width / math.radians(fov_deg), 9)
+        return cls(
+            width=width,
+            height=height,
+            fx=focal_px,
+            fy=focal_px,
+            cx=(width - 1) / 2,
+            cy=(height - 1) / 2,
+            model="fisheye",
+        )
+
+    @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> Camera:
         check_keys(table, tuple(f.name for f in fields(cls)), _INTRINSICS, place)
         return object_of_table(cls, table, folder, place)
@@ -232,7 +268,7 @@ class Camera(TomlFile):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the camera in plain numbers, for a manifest."""
-        return {name: value for name, value in asdict(self).items() if name not in _DEVELOPMENT} | self.unusual()
+        return {name: value for name, value in asdict(self).items() if name not in _UNNAMED} | self.unusual()
 
     def _to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
         """Return the camera as the core takes it.
@@ -246,6 +282,7 @@ class Camera(TomlFile):
             name,
             width=int(self.width),
             height=int(self.height),
+            is_fisheye=self.model == "fisheye",
             projection=projection,
             distortion=[float(k) for k in self.distortion],
             rolling_shutter_s=float(self.rolling_shutter_s),

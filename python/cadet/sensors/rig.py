@@ -75,6 +75,10 @@ class Rig(NamedFile):
     def __post_init__(self) -> None:
         for name, kind in (("lidar", Lidar), ("camera", Camera), ("extrinsics", Extrinsics)):
             check_kind("Rig", name, getattr(self, name), kind)
+        if self.camera.model == "fisheye":
+            raise CadetError(
+                "Rig.camera: expected a pinhole camera, by which labels are made; mount a fisheye beside it"
+            )
         for name in ("name", "camera_name", "lidar_name"):
             check_text("Rig", name, getattr(self, name))
         check_three("Rig", "velo_in_ego_m", self.velo_in_ego_m, 20)

@@ -103,7 +103,7 @@ class Maps(NamedTuple):
     row's motion begins at its own time.
 
     Attributes:
-        depth: (H, W) float32, meters along the optical axis, inf for sky.
+        depth: (H, W) float32, meters along the optical axis, of a fisheye from the optical center; inf for sky.
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 agents.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
         normals: (H, W, 3) float32, unit normals of the triangles, toward the camera, in the axes of its frame (x right,

@@ -8,6 +8,7 @@ import re
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -122,7 +123,7 @@ def test_all_checkpoints_are_evaluated_on_one_reading(
     read: list[str] = []
     right = kitti.read_frame
 
-    def counting(root: Path, frame_id: str, **options: bool) -> Frame:
+    def counting(root: Path, frame_id: str, **options: Any) -> Frame:
         read.append(frame_id)
         return right(root, frame_id, **options)
 

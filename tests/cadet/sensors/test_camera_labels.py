@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,9 +33,9 @@ def of_camera(frame: cadet.Frame, name: str) -> cadet.Frame:
     return cadet.kitti.frame_from_sample(frame.sample, name)
 
 
-def square(of: Rig, boxes: str = "exact") -> Scene:
+def square(of: Rig) -> Scene:
     """A plain square: a car ahead; behind, a car, one that it hides in part, and a pedestrian at the image's edge."""
-    scene = Scene.empty(rig=of, config=cadet.SceneConfig(label=cadet.LabelConfig(boxes=boxes)))
+    scene = Scene.empty(rig=of, config=cadet.SceneConfig(label=cadet.LabelConfig(boxes="exact")))
     scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.3)
     for kind, ahead_m, left_m, yaw_rad in [
         ("car", 12.0, 1.0, 0.4),
@@ -87,15 +88,15 @@ def test_a_further_cameras_labels_are_what_pose_and_pinhole_say() -> None:
 
 
 def test_a_camera_has_the_same_labels_as_a_rigs_first_and_as_a_further_one() -> None:
-    """All fields, of annotators' boxes too: the rig whose first camera is the rear one, beside it as the second."""
+    """All fields: a rig whose only camera is the rear one, and one that has it as its second."""
     first = replace(rig(), camera_name="rear")
     turned = np.linalg.inv(REAR.matrix()) @ first.ego_from_sensor("velodyne")
-    rows = tuple(tuple(row) for row in turned[:3].tolist())
+    rows: Any = tuple(tuple(row) for row in turned[:3].tolist())
     first = replace(first, extrinsics=replace(cadet.Extrinsics.aligned(), tr_velo_to_cam=rows))
     bent = replace(LENS, distortion=(-0.2, 0.05, 0.0, 0.0, 0.0))
     for lens in (LENS, bent):
-        alone = square(replace(first, camera=lens), "exact").capture()
-        beside = of_camera(square(rig(rear(lens)), "exact").capture(), "rear")
+        alone = square(replace(first, camera=lens)).capture()
+        beside = of_camera(square(rig(rear(lens))).capture(), "rear")
         assert len(alone.labels) == 3
         for one, other in zip(alone.labels, beside.labels, strict=True):
             assert (one.type, one.occluded) == (other.type, other.occluded)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,7 +42,7 @@ def smooth(frame: cadet.Frame) -> NDArray[np.bool_]:
     padded = np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge")
     height, width = values.shape[:2]
     shifts = [padded[r : r + height, c : c + width] for r in range(3) for c in range(3)]
-    return (np.max(shifts, axis=0) - np.min(shifts, axis=0)).max(axis=2) < 0.006
+    return np.asarray((np.max(shifts, axis=0) - np.min(shifts, axis=0)).max(axis=2) < 0.006)
 
 
 def srgb(share: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -51,7 +52,7 @@ def srgb(share: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def test_values_follow_the_light_by_the_response() -> None:
-    curves = {
+    curves: dict[Any, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
         "linear": lambda share: np.clip(share, 0.0, 1.0),
         "srgb": srgb,
         CURVE: lambda share: np.interp(share, *np.transpose(CURVE)),

@@ -8,8 +8,8 @@ use cadet_base::actor::ActorState;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_sensors::camera::{
-    CameraModel, Foreground, LensDrops, Maps, Motions, Moving, Precipitation, Rendered, SurfaceMapKinds, View,
-    Visibility, render_rolling, render_through, visibility_pass,
+    CameraModel, Fisheye, Foreground, LensDrops, Maps, Motions, Moving, Precipitation, Rendered, SurfaceMapKinds, View,
+    Visibility, render_fisheye, render_rolling, render_through, visibility_pass,
 };
 use cadet_sensors::label::{
     Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
@@ -100,10 +100,16 @@ impl CapturedFrame {
 
 /// What a camera looks at, before light and color.
 struct Looked {
-    view: View,
-    seen: Visibility,
-    /// `None` unless asked for.
+    seen: Seen,
+    /// `None` unless asked for, and of a fisheye.
     sightings: Option<Vec<Sighting>>,
+}
+
+/// What a camera sees.
+enum Seen {
+    Pinhole(View, Box<Visibility>),
+    /// It looks when its image is taken.
+    Fisheye(Arc<Fisheye>),
 }
 
 impl Looked {
@@ -177,13 +183,16 @@ impl Scene {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { sensor, mount, .. } = &self.rig.cameras()[index];
         let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);
+        if let Some(fisheye) = sensor.fisheye() {
+            return Ok(Looked { seen: Seen::Fisheye(Arc::clone(fisheye)), sightings: None });
+        }
         let view = View::new(sensor, &world_from_cam);
         let seen = visibility_pass(&posed, &view)?;
         let sightings = with_sightings.then(|| {
             let (actors, air) = (as_labeled(&snapshot, &self.rig), self.weather.extinction_per_m());
             sightings(&self.label, &actors, &posed, sensor, &world_from_cam, &seen, air)
         });
-        Ok(Looked { view, seen, sightings })
+        Ok(Looked { seen: Seen::Pinhole(view, Box::new(seen)), sightings })
     }
 
     fn finish(&mut self, request: &CaptureRequest, first: Looked) -> Result<CapturedFrame> {
@@ -194,8 +203,8 @@ impl Scene {
         for index in std::iter::once(0).chain(request.cameras.iter().copied()) {
             // Each camera's memory serves the next one.
             let looked = first.take().map_or_else(|| self.look(index, request.with_all_sightings), Ok)?;
-            if request.with_pixels {
-                for (sum, more) in pixels.iter_mut().zip(self.pixels(index, &looked.seen)) {
+            if let (true, Seen::Pinhole(_, seen)) = (request.with_pixels, &looked.seen) {
+                for (sum, more) in pixels.iter_mut().zip(self.pixels(index, seen)) {
                     *sum = [sum[0] + more[0], sum[1] + more[1]];
                 }
             }
@@ -227,7 +236,6 @@ impl Scene {
     }
 
     fn image(&mut self, index: usize, request: &CaptureRequest, looked: Looked) -> Result<Image> {
-        let Looked { view, seen, sightings } = looked;
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
@@ -248,25 +256,28 @@ impl Scene {
             with_radiance: request.with_radiance,
         };
         let (camera, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
-        let rendered = if sensor.rolling_shutter_s() > 0.0 {
-            let moving = Moving {
-                scene: &posed,
-                world_from_cam: &mount.world_from_sensor(&snapshot.ego.world_from_ego),
-                camera,
-                motion_of,
-                foreground,
-            };
-            render_rolling(&moving, sensor, &self.weather, request.maps.as_ref(), &mut stream)?
-        } else {
-            let rendered = render_through(&posed, &view, &self.weather, &seen, &foreground, &mut stream);
-            let motions = Motions { camera, of_actor: &motion_of };
-            let maps = request.maps.map(|kinds| {
-                let surfaces = seen.surface_maps(&posed, sensor, &motions, &kinds);
-                Maps { surfaces, ..seen.maps(&posed) }.through(warp)
-            });
-            Rendered { maps, ..rendered }
+        let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);
+        let motions = Motions { camera, of_actor: &motion_of };
+        let rendered = match looked.seen {
+            Seen::Fisheye(fisheye) => {
+                let maps = request.maps.as_ref().map(|kinds| (kinds, &motions));
+                let sensor = (sensor, &*fisheye);
+                render_fisheye(&posed, sensor, &world_from_cam, &self.weather, &foreground, maps, &mut stream)?
+            }
+            Seen::Pinhole(..) if sensor.rolling_shutter_s() > 0.0 => {
+                let moving = Moving { scene: &posed, world_from_cam: &world_from_cam, camera, motion_of, foreground };
+                render_rolling(&moving, sensor, &self.weather, request.maps.as_ref(), &mut stream)?
+            }
+            Seen::Pinhole(view, seen) => {
+                let rendered = render_through(&posed, &view, &self.weather, &seen, &foreground, &mut stream);
+                let maps = request.maps.map(|kinds| {
+                    let surfaces = seen.surface_maps(&posed, |ray| sensor.pixel_of_ray(ray), &motions, &kinds);
+                    Maps { surfaces, ..seen.maps(&posed) }.through(warp)
+                });
+                Rendered { maps, ..rendered }
+            }
         };
-        Ok(Image { name: name.clone(), width, height, rendered, sightings })
+        Ok(Image { name: name.clone(), width, height, rendered, sightings: looked.sightings })
     }
 
     /// What vehicles throw up, the same for all sensors.

@@ -12,6 +12,8 @@ mod distortion;
 mod exposure;
 mod face;
 mod face_cache;
+mod fisheye;
+mod fisheye_pass;
 mod fragment_binning;
 mod lens_drops;
 mod light;
@@ -42,6 +44,8 @@ mod windows;
 
 pub use development::{CURVE_POINTS, Development, MOST_EXPOSURE_EV, MOST_NOISE, Response, WHITE_BALANCE_FACTORS};
 pub use distortion::{Distortion, Warp};
+pub use fisheye::{Fisheye, MOST_ANGLE_RAD};
+pub use fisheye_pass::render_fisheye;
 pub use lens_drops::LensDrops;
 pub use maps::{Maps, SurfaceMaps};
 #[cfg(test)]

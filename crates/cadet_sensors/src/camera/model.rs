@@ -6,6 +6,7 @@ use nalgebra::{Matrix3x4, Vector4};
 
 use super::development::Development;
 use super::distortion::{Distortion, Warp};
+use super::fisheye::Fisheye;
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 
@@ -14,7 +15,7 @@ pub const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
 /// The longest time from the first row's exposure to the last's, seconds.
 pub const MAX_ROLLING_SHUTTER_S: f64 = 0.1;
 /// Points nearer to the camera's plane than this are not projected, meters.
-pub(super) const LEAST_DEPTH_M: f64 = 1e-9;
+const LEAST_DEPTH_M: f64 = 1e-9;
 
 /// A camera: the size of its image, and how points of its frame (x right, y down, z forward) are projected into it.
 ///
@@ -32,6 +33,8 @@ pub struct CameraModel {
     lens: Option<Lens>,
     rolling_shutter_s: f64,
     development: Development,
+    /// In place of a lens.
+    fisheye: Option<Arc<Fisheye>>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -86,12 +89,29 @@ impl CameraModel {
             });
         }
         let development = Development::default();
-        let mut camera = Self { width, height, projection, lens: None, rolling_shutter_s: 0.0, development };
+        let mut camera =
+            Self { width, height, projection, lens: None, rolling_shutter_s: 0.0, development, fisheye: None };
         if let Some(distortion) = distortion {
             let warp = Arc::new(Warp::new(&distortion, camera.intrinsics_px(), width, height)?);
             camera.lens = Some(Lens { distortion, warp });
         }
         Ok(camera)
+    }
+
+    /// Checks the numbers and makes an equidistant fisheye: the projection's focal lengths are pixels a radian.
+    ///
+    /// # Errors
+    /// Those of [`CameraModel::new`] and [`Fisheye::new`].
+    pub fn fisheye_of(width: usize, height: usize, projection: Matrix3x4<f64>) -> Result<Self> {
+        let mut camera = Self::new(width, height, projection, None)?;
+        camera.fisheye = Some(Arc::new(Fisheye::new(camera.intrinsics_px(), width, height)?));
+        Ok(camera)
+    }
+
+    /// How the image of a fisheye is taken; `None` of other cameras.
+    #[must_use]
+    pub fn fisheye(&self) -> Option<&Arc<Fisheye>> {
+        self.fisheye.as_ref()
     }
 
     /// The pinhole camera whose image the lens distorts: this one without a lens, wide enough to hold all that it sees.
@@ -195,9 +215,13 @@ impl CameraModel {
         Some(Pixel { uv, depth_m: h.z })
     }
 
-    /// Where a ray of slopes (x, y) = (x / z, y / z) of the camera's axes meets the image.
+    /// Where a ray of a pinhole camera's axes meets its image, through the lens; `None` from behind.
     #[must_use]
-    pub fn pixel_of_slopes(&self, slopes: [f64; 2]) -> DVec2 {
+    pub fn pixel_of_ray(&self, ray: DVec3) -> Option<DVec2> {
+        (ray.z > LEAST_DEPTH_M).then(|| self.pixel_of_slopes([ray.x / ray.z, ray.y / ray.z]))
+    }
+
+    fn pixel_of_slopes(&self, slopes: [f64; 2]) -> DVec2 {
         let [fx, fy, cx, cy] = self.intrinsics_px();
         let [x, y] = self.lens.as_ref().map_or(slopes, |lens| lens.distortion.apply_within_reach(slopes));
         DVec2::new(x * fx + cx, y * fy + cy)

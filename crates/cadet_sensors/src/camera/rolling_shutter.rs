@@ -96,7 +96,7 @@ pub fn render_rolling(
             let of_actor = |id| (moving.motion_of)(id).after(time_s);
             let motions = Motions { camera: moving.camera.after(time_s), of_actor: &of_actor };
             let of_band = seen.maps(&scene);
-            let surfaces = seen.surface_maps(&scene, camera, &motions, kinds);
+            let surfaces = seen.surface_maps(&scene, |ray| camera.pixel_of_ray(ray), &motions, kinds);
             band.append(&of_band.depth_m, &mut maps.depth_m);
             band.append(&of_band.instance, &mut maps.instance);
             band.append(&of_band.semantic, &mut maps.semantic);

@@ -1,10 +1,9 @@
 //! Maps of what the pixels' surfaces do: which way they face, how they move, and how the image moves with them.
 
 use super::maps::SurfaceMaps;
-use super::model::{CameraModel, LEAST_DEPTH_M};
 use super::visibility_pass::Visibility;
 use crate::sense::{BeamGrid, PosedScene, RigidMotion};
-use cadet_base::math::{DPose3, DVec3};
+use cadet_base::math::{DPose3, DVec2, DVec3};
 
 /// Which maps of surfaces are made.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,12 +36,13 @@ struct Seen {
 }
 
 impl Visibility {
-    /// What the surfaces at the pixels' centers do. `camera` is the one that looks, `scene` the one that was looked at.
+    /// What the surfaces at the pixels' centers do. `scene` is the one that was looked at, and `pixel_of` tells where in the
+    /// camera's image a ray of the view's axes falls, if anywhere.
     #[must_use]
     pub fn surface_maps(
         &self,
         scene: &PosedScene,
-        camera: &CameraModel,
+        pixel_of: impl Fn(DVec3) -> Option<DVec2>,
         motions: &Motions<'_>,
         kinds: &SurfaceMapKinds,
     ) -> SurfaceMaps {
@@ -87,10 +87,9 @@ impl Visibility {
                 maps.velocity_cam_m_per_s[at] = single(seen.velocity_cam_m_per_s + turned);
             }
             if let Some(then_from_now) = &seen.then_from_now {
-                let then = then_from_now.transform_point(point_cam);
-                if then.z > LEAST_DEPTH_M {
-                    let moved = camera.pixel_of_slopes([then.x / then.z, then.y / then.z]);
-                    let flow = moved - camera.pixel_of_slopes([x, y]);
+                let now = pixel_of(DVec3::new(x, y, 1.0));
+                if let (Some(now), Some(then)) = (now, pixel_of(then_from_now.transform_point(point_cam))) {
+                    let flow = then - now;
                     maps.flow_px[at] = [flow.x as f32, flow.y as f32];
                 }
             }

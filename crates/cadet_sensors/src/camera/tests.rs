@@ -119,7 +119,7 @@ fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
 #[test]
 fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
     let (w, h) = SIZE;
-    let Rendered { image, maps } = picture(&street(), &clear_sun_from(60.0), 0);
+    let Rendered { image, maps, .. } = picture(&street(), &clear_sun_from(60.0), 0);
     let r = maps.unwrap();
     assert_eq!((r.instance.len(), image.len()), (w * h, 3 * w * h));
     let posed = PosedScene::new(&street(), DVec3::new(0.0, 0.0, EYE_HEIGHT_M));

@@ -15,7 +15,6 @@ from cadet.formats.exporter import Ending, FilesInPlace, Place
 from cadet.formats.kitti.dataset import encode_facts, encode_maps, encode_meta
 from cadet.formats.kitti.files.folder import (
     CAMERAS,
-    OF_CAMERA,
     REQUIRED,
     camera_kind,
     ids_among,
@@ -27,6 +26,7 @@ from cadet.formats.kitti.files.point_labels import bytes_from_point_labels, poin
 from cadet.formats.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
 from cadet.formats.kitti.image_sets import ImageSet
 from cadet.formats.kitti.label import text_from_labels
+from cadet.sensors.camera import Camera
 from cadet.sensors.rig import RIGHT_CAMERA, Rig
 from cadet.sensors.sample import MORE_MAPS, Sample, Wanted
 
@@ -58,11 +58,11 @@ class KittiExporter(FilesInPlace):
     def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return what the folders need."""
         right = (RIGHT_CAMERA,) if RIGHT_CAMERA in extras or _RIGHT_LABELS in extras else ()
-        cameras = _cameras(rigs, extras)
+        more = next((rig.mounted_cameras for rig in rigs), ()) if CAMERAS in extras else ()
         return Wanted(
-            sensors=right + cameras,
+            sensors=right + more,
             maps=any(name in extras for name in _MAPS),
-            labels=_RIGHT_LABELS in extras or bool(cameras),
+            labels=_RIGHT_LABELS in extras or CAMERAS in extras,
             more_maps=tuple(name for name in MORE_MAPS if name in extras),
         )
 
@@ -73,9 +73,10 @@ class KittiExporter(FilesInPlace):
             CadetError: further cameras are to be written, and the rigs have different ones.
         """
         own = tuple(extra for extra in self.extras if extra in extras and extra != CAMERAS)
-        of_camera = [kind for kind in OF_CAMERA if kind in (*self.base, *extras)]
-        cameras = _cameras(rigs, extras)
-        return self.base + own + tuple(camera_kind(name, kind) for name in cameras for kind in of_camera)
+        of_cameras = {_kinds_of_cameras(rig, extras) for rig in rigs} if CAMERAS in extras else {()}
+        if len(of_cameras) != 1:
+            raise CadetError(f"cannot write {CAMERAS}: expected the same further cameras on all rigs of the policy")
+        return self.base + own + of_cameras.pop()
 
     def path(self, place: Place, kind: str) -> str:
         """Return a file's name under `training` or `testing`."""
@@ -97,7 +98,7 @@ class KittiExporter(FilesInPlace):
             files["point_labels"] = bytes_from_point_labels(point_labels(scan, sample.agents))
         if "point_times" in extras:
             files["point_times"] = scan.time_s.astype("<f4").tobytes()
-        for name in _cameras([sample.rig], extras):
+        for name in sample.rig.mounted_cameras if CAMERAS in extras else ():
             files |= {camera_kind(name, kind): data for kind, data in _of_camera(sample, name, extras).items()}
         return files
 
@@ -127,21 +128,28 @@ class KittiExporter(FilesInPlace):
         return replace(ending(places, labels), folders=folders)
 
 
-def _cameras(rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the further cameras that are to be written."""
-    names = {rig.mounted_cameras for rig in rigs} if CAMERAS in extras else {()}
-    if len(names) != 1:
-        raise CadetError(f"cannot write {CAMERAS}: expected the same further cameras on all rigs of the policy")
-    return names.pop()
+def _kinds_of_cameras(rig: Rig, extras: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the folders of a rig's further cameras."""
+    maps = tuple(name for name in _MAPS if name in extras)
+    return tuple(
+        camera_kind(name, kind)
+        for name in rig.mounted_cameras
+        for kind in (*("image_2", *(() if _is_fisheye(rig, name) else ("calib", "label_2"))), *maps)
+    )
 
 
 def _of_camera(sample: Sample, name: str, extras: tuple[str, ...]) -> dict[str, bytes]:
-    files = {
-        "image_2": sample.png(name),
-        "calib": calibration_of(sample.rig, name).to_text().encode("ascii"),
-        "label_2": text_from_labels(labels_of(sample, name)).encode("ascii"),
-    }
+    files = {"image_2": sample.png(name)}
+    # Neither fits a projection by a matrix.
+    if not _is_fisheye(sample.rig, name):
+        files["calib"] = calibration_of(sample.rig, name).to_text().encode("ascii")
+        files["label_2"] = text_from_labels(labels_of(sample, name)).encode("ascii")
     return files | _maps(sample, name, extras)
+
+
+def _is_fisheye(rig: Rig, name: str) -> bool:
+    camera = rig.sensor(name)
+    return isinstance(camera, Camera) and camera.model == "fisheye"
 
 
 def _maps(sample: Sample, camera: str | None, extras: tuple[str, ...]) -> dict[str, bytes]:

@@ -63,6 +63,8 @@ def calibration_of(rig: Rig, camera: str | None = None) -> Calibration:
         return Calibration(**matrices)
     for mounted in rig.more:
         if mounted.name == camera and isinstance(mounted, MountedCamera):
+            if mounted.camera.model == "fisheye":
+                raise CadetError(f"the camera {camera} is a fisheye, of which KITTI's files have no calibration")
             cam_from_velo = product(inverse(mounted.pose.matrix()), rig.ego_from_sensor(rig.lidar_name))[:3]
             own = {**mounted.camera.projections(), "R0_rect": np.eye(3), "Tr_velo_to_cam": cam_from_velo}
             return Calibration(**matrices | own)
@@ -135,7 +137,7 @@ def _seen(sample: Sample, camera: str | None) -> list[_cadet.Sighting]:
         raise CadetError(f"no image of the camera {shown(camera)}; there are {', '.join(sample.image_names)}")
     sightings = sample._sightings(camera)
     if sightings is None:
-        raise CadetError(f"no labels of the camera {camera} were asked for")
+        raise CadetError(f"the camera {camera} has no labels: it is a fisheye, or they were not asked for")
     return sightings
 
 

@@ -56,6 +56,8 @@ class NuscenesExporter(FilesInPlace):
             sensor = rig.sensor(name)
             if isinstance(sensor, Camera) and any(sensor.distortion):
                 raise CadetError(f"cannot write the sensor {name!r} of the rig {rig.name}: nuScenes has no distortion")
+            if isinstance(sensor, Camera) and sensor.model == "fisheye":
+                raise CadetError(f"cannot write the sensor {name!r} of the rig {rig.name}: nuScenes has no fisheye")
 
     def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return all sensors, and how much of each agent the images show."""

@@ -9,7 +9,7 @@ use crate::camera::kitti_like;
 use crate::camera::noise::ROWS_BEFORE;
 use crate::camera::render::{Scratch, radiance};
 use crate::camera::sky::Sky;
-use crate::camera::visibility_pass::{Maps, View, visibility_pass};
+use crate::camera::{Maps, View, visibility_pass};
 use crate::lidar::LidarSpec;
 use crate::rig::Mount;
 use crate::sense::{PosedScene, Resolution};

@@ -34,7 +34,7 @@ fn maps(camera: &CameraModel, ego: RigidMotion, of_box: RigidMotion, kinds: &Sur
     let scene = PosedScene::new(&[ground(), car], eye);
     let seen = visibility_pass(&scene, &View::new(camera, &world_from_cam)).expect("a view");
     let of_actor = |id| if id == BOX_ID { of_box } else { RigidMotion::default() };
-    seen.surface_maps(&scene, camera, &Motions { camera: ego, of_actor: &of_actor }, kinds)
+    seen.surface_maps(&scene, |ray| camera.pixel_of_ray(ray), &Motions { camera: ego, of_actor: &of_actor }, kinds)
 }
 
 /// Slopes of a pixel's ray.

@@ -34,9 +34,9 @@ def bytes_from_flow(optical_flow: NDArray[np.float32]) -> bytes:
         ShapeError: not (H, W, 2) float32.
     """
     check_array(optical_flow, "optical_flow", ("H", "W", 2), np.float32)
-    is_known = np.isfinite(optical_flow).all(axis=2)
+    is_known: NDArray[np.bool_] = np.all(np.isfinite(optical_flow), axis=2)
     steps = np.rint(np.where(is_known[..., None], optical_flow, 0.0) * _FLOW_STEPS_PER_PX) + _MIDDLE
-    is_known &= ((steps >= 0.0) & (steps <= _LARGEST)).all(axis=2)
+    is_known &= np.all((steps >= 0.0) & (steps <= _LARGEST), axis=2)
     pixels = np.zeros((*is_known.shape, _NUM_CHANNELS), np.uint16)
     pixels[is_known, :2] = steps[is_known]
     pixels[is_known, 2] = 1

@@ -207,7 +207,7 @@ class _FrameLint:
         for own, error in errors_of_files(files, self.frame_id):
             kind = kind_of(own)
             # What cameras share has been looked at with the first.
-            if kind != own and own not in OF_CAMERA:
+            if kind != own and (own not in OF_CAMERA or not files.has_kind(own)):
                 continue
             if isinstance(error, MissingFileError):
                 if kind not in self.task.absent:

@@ -1,0 +1,144 @@
+"""The equidistant fisheye against rays that are cast at f times their angle, and where it does not fit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import cadet
+from cadet import Camera, MountedCamera, Pose, Rig, Scene
+from cadet.generate import Settings, generate
+from cadet.sensors.sample import MORE_MAPS, Maps
+
+SIDE = 300
+LENS = Camera.fisheye(SIDE, SIDE)
+POSE = Pose.of_camera((0.5, 0.9, 1.1), yaw_deg=70, pitch_deg=15)
+FISH = MountedCamera(name="fish", camera=LENS, pose=POSE)
+
+
+def directions() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (H, W, 3) unit vectors of the pixels in the camera's frame, and (H, W) angles to its axis."""
+    v, u = (places - (SIDE - 1) / 2 for places in np.mgrid[:SIDE, :SIDE])
+    radius = np.hypot(u, v)
+    angle = radius * math.radians(190.0) / SIDE
+    sideways = np.sin(angle) / np.maximum(radius, 1e-9)
+    return np.stack([u * sideways, v * sideways, np.cos(angle)], axis=-1), angle
+
+
+@pytest.fixture(scope="module")
+def street() -> Scene:
+    scene = Scene.random(seed=11, weather="clear_noon", rig=Rig.kitti().with_sensors(FISH))
+    scene.step(2.0)
+    return scene
+
+
+def maps_of(frame: cadet.Frame) -> Maps:
+    assert frame.sample is not None
+    maps = frame.sample.maps("fish")
+    assert maps is not None
+    return maps
+
+
+def test_what_lies_at_an_angle_is_seen_at_f_times_it(street: Scene) -> None:
+    frame = street.capture(more_maps=["normals"])
+    maps, (rays, angle) = maps_of(frame), directions()
+    assert frame.sample is not None and maps.normals is not None
+    pose = frame.sample.world_from_ego @ frame.sample.rig.ego_from_sensor("fish")
+    inside = angle < math.radians(94.5)
+    v, u = (places[::29] for places in np.nonzero(inside))
+    hits = street.cast_rays(np.tile(pose[:3, 3], (len(v), 1)), rays[v, u] @ pose[:3, :3].T)
+    depth = maps.depth[v, u].astype(np.float64)
+    is_hit = np.isfinite(hits.range_m) & np.isfinite(depth)
+    assert is_hit.mean() < 0.9 and (np.isfinite(hits.range_m) == np.isfinite(depth)).mean() > 0.97
+    off = np.full(len(v), np.inf)
+    off[is_hit] = np.abs(depth[is_hit] / hits.range_m[is_hit] - 1.0)
+    # The nearest sample of a cube's side lies up to half a pixel beside the ray.
+    assert is_hit.sum() > 1000 and np.median(off[is_hit]) < 0.003 and (off[is_hit] < 0.05).mean() > 0.9
+    for low, high in ((0, 40), (50, 80), (86, 95)):
+        ring = is_hit & (np.degrees(angle[v, u]) >= low) & (np.degrees(angle[v, u]) < high)
+        assert ring.sum() > 50
+        assert (off[ring] < 0.05).mean() > 0.85, (low, high)
+        assert (maps.instance[v, u] == hits.actor_id)[ring].mean() > 0.95
+        same = ring & (off < 0.002)
+        turned = maps.normals[v, u][same] @ pose[:3, :3].T
+        assert (np.abs(turned - hits.normal_world[same]).max(axis=1) < 1e-3).mean() > 0.9
+
+
+def test_the_image_ends_at_95_degrees(street: Scene) -> None:
+    frame = street.capture(more_maps=["radiance"])
+    maps, (_, angle) = maps_of(frame), directions()
+    beyond = angle > math.radians(95.0)
+    assert beyond.mean() == pytest.approx(1 - math.pi / 4, abs=0.01)
+    assert (
+        (maps.instance[beyond] == -1).all()
+        and np.isinf(maps.depth[beyond]).all()
+        and (maps.semantic[beyond] == 0).all()
+    )
+    assert maps.radiance is not None
+    image = frame.images["fish"]
+    # Light that the lens scatters, and noise.
+    assert image[beyond].mean() < 8 and image[~beyond].mean() > 50
+    assert (maps.radiance[~beyond] > 0.0).all()
+
+
+def test_flow_is_that_of_the_motion_by_the_closed_form(street: Scene) -> None:
+    flow_s = 1 / 60
+    maps, (rays, angle) = maps_of(street.capture(more_maps=MORE_MAPS, flow_s=flow_s)), directions()
+    ego_now = street.capture().sample
+    street.step(flow_s)
+    ego_then = street.capture().sample
+    assert ego_now is not None and ego_then is not None and maps.optical_flow is not None
+    ego_from_fish = ego_now.rig.ego_from_sensor("fish")
+    then_from_now = np.linalg.inv(ego_then.world_from_ego @ ego_from_fish) @ ego_now.world_from_ego @ ego_from_fish
+    is_static = (maps.instance == 0) & (angle < math.radians(90.0)) & (maps.depth > 1.5)
+    points = rays[is_static] * maps.depth[is_static][:, None]
+    moved = points @ then_from_now[:3, :3].T + then_from_now[:3, 3]
+    across = np.hypot(moved[:, 0], moved[:, 1])
+    radius = np.arctan2(across, moved[:, 2]) * SIDE / math.radians(190.0)
+    pixel = moved[:, :2] * (radius / across)[:, None]
+    v, u = (places[is_static] - (SIDE - 1) / 2 for places in np.mgrid[:SIDE, :SIDE])
+    flow = maps.optical_flow[is_static]
+    assert np.percentile(np.abs(flow).max(axis=1), 90) > 0.5
+    assert np.percentile(np.abs(flow - (pixel - np.c_[u, v])), 95) < 0.05
+
+
+def test_a_fisheye_has_images_and_maps_in_a_folder_and_no_labels(street: Scene, tmp_path: Path) -> None:
+    frame = street.capture()
+    assert "fish" in frame.images and list(frame.camera_labels) == ["image_2"]
+    assert frame.sample is not None
+    with pytest.raises(cadet.CadetError, match="the camera fish has no labels"):
+        cadet.kitti.frame_from_sample(frame.sample, "fish")
+    of = Rig.kitti().with_image_size(310, 94).with_sensors(FISH)
+    policy = cadet.ResetPolicy.kitti().with_rig(of)
+    generate(tmp_path / "out", Settings(seed=1, num_frames=1, policy=policy, write=("cameras", "depth")), workers=1)
+    folder = tmp_path / "out" / "training" / "cameras" / "fish"
+    assert sorted(path.name for path in folder.iterdir()) == ["depth", "image_2"]
+    assert cadet.kitti.lint(tmp_path / "out") == []
+    (folder / "depth" / "000000.png").write_bytes((folder / "image_2" / "000000.png").read_bytes())
+    found = {(one.file, one.rule) for one in cadet.kitti.lint(tmp_path / "out")}
+    assert found == {("cameras/fish/depth/000000.png", "damaged-file")}
+
+
+def test_where_a_fisheye_does_not_fit_it_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(cadet.CadetError, match=r"Rig.camera: expected a pinhole camera, by which labels are made"):
+        Rig(camera=LENS)
+    with pytest.raises(cadet.CadetError, match=r"Camera.model: a fisheye has no distortion and no rolling_shutter_s"):
+        replace(LENS, rolling_shutter_s=0.01)
+    with pytest.raises(cadet.CadetError, match=r"Camera.model: expected pinhole or fisheye, got 'wide'"):
+        replace(LENS, model="wide")
+    with pytest.raises(cadet.CadetError, match=r"Camera.fov_deg: expected a number from 1 to 190, got 200"):
+        Camera.fisheye(640, 480, fov_deg=200)
+    policy = cadet.ResetPolicy.kitti().with_rig(Rig.nuscenes().with_sensors(FISH)).as_sequence()
+    with pytest.raises(
+        cadet.CadetError, match="cannot write the sensor 'fish' of the rig nuscenes: nuScenes has no fish"
+    ):
+        Settings(policy=policy, format="nuscenes")
+    of = Rig.kitti().with_sensors(FISH)
+    (tmp_path / "rig.toml").write_text(of.to_toml())
+    assert Rig.read(tmp_path / "rig.toml") == of and 'model = "fisheye"' in of.to_toml()
+    assert of.to_dict()["more"]["fish"]["camera"]["model"] == "fisheye"
