@@ -316,6 +316,7 @@ class Camera:
         projection: NDArray[np.float64],
         distortion: Sequence[float],
         rolling_shutter_s: float,
+        motion_blur_s: float,
         exposure_ev: float,
         noise: float,
         white_balance: Sequence[float],

@@ -85,7 +85,7 @@ impl Camera {
     /// `projection` is (3, 4), `distortion` k1, k2, p1, p2, k3, `rolling_shutter_s` the time from the first row to the last, and `mount` leads
     /// from the ego to the camera's frame. `response` is "linear", "srgb", or points (light, value).
     #[new]
-    #[pyo3(signature = (name, *, width, height, is_fisheye, projection, distortion, rolling_shutter_s, exposure_ev, noise, white_balance, response, mount))]
+    #[pyo3(signature = (name, *, width, height, is_fisheye, projection, distortion, rolling_shutter_s, motion_blur_s, exposure_ev, noise, white_balance, response, mount))]
     fn new(
         name: String,
         width: usize,
@@ -94,6 +94,7 @@ impl Camera {
         projection: PyReadonlyArray2<'_, f64>,
         distortion: [f64; 5],
         rolling_shutter_s: f64,
+        motion_blur_s: f64,
         exposure_ev: f64,
         noise: f64,
         white_balance: [f64; 3],
@@ -106,12 +107,10 @@ impl Camera {
         } else {
             CameraModel::new(width, height, projection, Distortion::from_opencv(distortion))?
         };
-        let sensor = sensor.with_rolling_shutter(rolling_shutter_s)?.with_development(Development::new(
-            exposure_ev,
-            noise,
-            white_balance,
-            response.of_core()?,
-        )?);
+        let sensor = sensor
+            .with_rolling_shutter(rolling_shutter_s)?
+            .with_motion_blur(motion_blur_s)?
+            .with_development(Development::new(exposure_ev, noise, white_balance, response.of_core()?)?);
         Ok(Self { mounted: Mounted { name, sensor, mount: self::mount(&mount) } })
     }
 }

@@ -6,7 +6,8 @@ use cadet_core::actor::ObjectClass;
 use cadet_core::assets::imported::UserModels;
 use cadet_core::assets::props::OwnProps;
 use cadet_core::camera::{
-    CURVE_POINTS, MAX_ROLLING_SHUTTER_S, MOST_EXPOSURE_EV, MOST_NOISE, SIDES_PX, WHITE_BALANCE_FACTORS,
+    CURVE_POINTS, MAX_MOTION_BLUR_S, MAX_ROLLING_SHUTTER_S, MOST_EXPOSURE_EV, MOST_NOISE, SIDES_PX,
+    WHITE_BALANCE_FACTORS,
 };
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
 use cadet_core::lidar::{MAX_COLUMNS, MAX_DIVERGENCE_RAD};
@@ -37,6 +38,7 @@ pub(crate) fn limits() -> BTreeMap<&'static str, (f64, f64)> {
         ("exposure_ev", (-MOST_EXPOSURE_EV, MOST_EXPOSURE_EV)),
         ("image_side_px", (*SIDES_PX.start() as f64, *SIDES_PX.end() as f64)),
         ("lateral_m", (-MAX_LATERAL_M, MAX_LATERAL_M)),
+        ("motion_blur_s", (0.0, MAX_MOTION_BLUR_S)),
         ("noise", (0.0, MOST_NOISE)),
         ("rolling_shutter_s", (0.0, MAX_ROLLING_SHUTTER_S)),
         ("speed_mps", (0.0, FASTEST_VEHICLE_MPS)),

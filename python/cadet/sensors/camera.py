@@ -36,7 +36,7 @@ MODELS = ("pinhole", "fisheye")
 """How rays become pixels."""
 RESPONSES = ("linear", "srgb")
 """How values follow the light; others are given as points."""
-_UNNAMED = ("exposure_ev", "noise", "white_balance", "response", "model")
+_UNNAMED = ("motion_blur_s", "exposure_ev", "noise", "white_balance", "response", "model")
 """Fields that no manifest names where they are KITTI's."""
 _RESPONSE = '"linear", "srgb", or points (light, value) that rise from (0, 0) to (1, 1)'
 _RARE = ("image_scale", "distortion", "rolling_shutter_s", *_UNNAMED)
@@ -101,10 +101,12 @@ class Camera(TomlFile):
     rolling_shutter_s: float = 0.0
     """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0: a global shutter."""
 
+    motion_blur_s: float = 0.0
+    """Seconds for which each row gathers light, about its own time, 0 to 0.05; 0: what moves is sharp."""
     model: str = "pinhole"
     """How rays become pixels: "pinhole", or "fisheye", the equidistant one: what is seen at an angle a to the optical
-    axis lies f a from the center, up to 95 degrees, beyond which the image is black. It has neither distortion nor a
-    rolling shutter, no labels, and depth along its rays."""
+    axis lies f a from the center, up to 95 degrees, beyond which the image is black. It has no distortion,
+    rolling shutter, motion blur, or labels, and depth along its rays."""
     exposure_ev: float = 0.0
     """Stops by which the image is brighter than the meter has it, -8 to 8."""
     noise: float = 1.0
@@ -130,17 +132,21 @@ class Camera(TomlFile):
             raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
         check_fields(self)
         limits = _cadet.limits()
-        for name in ("rolling_shutter_s", "exposure_ev", "noise"):
+        for name in ("rolling_shutter_s", "motion_blur_s", "exposure_ev", "noise"):
             check_number("Camera", name, getattr(self, name), *limits[name])
         if not isinstance(self.white_balance, tuple) or len(self.white_balance) != 3:
             raise CadetError(f"Camera.white_balance: expected three numbers, got {shown(self.white_balance)}")
         for factor in self.white_balance:
             check_number("Camera", "white_balance", factor, *limits["white_balance"])
         _check_response(self.response)
+        self._check_model()
+
+    def _check_model(self) -> None:
         if not is_one_of(self.model, MODELS):
             raise CadetError(f"Camera.model: expected {' or '.join(MODELS)}, got {shown(self.model)}")
-        if self.model == "fisheye" and (any(self.distortion) or self.rolling_shutter_s > 0.0):
-            raise CadetError("Camera.model: a fisheye has no distortion and no rolling_shutter_s")
+        for name in ("distortion", "rolling_shutter_s", "motion_blur_s") if self.model == "fisheye" else ():
+            if np.any(getattr(self, name)):
+                raise CadetError(f"Camera.{name}: a fisheye has none")
 
     def __repr__(self) -> str:
         usual = {f.name: f.default for f in fields(self) if f.name in _RARE}
@@ -286,6 +292,7 @@ class Camera(TomlFile):
             projection=projection,
             distortion=[float(k) for k in self.distortion],
             rolling_shutter_s=float(self.rolling_shutter_s),
+            motion_blur_s=float(self.motion_blur_s),
             exposure_ev=float(self.exposure_ev),
             noise=float(self.noise),
             white_balance=[float(factor) for factor in self.white_balance],

@@ -103,7 +103,13 @@ def test_noise_has_the_deviation_that_is_asked_for() -> None:
 
 
 def test_the_usual_options_change_no_byte_and_no_manifest() -> None:
-    usual = {"exposure_ev": 0.0, "noise": 1.0, "white_balance": (1.0, 1.0, 1.0), "response": "linear"}
+    usual = {
+        "motion_blur_s": 0.0,
+        "exposure_ev": 0.0,
+        "noise": 1.0,
+        "white_balance": (1.0, 1.0, 1.0),
+        "response": "linear",
+    }
     np.testing.assert_array_equal(seen().image, seen(**usual).image)
     mounted = MountedCamera(name="rear", camera=LENS, pose=Pose.of_camera((0.0, 0.0, 1.5)))
     assert not {"noise", "response"} & {
@@ -117,7 +123,7 @@ def test_the_usual_options_change_no_byte_and_no_manifest() -> None:
 
 
 def test_rig_files_have_the_same_options(tmp_path: Path) -> None:
-    options = {"exposure_ev": -1.0, "noise": 0.5, "white_balance": (1.1, 1.0, 0.9)}
+    options = {"motion_blur_s": 0.01, "exposure_ev": -1.0, "noise": 0.5, "white_balance": (1.1, 1.0, 0.9)}
     for response in ("srgb", CURVE):
         first = rig(**options, response=response)
         pose = Pose.of_camera((0.0, 0.0, 1.5))
@@ -134,6 +140,7 @@ def test_rig_files_have_the_same_options(tmp_path: Path) -> None:
     ("options", "message"),
     [
         ({"exposure_ev": 9.0}, "Camera.exposure_ev: expected a number from -8 to 8, got 9.0"),
+        ({"motion_blur_s": 0.06}, "Camera.motion_blur_s: expected a number from 0 to 0.05, got 0.06"),
         ({"noise": -0.1}, "Camera.noise: expected a number from 0 to 16"),
         ({"noise": "none"}, "Camera.noise: expected a number from 0 to 16"),
         ({"white_balance": (1.0, 0.0, 1.0)}, "Camera.white_balance: expected a number from 0.125 to 8, got 0.0"),
@@ -158,6 +165,26 @@ def test_radiance_is_written_in_16_bit(tmp_path: Path) -> None:
     ours, read = env.step().radiance, cadet.kitti.read_frame(tmp_path, 0).radiance
     assert ours is not None and read is not None and ours.max() > 1.0
     np.testing.assert_allclose(read, np.minimum(ours, 65535 / 4096), atol=0.5001 / 4096)
+
+
+def test_what_crosses_is_blurred_along_its_way_and_what_stands_is_not() -> None:
+    """12 m/s 14 m ahead is 300 * 12 * 0.02 / 14 = 5 pixels in 20 ms: edges are less steep, and in place."""
+    images = {}
+    for motion_blur_s in (0.0, 0.02):
+        scene = Scene.empty(rig=rig(motion_blur_s=motion_blur_s, noise=0.0))
+        scene.add("car", x_m=14.0, y_m=-1.0, yaw_rad=1.57, model_seed=1, speed_mps=12.0)
+        scene.add("car", x_m=14.0, y_m=4.5, yaw_rad=1.57, model_seed=1)
+        images[motion_blur_s] = scene.capture(more_maps=["radiance"])
+    sharp, blurred = images[0.0], images[0.02]
+    assert sharp.labels == blurred.labels and sharp.instance is not None
+    np.testing.assert_array_equal(sharp.instance, blurred.instance)
+    steep = {}
+    for actor_id in (1, 2):
+        rows, columns = np.nonzero(sharp.instance == actor_id)
+        window = (slice(rows.min(), rows.max()), slice(columns.min() - 8, columns.max() + 8))
+        steep[actor_id] = [np.abs(np.diff(light(one)[window], axis=1)).max(axis=2).mean() for one in (sharp, blurred)]
+    assert steep[1][1] < 0.75 * steep[1][0]
+    assert steep[2][1] == pytest.approx(steep[2][0], rel=0.05)
 
 
 def test_lenses_and_rolling_shutters_keep_image_and_light_together() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -127,8 +128,14 @@ def test_a_fisheye_has_images_and_maps_in_a_folder_and_no_labels(street: Scene, 
 def test_where_a_fisheye_does_not_fit_it_is_refused(tmp_path: Path) -> None:
     with pytest.raises(cadet.CadetError, match=r"Rig.camera: expected a pinhole camera, by which labels are made"):
         Rig(camera=LENS)
-    with pytest.raises(cadet.CadetError, match=r"Camera.model: a fisheye has no distortion and no rolling_shutter_s"):
-        replace(LENS, rolling_shutter_s=0.01)
+    for name, value in (
+        ("rolling_shutter_s", 0.01),
+        ("motion_blur_s", 0.01),
+        ("distortion", (0.1, 0.0, 0.0, 0.0, 0.0)),
+    ):
+        options: dict[str, Any] = {name: value}
+        with pytest.raises(cadet.CadetError, match=f"Camera.{name}: a fisheye has none"):
+            replace(LENS, **options)
     with pytest.raises(cadet.CadetError, match=r"Camera.model: expected pinhole or fisheye, got 'wide'"):
         replace(LENS, model="wide")
     with pytest.raises(cadet.CadetError, match=r"Camera.fov_deg: expected a number from 1 to 190, got 200"):

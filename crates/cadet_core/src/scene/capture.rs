@@ -264,7 +264,7 @@ impl Scene {
                 let sensor = (sensor, &*fisheye);
                 render_fisheye(&posed, sensor, &world_from_cam, &self.weather, &foreground, maps, &mut stream)?
             }
-            Seen::Pinhole(..) if sensor.rolling_shutter_s() > 0.0 => {
+            Seen::Pinhole(..) if !sensor.is_instantaneous() => {
                 let moving = Moving { scene: &posed, world_from_cam: &world_from_cam, camera, motion_of, foreground };
                 render_rolling(&moving, sensor, &self.weather, request.maps.as_ref(), &mut stream)?
             }

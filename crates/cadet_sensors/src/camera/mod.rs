@@ -50,7 +50,7 @@ pub use lens_drops::LensDrops;
 pub use maps::{Maps, SurfaceMaps};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
-pub use model::{CameraModel, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
+pub use model::{CameraModel, MAX_MOTION_BLUR_S, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
 pub use precipitation::Precipitation;
 pub use render::{Foreground, Rendered, render, render_through};
 pub use rolling_shutter::{Moving, render_rolling};

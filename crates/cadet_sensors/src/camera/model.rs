@@ -14,6 +14,8 @@ use cadet_base::math::{DPose3, DVec2, DVec3};
 pub const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
 /// The longest time from the first row's exposure to the last's, seconds.
 pub const MAX_ROLLING_SHUTTER_S: f64 = 0.1;
+/// The longest time for which a row gathers light, seconds.
+pub const MAX_MOTION_BLUR_S: f64 = 0.05;
 /// Points nearer to the camera's plane than this are not projected, meters.
 const LEAST_DEPTH_M: f64 = 1e-9;
 
@@ -32,6 +34,7 @@ pub struct CameraModel {
     /// A lens that bends straight lines.
     lens: Option<Lens>,
     rolling_shutter_s: f64,
+    motion_blur_s: f64,
     development: Development,
     /// In place of a lens.
     fisheye: Option<Arc<Fisheye>>,
@@ -89,8 +92,16 @@ impl CameraModel {
             });
         }
         let development = Development::default();
-        let mut camera =
-            Self { width, height, projection, lens: None, rolling_shutter_s: 0.0, development, fisheye: None };
+        let mut camera = Self {
+            width,
+            height,
+            projection,
+            lens: None,
+            rolling_shutter_s: 0.0,
+            motion_blur_s: 0.0,
+            development,
+            fisheye: None,
+        };
         if let Some(distortion) = distortion {
             let warp = Arc::new(Warp::new(&distortion, camera.intrinsics_px(), width, height)?);
             camera.lens = Some(Lens { distortion, warp });
@@ -146,6 +157,31 @@ impl CameraModel {
     #[must_use]
     pub fn rolling_shutter_s(&self) -> f64 {
         self.rolling_shutter_s
+    }
+
+    /// Returns this camera with rows that gather light for so many seconds, so that what moves is blurred; 0 for an instant.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] beyond 0 to [`MAX_MOTION_BLUR_S`], [`Error::NotFinite`].
+    pub fn with_motion_blur(mut self, motion_blur_s: f64) -> Result<Self> {
+        if !(0.0..=MAX_MOTION_BLUR_S).contains(&finite("motion blur", motion_blur_s)?) {
+            let (what, value) = ("motion blur", motion_blur_s.to_string());
+            return Err(Error::OutOfRange { what, value, expected: format!("0 to {MAX_MOTION_BLUR_S} s") });
+        }
+        self.motion_blur_s = motion_blur_s;
+        Ok(self)
+    }
+
+    /// Seconds for which each row gathers light, about its time.
+    #[must_use]
+    pub fn motion_blur_s(&self) -> f64 {
+        self.motion_blur_s
+    }
+
+    /// Whether all of the image is taken at one instant.
+    #[must_use]
+    pub fn is_instantaneous(&self) -> bool {
+        self.rolling_shutter_s == 0.0 && self.motion_blur_s == 0.0
     }
 
     /// Returns this camera with values that are made otherwise of its light.

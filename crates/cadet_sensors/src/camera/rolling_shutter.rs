@@ -1,7 +1,8 @@
-//! A rolling shutter: rows are exposed one after the other, while the car and all actors move.
+//! Images that take time: a rolling shutter exposes rows one after the other, and each row gathers light for a while, as the
+//! car and all actors move.
 //!
 //! The image is taken in bands of rows, each of the whole world (bodies, shadows, sky visibility) as it is in the middle of
-//! the band's time. Bodies move as under a turning LIDAR: with steady velocity and angular velocity.
+//! the band's time, or at several instants of it whose mean is taken. Bodies move as under a turning LIDAR: with steady velocity and angular velocity.
 
 use std::ops::Range;
 
@@ -22,6 +23,8 @@ use cadet_base::rng::Stream;
 
 /// A band's time: what is passed 5 m aside and 8 m ahead at 15 m/s moves by 0.4 pixels of KITTI's camera meanwhile.
 const BAND_S: f64 = 0.000_5;
+/// Instants of a blurred image are at most so far apart: in it, what is passed as above moves by 0.8 pixels.
+const INSTANT_S: f64 = 0.001;
 /// Rows above and below a band whose light the lens's point spread brings into it.
 const MARGIN: usize = 2;
 
@@ -42,6 +45,13 @@ pub struct Moving<'a, F> {
 /// When a row is exposed, in seconds from the middle of the first's and the last's time.
 fn row_time_s(camera: &CameraModel, row: f64) -> f64 {
     camera.rolling_shutter_s() * (row / (camera.height - 1) as f64 - 0.5)
+}
+
+/// The instants at which light is gathered, seconds from a row's time.
+fn instants(camera: &CameraModel) -> impl ExactSizeIterator<Item = f64> {
+    let span_s = camera.motion_blur_s();
+    let count = ((span_s / INSTANT_S).ceil() as usize).max(1);
+    (0..count).map(move |i| span_s * ((i as f64 + 0.5) / count as f64 - 0.5))
 }
 
 /// The rows that are exposed together.
@@ -72,21 +82,31 @@ pub fn render_rolling(
         // Of the image before the lens.
         let needed = moving.foreground.warp.map_or(rows.clone(), |warp| warp.rows_needed(rows.clone()));
         let drawn = needed.start.saturating_sub(MARGIN)..(needed.end + MARGIN).min(at_instant.height);
-        let view = at_instant.rows(drawn.clone(), &moving.camera.displacement(time_s));
-        let scene = moving.scene.moved(|actor_id| (moving.motion_of)(actor_id).displacement(time_s));
-        let seen = visibility_pass(&scene, &view)?;
-        let light = radiance(&scene, &view, weather, &seen, &mut scratch);
-        let below = &mut scratch.rgb[ROWS_BEFORE * view.width * 3..];
-        spray::draw(&moving.foreground.spray, below, &view, &seen, &light);
-        if let Some(precipitation) = &moving.foreground.precipitation {
-            precipitation.draw(below, &view, &seen, &light);
+        let moved = |time_s: f64| {
+            let view = at_instant.rows(drawn.clone(), &moving.camera.displacement(time_s));
+            let scene = moving.scene.moved(|actor_id| (moving.motion_of)(actor_id).displacement(time_s));
+            let seen = visibility_pass(&scene, &view);
+            seen.map(|seen| (view, scene, seen))
+        };
+        let (mut gathered, mut ceiling) = (Vec::new(), f32::INFINITY);
+        for instant_s in instants(camera) {
+            let (view, scene, seen) = moved(time_s + instant_s)?;
+            let light = radiance(&scene, &view, weather, &seen, &mut scratch);
+            let below = &mut scratch.rgb[ROWS_BEFORE * view.width * 3..];
+            spray::draw(&moving.foreground.spray, below, &view, &seen, &light);
+            if let Some(precipitation) = &moving.foreground.precipitation {
+                precipitation.draw(below, &view, &seen, &light);
+            }
+            ceiling = light.glare_ceiling();
+            let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);
+            scratch.reuse(light);
+            gather(&mut gathered, &scratch.rgb[..view.width * view.height * 3]);
         }
-        let ceiling = light.glare_ceiling();
-        let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);
-        scratch.reuse(light);
-        let band = Band { rows, first: drawn.start, width: view.width, warp: moving.foreground.warp };
+        let share = 1.0 / instants(camera).len() as f32;
+        gathered.iter_mut().for_each(|value| *value *= share);
+        let band = Band { rows, first: drawn.start, width: at_instant.width, warp: moving.foreground.warp };
         let start = rgb.len();
-        band.append_colors(&scratch.rgb, &mut rgb);
+        band.append_colors(&gathered, &mut rgb);
         for pixel in rgb[start..].chunks_exact(3) {
             for (sum, value) in sums.iter_mut().zip(pixel) {
                 *sum += f64::from(value.min(ceiling));
@@ -95,6 +115,7 @@ pub fn render_rolling(
         if let Some((kinds, maps)) = &mut maps {
             let of_actor = |id| (moving.motion_of)(id).after(time_s);
             let motions = Motions { camera: moving.camera.after(time_s), of_actor: &of_actor };
+            let (_, scene, seen) = moved(time_s)?;
             let of_band = seen.maps(&scene);
             let surfaces = seen.surface_maps(&scene, |ray| camera.pixel_of_ray(ray), &motions, kinds);
             band.append(&of_band.depth_m, &mut maps.depth_m);
@@ -114,6 +135,15 @@ pub fn render_rolling(
     let image = expose(&rgb, camera.width, camera.height, &exposed, development, stream);
     let radiance = with_radiance.then(|| exposed.light(&rgb));
     Ok(Rendered { image, maps: maps.map(|(_, maps)| maps), radiance })
+}
+
+/// Adds an image to the sum of others.
+fn gather(sum: &mut Vec<f32>, rgb: &[f32]) {
+    if sum.is_empty() {
+        sum.extend_from_slice(rgb);
+    } else {
+        sum.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += value);
+    }
 }
 
 /// Rows of the image, taken from an image before the lens that begins at row `first`.

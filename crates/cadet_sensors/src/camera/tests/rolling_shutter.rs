@@ -42,7 +42,7 @@ fn scene() -> PosedScene {
 fn rolled(camera: &CameraModel, ego: RigidMotion, of_post: RigidMotion) -> Rendered {
     let (scene, pose) = (scene(), world_from_cam());
     let motion_of = |id| if id == POST_ID { of_post } else { RigidMotion::default() };
-    let foreground = Foreground { warp: camera.warp(), ..Default::default() };
+    let foreground = Foreground { warp: camera.warp(), with_radiance: true, ..Default::default() };
     let moving = Moving { scene: &scene, world_from_cam: &pose, camera: ego, motion_of, foreground };
     let weather = Weather::preset("clear_noon").expect("a preset");
     render_rolling(&moving, camera, &weather, Some(&SurfaceMapKinds::default()), &mut Stream::from_seed("camera", 1))
@@ -125,5 +125,48 @@ fn what_rests_looks_the_same_under_both_shutters() {
 fn impossible_shutters_are_refused() {
     for seconds in [-0.01, 0.11, f64::NAN] {
         assert!(camera(None).with_rolling_shutter(seconds).is_err(), "{seconds}");
+    }
+}
+
+/// Light of a row, green, in shares of the post's and the background's: 0 to the left of the post and 1 on it.
+fn shares_of_post(seen: &Rendered, row: usize) -> Vec<f64> {
+    let green = |u: usize| f64::from(seen.radiance.as_ref().expect("asked for")[(row * 320 + u) * 3 + 1]);
+    let (left, on_post) = (green(100), green(145));
+    (100..146).map(|u| (green(u) - left) / (on_post - left)).collect()
+}
+
+#[test]
+fn an_edge_that_moves_spreads_over_its_way() {
+    let still = CameraModel::new(
+        320,
+        160,
+        Matrix3x4::new(300.0, 0.0, 159.5, 0.0, 0.0, 300.0, 79.5, 0.0, 0.0, 0.0, 1.0, 0.0),
+        None,
+    );
+    let still = still.expect("valid");
+    let blurred = still.clone().with_motion_blur(0.04).expect("valid");
+    let rest = RigidMotion::default();
+    // Its way is 300 px 10 m/s 0.04 s / 10 m = 12 px.
+    let (sharp, spread) = (rolled(&blurred, rest, rest), rolled(&blurred, rest, to_the_left(10.0)));
+    let (sharp_row, spread_row) = (shares_of_post(&sharp, 60), shares_of_post(&spread, 60));
+    let between = |row: &[f64]| row.iter().filter(|share| (0.1..0.9).contains(*share)).count();
+    assert!(between(&sharp_row) <= 2, "{sharp_row:?}");
+    assert!((9..=11).contains(&between(&spread_row)), "{spread_row:?}");
+    // The middle of its way is where it is at the frame's time, and light is kept.
+    let (a, b): (f64, f64) = (sharp_row.iter().sum(), spread_row.iter().sum());
+    assert!((a - b).abs() < 0.7, "{a} {b}");
+    // Maps are the instant's.
+    assert_eq!(sharp.maps, spread.maps);
+    let instant = rolled(&still, rest, rest);
+    let same = |u: usize| {
+        (sharp.radiance.as_ref().expect("light")[u] - instant.radiance.as_ref().expect("light")[u]).abs() < 1e-4
+    };
+    assert!((0..320 * 160 * 3).all(same));
+}
+
+#[test]
+fn impossible_exposures_are_refused() {
+    for seconds in [-0.01, 0.06, f64::NAN] {
+        assert!(camera(None).with_motion_blur(seconds).is_err(), "{seconds}");
     }
 }
