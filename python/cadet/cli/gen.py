@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import sys
@@ -28,13 +29,14 @@ from cadet.worlds.districts import DISTRICTS
 from cadet.worlds.policy import POLICIES, ResetPolicy
 from cadet.worlds.policy_table import changed
 from cadet.worlds.road_map import RoadMap
-from cadet.worlds.weather import weather_names
+from cadet.worlds.weather import Weather, weather_names
 
 _WORLD: Final = (
     *("districts", "maps", "weathers", "rig", "lidar", "rolling", "returns", "divergence_mrad", "image_size"),
     *("assets", "skip_bad", "props", "hz", "length_s"),
 )
 """The options that change the policy, by the same keys as in a file."""
+_A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -67,6 +69,7 @@ _WORLD: Final = (
 @click.option("--divergence-mrad", type=float, help="How far LIDARs' beams open, the full cone.")
 @click.option("--maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @names_option("--weathers", help="Some of the presets below.")
+@click.option("--weather", metavar="JSON", help=f"Numbers of a weather, {_A_WEATHER} (docs/weather.md).")
 @click.option("--assets", metavar="DIR", help="Own meshes: a folder with an assets.toml (docs/assets.md).")
 @click.option(
     "--skip-bad", is_flag=True, default=None, help="Leave out those of --assets whose meshes are missing or broken."
@@ -210,6 +213,10 @@ def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:
     except CadetError as error:
         raise CadetError(f"--policy: {error}") from None
     table = {key: world[key] for key in _WORLD if world[key] not in (None, ())}
+    if world["weather"] is not None:
+        if "weathers" in table:
+            raise CadetError("--weather: expected it or --weathers, not both")
+        table["weathers"] = {"custom": _numbers(world["weather"])}
     if "image_size" in table:
         table["image_size"] = _image_size(table["image_size"])
     if format == "nuscenes":
@@ -225,7 +232,12 @@ def _check_drivable(road_map: RoadMap) -> None:
     native = Rig.kitti()._to_native()
     config = SceneConfig()._to_native()
     scene = _cadet.Scene.empty(
-        map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config, assets=None
+        map_name=road_map.name,
+        map_xodr=road_map.xodr,
+        weather=Weather()._to_native(),
+        rig=native,
+        config=config,
+        assets=None,
     )
     notice(scene.map_warnings(), about=road_map)
 
@@ -235,6 +247,16 @@ def _image_size(text: str) -> list[int]:
     if match is None:
         raise CadetError(f"--image-size: expected WxH such as 1242x375, got {text!r}")
     return [int(match[1]), int(match[2])]
+
+
+def _numbers(text: str) -> dict[str, Any]:
+    try:
+        numbers = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise CadetError(f"--weather: expected {_A_WEATHER}, got {text!r} ({error})") from None
+    if not isinstance(numbers, dict):
+        raise CadetError(f"--weather: expected {_A_WEATHER}, got {text!r}")
+    return numbers
 
 
 def _how_to_go_on(context: click.Context, num_done: int, num_frames: int) -> str:

@@ -91,7 +91,7 @@ def _read_roads(text: str) -> object:
     return _cadet.Scene.empty(
         map_name="map.xodr",
         map_xodr=text,
-        weather="clear_noon",
+        weather=cadet.Weather()._to_native(),
         rig=_small_rig()._to_native(),
         config=cadet.SceneConfig(num_cars=2, num_pedestrians=2)._to_native(),
         assets=None,
