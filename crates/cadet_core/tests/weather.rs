@@ -31,7 +31,7 @@ fn thin_beams() -> LidarSpec {
     LidarSpec::hdl64e_uniform().with_divergence(0.0).expect("valid")
 }
 
-/// The same with optics that lose nothing of what is near.
+/// Those beams, seen by optics that lose nothing of what is near.
 fn near_sighted() -> LidarSpec {
     let mut spec = thin_beams();
     spec.laser_receivers.iter_mut().for_each(|laser| laser.focus_m = 0.0);

@@ -9,6 +9,8 @@ use crate::arrays;
 use crate::error::BorderError;
 use crate::guard;
 
+/// Rain, fog's visibility, snow, wetness, clouds, and the sun's elevation.
+type Numbers = (f64, Option<f64>, f64, f64, f64, f64);
 type Weathered<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<i8>>);
 
 /// The presets' names.
@@ -25,7 +27,7 @@ pub(crate) struct Weather {
 
 #[pymethods]
 impl Weather {
-    /// What is not given of the sun is a clear noon's, which scenes vary by their seed.
+    /// Those numbers; the sun is a clear noon's, which scenes vary by their seed, where it is not given.
     #[new]
     #[pyo3(signature = (name, *, rain_mm_h, fog_visibility_m, snow_mm_h, wetness, cloud_cover, sun_elevation_deg, sun_azimuth_deg))]
     fn new(
@@ -54,9 +56,9 @@ impl Weather {
     }
 }
 
-/// Rain, fog's visibility, snow, wetness, clouds, and the sun's elevation of a preset, as `Weather` takes them.
+/// The numbers of a preset, as `Weather` takes them.
 #[pyfunction]
-pub(crate) fn weather_preset(name: &str) -> Result<(f64, Option<f64>, f64, f64, f64, f64), BorderError> {
+pub(crate) fn weather_preset(name: &str) -> Result<Numbers, BorderError> {
     let weather = CoreWeather::preset(name)?;
     let alpha = weather.fog_alpha_per_m;
     let visibility_m = (alpha > 0.0).then(|| fog_alpha_per_m(alpha).round());

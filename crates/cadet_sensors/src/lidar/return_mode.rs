@@ -2,7 +2,6 @@
 
 use strum::{AsRefStr, VariantArray};
 
-use super::returns::Arrival;
 use cadet_base::error::{Result, variant};
 
 /// Which of the echoes of one pulse a sensor reports, of those that it detects.
@@ -37,11 +36,10 @@ impl ReturnMode {
         Self::VARIANTS.iter().map(AsRef::as_ref).collect()
     }
 
-    /// Whether it reports echo `k` of those that are detected, which are in the order of their ranges.
-    pub(super) fn reports(self, detected: &[Arrival], k: usize) -> bool {
-        let stronger = |other: &&Arrival| other.detected_power > detected[k].detected_power;
-        let rank = detected.iter().filter(stronger).count();
-        let is_last = k + 1 == detected.len();
+    /// Whether it reports echo `k` of those that are detected, given by their powers in the order of their ranges.
+    pub(super) fn reports(self, powers: &[f64], k: usize) -> bool {
+        let rank = powers.iter().filter(|power| **power > powers[k]).count();
+        let is_last = k + 1 == powers.len();
         match self {
             Self::Strongest => rank == 0,
             Self::Last => is_last,

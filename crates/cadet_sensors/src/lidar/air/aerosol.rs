@@ -5,7 +5,7 @@
 //! surface of `pi extinction pulse / 18` returns. Clouds are clumpy: echoes are spread exponentially about that mean, and the
 //! strongest clump along the beam is the cloud's.
 
-use super::AirEcho;
+use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use super::particles::CLOSED_M;
 use crate::lidar::Receiver;
 use crate::lidar::laser_receiver::focused;
@@ -58,7 +58,7 @@ impl Fog {
             strongest = strongest.max(mean);
             fog.echo_before.push(fog.echo_before[k] + mean * STEP_M);
         }
-        fog.least_clump = super::FAINTEST * receiver.threshold() / strongest;
+        fog.least_clump = FAINTEST_SHARE * receiver.threshold() / strongest;
         (fog.least_clump < MOST_CLUMP).then_some(fog)
     }
 

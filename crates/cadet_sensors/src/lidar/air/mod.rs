@@ -1,11 +1,13 @@
 //! What fog, rain and snow do to a beam on its way. In clear air nothing is drawn and every factor is exactly 1.
 
 mod aerosol;
+mod air_echo;
 mod ground;
 mod particles;
 mod recorded;
 mod spray;
 
+pub(super) use air_echo::AirEcho;
 pub(super) use ground::{FALLEN_SNOW, under_snow};
 pub use recorded::{Fate, Weathered, weather_recorded};
 pub(super) use spray::{Plumes, Sprayed};
@@ -17,9 +19,6 @@ use crate::weather::Weather;
 use cadet_base::material::Semantic;
 use cadet_base::math;
 use cadet_base::rng::CounterRng;
-
-/// What has less than this share of the power that is detected half of the time is left out: it is detected 1 time in 20.
-const FAINTEST: f64 = 0.6;
 
 /// The air and the wet or white ground of one scan, as lasers of one focus see it.
 #[derive(Debug, Clone)]
@@ -40,21 +39,6 @@ pub(super) struct Meeting {
     pub transmittance: f64,
     /// The strongest drop or flake, and fog's strongest clump, of what lies before.
     pub echoes: [Option<AirEcho>; 2],
-}
-
-/// An echo of a drop, a flake, fog, or spray.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AirEcho {
-    pub range_m: f64,
-    /// At the receiver, in units of reflectance / range^2.
-    pub power: f64,
-}
-
-impl AirEcho {
-    /// The stronger one of two.
-    fn or_stronger(self, other: Option<Self>) -> Self {
-        other.filter(|o| o.power >= self.power).unwrap_or(self)
-    }
 }
 
 impl Air {

@@ -9,7 +9,7 @@
 //! above a limit, and the number of bright ones along the beam is Poisson. That is exact and costs one random number on
 //! most beams. All others only dim what is behind them, by the mean.
 
-use super::{AirEcho, FAINTEST};
+use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use crate::lidar::Receiver;
 use crate::lidar::laser_receiver::focused;
 use crate::weather::SizeDistribution;
@@ -80,7 +80,7 @@ impl Particles {
         SeenBy {
             divergence_rad: receiver.divergence_rad,
             focus_m,
-            least_power: FAINTEST * receiver.threshold(),
+            least_power: FAINTEST_SHARE * receiver.threshold(),
             dimming_per_m: 2.0 * alpha_per_m,
         }
     }

@@ -2,7 +2,7 @@
 //! ([`super::aerosol`]).
 
 use super::aerosol::{clump, reflectance_m};
-use super::{AirEcho, FAINTEST};
+use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use crate::lidar::Receiver;
 use crate::lidar::laser_receiver::focused;
 use crate::spray::{Plume, Spray};
@@ -62,7 +62,7 @@ impl<'a> Plumes<'a> {
         let distance_m = |near: &NearPlume<'_>| (near.center_world - sensor_world).length();
         let mut plumes: Vec<_> = spray.plumes().iter().map(ball).filter(|p| distance_m(p) < REACH_M).collect();
         plumes.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
-        Self { plumes, reflectance_m: reflectance_m(receiver), least_power: FAINTEST * receiver.threshold() }
+        Self { plumes, reflectance_m: reflectance_m(receiver), least_power: FAINTEST_SHARE * receiver.threshold() }
     }
 
     #[inline]
