@@ -104,6 +104,8 @@ class Settings:
         exporter = EXPORTERS[self.format]
         if isinstance(exporter, WebdatasetExporter) and self.shard_size is not None:
             return replace(exporter, shard_size=self.shard_size)
+        if isinstance(exporter, NuscenesExporter) and self.policy.time_step_s is not None:
+            return exporter.at_time_step(self.policy.time_step_s)
         return exporter
 
     def open(self, root: str | Path) -> Sink:
