@@ -20,6 +20,7 @@ from cadet.cli.names import names_option
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
+from cadet.formats.point_files import POINT_FILES
 from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.sensors.lidar import LIDAR_PRESETS, RETURN_MODES
 from cadet.sensors.rig import RIG_PRESETS, Rig
@@ -90,6 +91,7 @@ _WORLD: Final = (
 )
 @click.option("--address", help="Address of the Ray cluster.  [default: RAY_ADDRESS, or a local Ray]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
+@names_option("--points", help=f"Write scans so, too: {','.join(POINT_FILES)} (--write points_ply and so on).")
 @names_option("--write", help=f"Write these too: {','.join(EXTRAS)}.")
 @click.option("--resume", is_flag=True, help="Continue a run that the same command started.")
 @click.option(
@@ -119,6 +121,7 @@ def cadet_gen(
     workers: int | None,
     engine: str,
     address: str | None,
+    points: tuple[str, ...],
     write: tuple[str, ...],
     resume: bool,
     val_fraction: float,
@@ -148,7 +151,7 @@ def cadet_gen(
             policy=_policy(policy, format, world),
             format=format,
             shard_size=shard_size,
-            write=write,
+            write=tuple(dict.fromkeys((*write, *(f"points_{suffix}" for suffix in points)))),
             val_fraction=val_fraction,
             test_fraction=test_fraction,
         )
