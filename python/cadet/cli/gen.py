@@ -128,13 +128,14 @@ def cadet_gen(
     test_fraction: float,
     **world: Any,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', or shards.
+    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', shards, or bags.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen scenes -n 160 --format nuscenes --hz 2 --length-s 20
     cadet-gen drives -n 200 --format kitti_raw --hz 10 --length-s 20
+    cadet-gen bags -n 400 --format mcap --hz 10 --length-s 20   # ROS 2's messages
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen fields -n 500 --districts country_road   # or motorway

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,6 +21,7 @@ from cadet.formats.exporter import Ending, FilesInPlace, Place, Split
 from cadet.formats.nuscenes.point_categories import point_categories
 from cadet.formats.nuscenes.scene_names import scene_names
 from cadet.formats.nuscenes.tables import Tables, data_token
+from cadet.formats.sequences import seen_agents
 from cadet.sensors.camera import Camera
 from cadet.sensors.pose import inverse, product, quaternion_of
 from cadet.sensors.rig import Rig
@@ -41,10 +41,6 @@ _RECORD_NAME: Final = re.compile(r"[0-9]{6}\.json")
 _SCAN: Final = ".pcd.bin"
 _JPEG_QUALITY: Final = 95
 _FULL_SCALE: Final = 255.0
-_LEAST_SHARE: Final = 0.1
-"""An object without returns is annotated if the images show at least this share of it."""
-_FARTHEST_M: Final = 80.0
-"""An object without returns is annotated up to this distance from the ego."""
 
 
 @dataclass
@@ -159,7 +155,7 @@ class NuscenesExporter(FilesInPlace):
             "ego_speed_mps": sample.ego_speed_mps,
             "ego": _place(product(sample.world_from_ego, shift)),
             "sensors": sensors,
-            "objects": list(_objects(sample)),
+            "objects": [_object(agent, num_points) for agent, num_points in seen_agents(sample)],
         }
 
     def record_bytes(self, record: Mapping[str, Any]) -> bytes:
@@ -217,19 +213,6 @@ def _version(place: Place) -> str:
 def _channels(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for channel, sensor in record["sensors"].items():
         yield channel, f"{channel}.jpg" if sensor["modality"] == "camera" else f"{channel}{_SCAN}"
-
-
-def _objects(sample: Sample) -> Iterator[dict[str, Any]]:
-    ids = sample.scan().actor_id
-    counts = np.bincount(np.maximum(ids, 0)) if len(ids) else np.zeros(1, np.int64)
-    here = sample.world_from_ego[:3, 3]
-    for agent in sample.agents:
-        num_points = int(counts[agent.id]) if agent.id < len(counts) else 0
-        x, y, z = (agent.world_from_agent[:3, 3] - here).tolist()
-        distance_m = math.sqrt(x * x + y * y + z * z)
-        is_seen = (agent.visible_share or 0.0) >= _LEAST_SHARE and distance_m <= _FARTHEST_M
-        if num_points > 0 or is_seen:
-            yield _object(agent, num_points)
 
 
 def _object(agent: Agent, num_points: int) -> dict[str, Any]:

@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from hashlib import sha256
-from typing import Any, Final
+from typing import Any
 
 from cadet.formats.exporter import Place
 from cadet.formats.nuscenes.classes import ATTRIBUTES, CATEGORIES, VISIBILITY, attribute, category, visibility
 from cadet.formats.nuscenes.scene_names import scene_names
-
-_EPOCH_US: Final = 1_577_836_800_000_000
-"""1 January 2020: when the first scene begins."""
-_SCENE_US: Final = 3_600_000_000
-"""Scenes begin an hour after each other."""
+from cadet.formats.sequences import time_us
 
 Row = dict[str, Any]
 
@@ -74,11 +70,11 @@ class Tables:
             labels: the files of points' classes, by channel.
             is_key_frame: whether it is a key frame; the first one of an episode is.
         """
-        time_us = _EPOCH_US + place.episode * _SCENE_US + round(record["time_s"] * 1e6)
+        stamp_us = time_us(place.episode, record["time_s"])
         if is_key_frame:
             sample = {
                 "token": token("sample", place.number),
-                "timestamp": time_us,
+                "timestamp": stamp_us,
                 "prev": "",
                 "next": "",
                 "scene_token": token("scene", place.episode),
@@ -88,7 +84,7 @@ class Tables:
                 self._add_annotation(place, sample, seen)
         for channel, sensor in record["sensors"].items():
             data = self._add_data(
-                place, time_us, channel, sensor, record["ego"], files[channel], is_key_frame=is_key_frame
+                place, stamp_us, channel, sensor, record["ego"], files[channel], is_key_frame=is_key_frame
             )
             if not is_key_frame:
                 self._sweeps.append(data)
@@ -179,7 +175,7 @@ class Tables:
     def _add_data(
         self,
         place: Place,
-        time_us: int,
+        stamp_us: int,
         channel: str,
         sensor: Mapping[str, Any],
         ego: Mapping[str, Any],
@@ -200,7 +196,7 @@ class Tables:
         }
         self._calibrated.setdefault(calibrated["token"], calibrated)
         name = data_token(place, channel)
-        self._rows["ego_pose"].append({"token": name, "timestamp": time_us, **ego})
+        self._rows["ego_pose"].append({"token": name, "timestamp": stamp_us, **ego})
         width, height = sensor["size"]
         data = {
             "token": name,
@@ -208,7 +204,7 @@ class Tables:
             "sample_token": self._rows["sample"][-1]["token"],
             "ego_pose_token": name,
             "calibrated_sensor_token": calibrated["token"],
-            "timestamp": time_us,
+            "timestamp": stamp_us,
             "fileformat": "jpg" if sensor["modality"] == "camera" else "pcd",
             "is_key_frame": is_key_frame,
             "height": height,
