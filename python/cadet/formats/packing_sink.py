@@ -155,12 +155,15 @@ class PackingSink:
         bases, pattern = (root, root / _STAGED), f"*/*{self._format.suffix}"
         return sorted({str(path.relative_to(base)) for base in bases for path in base.glob(pattern)})
 
-    def pack(self, archive: str, is_due: Callable[[Sequence[str]], bool] = lambda names: True) -> None:
+    def pack(self, archive: str, is_due: Callable[[Sequence[str]], bool] = lambda names: True) -> bool:
         """Write an archive of all that belongs into it; nothing lies aside afterwards.
 
         Args:
             archive: its name.
             is_due: do nothing unless this holds of the members' names.
+
+        Returns:
+            Whether it was written: something lay aside for it, and it was due.
 
         Raises:
             OSError: as `LocalSink.put`.
@@ -169,10 +172,11 @@ class PackingSink:
             staged = self._staged(archive)
             names = self._names(archive, staged)
             if not staged or not is_due(names):
-                return
+                return False
             self._write(archive, names)
             for name in staged:
                 (self._sink.root / _STAGED / archive / name).unlink()
+            return True
 
     def mend(self, archive: str) -> None:
         """Write a packed archive anew if others could not read it.

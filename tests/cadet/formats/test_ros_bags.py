@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,8 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
+from cadet._util.sink import LocalSink
+from cadet.formats.packing_sink import PackingSink
 from cadet.formats.ros_bags.bag_format import Bag, BagFormat
 from cadet.formats.ros_bags.message_block import Message, block_of_bytes, bytes_of_block
 from cadet.generate import Settings, generate
@@ -215,6 +218,27 @@ def test_a_bag_grows_with_the_set_and_damage_is_mended(root: Path, tmp_path: Pat
     (out / "val/000001.mcap").write_bytes((root / "val/000001.mcap").read_bytes()[:-100])
     generate(out, settings(), workers=1, resume=True)
     assert tree(out) == tree(root)
+
+
+def test_a_byte_beside_the_messages_is_mended_too(root: Path, tmp_path: Path) -> None:
+    """Indexes, definitions, and the summary, of which the hashes of messages tell nothing."""
+    path = tmp_path / "train" / "000000.mcap"
+    shutil.copytree(root / "train", tmp_path / "train")
+    sink = settings().exporter.store(LocalSink(tmp_path), settings().place)
+    assert isinstance(sink, PackingSink)
+    whole, bag = path.read_bytes(), Bag(path)
+    blocks = [bag.read(name) for name in bag.members]
+    places = [whole.index(text, len(whole) // 2) for text in (b"ros2msg", b"velodyne/points", b"uint8 INT8")]
+    num_mended = 0
+    for at in (*places, len(whole) - 40, len(whole) - 2):
+        path.write_bytes(whole[:at] + b"~" + whole[at + 1 :])
+        damaged = list(BagFormat().views(path))
+        if damaged and [damaged[0].read(name) for name in damaged[0].members] == blocks:
+            assert not BagFormat().is_sound(LocalSink(tmp_path), "train/000000.mcap")
+            sink.mend("train/000000.mcap")
+            assert path.read_bytes() == whole
+            num_mended += 1
+    assert num_mended > 1
 
 
 def test_a_sample_is_read_in_any_order(root: Path) -> None:

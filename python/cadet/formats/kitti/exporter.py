@@ -67,8 +67,9 @@ class KittiExporter(FilesInPlace):
             files["point_labels"] = bytes_from_point_labels(point_labels(scan, sample.agents))
         if "point_times" in extras:
             files["point_times"] = scan.time_s.astype("<f4").tobytes()
-        columns = columns_of_points(points_velo, scan.ring, scan.time_s)
-        files |= {kind: encode(columns) for kind, encode in _POINTS.items() if kind in extras}
+        if any(kind in extras for kind in _POINTS):
+            columns = columns_of_points(points_velo, scan.ring, scan.time_s)
+            files |= {kind: encode(columns) for kind, encode in _POINTS.items() if kind in extras}
         if "range_image" in extras:
             files["range_image"] = bytes_from_range_image(range_image(scan, sample.rig.lidar))
         return files

@@ -41,8 +41,15 @@ class BagFormat:
         sink.put(archive, _chunks(files))
 
     def is_sound(self, sink: LocalSink, archive: str) -> bool:
-        """Tell whether the bag can be read."""
-        return any(True for _ in self.views(sink.root / archive))
+        """Tell whether the bag is to the last byte what its messages give."""
+        path = sink.root / archive
+        try:
+            bag = Bag(path)
+            with path.open("rb") as file:
+                chunks = _chunks((name, bag.read(name)) for name in bag.members)
+                return all(file.read(len(chunk)) == chunk for chunk in chunks) and not file.read(1)
+        except CadetError:
+            return False
 
 
 class Bag:

@@ -97,17 +97,15 @@ class McapExporter(FilesInPlace):
         return PackingSink(sink, BagFormat(), bag_of)
 
     def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
-        """Pack the episode's bag."""
+        """Pack the episode's bag, or mend it if it was there."""
         assert isinstance(sink, PackingSink)
         for bag in dict.fromkeys(map(_bag, places)):
-            sink.pack(bag)
+            if not sink.pack(bag):
+                sink.mend(bag)
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
-        """Pack what is left, and count the objects."""
+        """Count the objects."""
         assert isinstance(sink, PackingSink)
-        for bag in sink.archives():
-            sink.pack(bag)
-            sink.mend(bag)
         sink.remove_staging()
         names = [self.path(place, "record") for place in places]
         counts: Counter[str] = Counter()
