@@ -14,6 +14,7 @@ import click
 from rich.console import Console
 
 from cadet import _cadet
+from cadet._util.checks import shown
 from cadet._util.notices import notice
 from cadet.cli.destination import Destination
 from cadet.cli.names import names_option
@@ -145,6 +146,9 @@ def cadet_gen(
     """  # noqa: D301 - click reads the backspace
     if address is not None and engine != "ray":
         raise CadetError("--address: goes with --engine ray")
+    for suffix in points:
+        if suffix not in POINT_FILES:
+            raise CadetError(f"--points: unknown {shown(suffix)}; known: {', '.join(POINT_FILES)}")
     try:
         settings = Settings(
             seed=seed,

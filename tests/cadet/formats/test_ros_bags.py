@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import sys
 from dataclasses import replace
@@ -24,6 +25,7 @@ from cadet.simulation.episode import Episode
 from gen_process import tree
 
 SAMPLES, HZ = 3, 10
+EVERY = [("val" if number >= SAMPLES else "train", number) for number in range(2 * SAMPLES)]
 Topics = dict[str, list[tuple[int, Any]]]
 
 
@@ -178,6 +180,15 @@ def test_the_library_of_mcap_reads_the_same_messages(root: Path) -> None:
     assert {channel.topic for _, channel, _ in rows} == set(ours)
     assert len(rows) == sum(map(len, ours.values())) == 6 * SAMPLES
     assert {message.sequence for *_, message in rows} == {3, 4, 5}
+
+
+def test_the_manifest_names_every_sample_and_the_format(root: Path) -> None:
+    manifest = json.loads((root / "manifest.json").read_text())
+    assert manifest["dataset_format"] == "mcap" and manifest["counts"]["frames"] == 2 * SAMPLES
+    names = [f"{split}/{number // SAMPLES:06d}.mcap/{number:06d}.messages" for split, number in EVERY]
+    assert [name for name in manifest["sha256"] if name.endswith(".messages")] == names
+    with pytest.raises(cadet.MissingFileError, match="a set of format mcap"):
+        cadet.kitti.Dataset(root)
 
 
 def test_workers_and_interruptions_change_no_byte(root: Path, tmp_path: Path) -> None:
