@@ -15,12 +15,14 @@ import click
 from rich.console import Console
 
 from cadet import _cadet
+from cadet._util.checks import shown
 from cadet._util.notices import notice
 from cadet.cli.destination import Destination
 from cadet.cli.names import names_option
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
+from cadet.formats.point_files import POINT_FILES
 from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.sensors.lidar import LIDAR_PRESETS, RETURN_MODES
 from cadet.sensors.rig import RIG_PRESETS, Rig
@@ -93,6 +95,7 @@ _A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 )
 @click.option("--address", help="Address of the Ray cluster.  [default: RAY_ADDRESS, or a local Ray]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
+@names_option("--points", help=f"Write scans so, too: {','.join(POINT_FILES)} (--write points_ply and so on).")
 @names_option("--write", help=f"Write these too: {','.join(EXTRAS)}.")
 @click.option("--resume", is_flag=True, help="Continue a run that the same command started.")
 @click.option(
@@ -122,19 +125,21 @@ def cadet_gen(
     workers: int | None,
     engine: str,
     address: str | None,
+    points: tuple[str, ...],
     write: tuple[str, ...],
     resume: bool,
     val_fraction: float,
     test_fraction: float,
     **world: Any,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', or shards.
+    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', shards, or bags.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen scenes -n 160 --format nuscenes --hz 2 --length-s 20
     cadet-gen drives -n 200 --format kitti_raw --hz 10 --length-s 20
+    cadet-gen bags -n 400 --format mcap --hz 10 --length-s 20   # ROS 2's messages
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen fields -n 500 --districts country_road   # or motorway
@@ -144,6 +149,9 @@ def cadet_gen(
     """  # noqa: D301 - click reads the backspace
     if address is not None and engine != "ray":
         raise CadetError("--address: goes with --engine ray")
+    for suffix in points:
+        if suffix not in POINT_FILES:
+            raise CadetError(f"--points: unknown {shown(suffix)}; known: {', '.join(POINT_FILES)}")
     try:
         settings = Settings(
             seed=seed,
@@ -151,7 +159,7 @@ def cadet_gen(
             policy=_policy(policy, format, world),
             format=format,
             shard_size=shard_size,
-            write=write,
+            write=tuple(dict.fromkeys((*write, *(f"points_{suffix}" for suffix in points)))),
             val_fraction=val_fraction,
             test_fraction=test_fraction,
         )

@@ -29,6 +29,11 @@ SUFFIXES: Final = {
     "image_3": ".png",
     "point_labels": ".label",
     "point_times": ".bin",
+    "points_ply": ".ply",
+    "points_pcd": ".pcd",
+    "points_las": ".las",
+    "points_npz": ".npz",
+    "range_image": ".npy",
 }
 """Every folder of a training set and the suffix of its files."""
 

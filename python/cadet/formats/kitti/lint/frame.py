@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from cadet.formats.kitti.calib import Calibration
 from cadet.formats.kitti.files.dialects import collected
 from cadet.formats.kitti.files.folder import SUFFIXES, display_name, found_path
 from cadet.formats.kitti.files.point_labels import point_labels_from_bytes, point_times_from_bytes
+from cadet.formats.kitti.files.range_image import range_image_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import FolderFiles, image_from_files, read_text
 from cadet.formats.kitti.lint.duplicates import Signature, signature_of
@@ -35,7 +36,11 @@ SCAN_RANGE_M: Final = (1.45, 80.0)
 _LOOSE_RANGE_M: Final = 120.0
 _MM: Final = 0.001
 _RIGHT_IMAGE: Final = "image_3"
-_PER_POINT: Final = {"point_labels": point_labels_from_bytes, "point_times": point_times_from_bytes}
+_PER_POINT: Final[Mapping[str, Callable[[bytes], NDArray[Any]]]] = {
+    "point_labels": point_labels_from_bytes,
+    "point_times": point_times_from_bytes,
+    "range_image": lambda data: np.flatnonzero(range_image_from_bytes(data)),
+}
 
 
 @dataclass(frozen=True)
