@@ -16,6 +16,7 @@ from cadet import kitti
 from cadet.cli.tools import cadet as command
 from cadet.errors import CadetError
 from cadet.formats.convert import convert
+from cadet.formats.kitti.files.range_image import range_image
 from cadet.formats.point_files import POINT_FILES, columns_of_points
 from cadet.formats.scan_files.read import scan_from_data
 from cadet.generate import Settings, generate
@@ -155,11 +156,21 @@ def test_generated_scans_are_the_same_in_every_format(tmp_path: Path) -> None:
 
     damaged = training / "range_image" / "000000.npy"
     image = np.load(damaged)
-    image[image > 0.0] = np.where(np.arange((image > 0.0).sum()) == 5, 0.0, image[image > 0.0])
+    image[tuple(np.argwhere(image == 0.0)[0])] = 9.0
     np.save(damaged, image)
     (training / "range_image" / "000001.npy").write_bytes(b"\x93NUMPY")
     found = [(finding.file, finding.rule) for finding in kitti.lint(tmp_path / "out")]
     assert found == [("range_image/000000.npy", "damaged-file"), ("range_image/000001.npy", "damaged-file")]
+
+
+def test_a_pixel_of_a_range_image_is_the_nearest_of_its_beams_echoes() -> None:
+    lidar = cadet.Lidar.vlp16(returns="triple", divergence_mrad=3.0)
+    scan = cadet.Scene.random(seed=4, weather="snow").scan(lidar)
+    image = range_image(scan, lidar)
+    assert (image > 0.0).sum() == len(set(zip(scan.ring.tolist(), scan.column.tolist(), strict=True))) < len(scan.ring)
+    nearest = np.full(image.shape, np.inf)
+    np.minimum.at(nearest, (scan.ring, scan.column), scan.range_m)
+    np.testing.assert_allclose(image, np.where(np.isinf(nearest), 0.0, nearest), rtol=1e-6)
 
 
 def test_scans_of_any_set_are_converted(tmp_path: Path) -> None:

@@ -24,12 +24,14 @@ def range_image(scan: Scan, lidar: Lidar) -> NDArray[np.float32]:
 
     Returns:
         (rings, columns) float32, meters from the laser: rings from the top, columns counter-clockwise from forward, as
-        `Scan.ring` and `Scan.column` count them; 0 without a return.
+        `Scan.ring` and `Scan.column` count them; 0 without a return, the nearest of several.
     """
     beams = lidar.beam_table()
     image = np.full((len(beams.rings), beams.num_columns), NO_RETURN, np.float32)
-    is_return = np.isfinite(scan.range_m)
-    image[scan.ring[is_return], scan.column[is_return]] = scan.range_m[is_return]
+    # Of numbers for one pixel NumPy keeps the last.
+    nearest_last = np.argsort(-scan.range_m, kind="stable")
+    image[scan.ring[nearest_last], scan.column[nearest_last]] = scan.range_m[nearest_last]
+    image[np.isinf(image)] = NO_RETURN
     return image
 
 

@@ -234,7 +234,9 @@ class _FrameLint:
         except KittiFormatError as error:
             self._add(kind, Problem(None, "damaged-file", error.reason))
             return
-        if number != len(frame.points_velo):
+        # A pixel of a range image has one of its beam's echoes.
+        fits = number <= len(frame.points_velo) if kind == "range_image" else number == len(frame.points_velo)
+        if not fits:
             message = f"holds {number} points, the scan has {len(frame.points_velo)}"
             self._add(kind, Problem(None, "damaged-file", message))
 
