@@ -135,6 +135,7 @@ def test_things_that_people_have_along_are_no_people() -> None:
         semantic=np.array([kind for _, kind in seen], np.uint8),
         range_m=zeros.astype(np.float64),
         time_s=zeros.astype(np.float32),
+        echo=zeros.astype(np.uint8),
     )
     names = [list(CATEGORIES)[index] for index in point_categories(scan, agents)]
     person = "human.pedestrian."
