@@ -69,7 +69,7 @@ def make_episode(settings: Settings, episode: int, sink: LocalSink, clock: Clock
                 continue
             num_empty = 0
             with clock.part(SCAN):
-                scene.scan(None, False, number)
+                scene.scan(None, ideal=False, surfaces=False, sample=number)
             origin = {"seed": settings.seed, "episode": episode, "sample": number, "attempt": attempt}
             sample = Sample(captured, spec.mounted_rig, {**origin, "policy": policy.name, "district": spec.district})
             with clock.part("writing"):

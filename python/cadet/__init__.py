@@ -40,7 +40,7 @@ from cadet.sensors.lidar import Lidar
 from cadet.sensors.mounted import MountedCamera, MountedLidar
 from cadet.sensors.pose import Pose
 from cadet.sensors.rig import Rig
-from cadet.sensors.sample import Agent, Sample, Scan
+from cadet.sensors.sample import MATERIALS, Agent, Sample, Scan, ScanSurfaces
 from cadet.sensors.semantic import Semantic
 from cadet.simulation.environment import Environment
 from cadet.simulation.scene import RayHits, Scene
@@ -53,12 +53,13 @@ from cadet.worlds.draws import Draws
 from cadet.worlds.policy import EpisodeSpec, ResetPolicy
 from cadet.worlds.props import Props
 from cadet.worlds.road_map import RoadMap
-from cadet.worlds.weather import weather_names
+from cadet.worlds.weather import Weather, weather_names
 
 if TYPE_CHECKING:
     from cadet import generate
 
 __all__ = [
+    "MATERIALS",
     "ActorMesh",
     "Agent",
     "Analysis",
@@ -105,6 +106,7 @@ __all__ = [
     "Rules",
     "Sample",
     "Scan",
+    "ScanSurfaces",
     "Scene",
     "SceneConfig",
     "Semantic",
@@ -112,6 +114,7 @@ __all__ = [
     "Simulation",
     "SuburbConfig",
     "UniformFiring",
+    "Weather",
     "__version__",
     "analyze",
     "bev",

@@ -29,6 +29,7 @@ __all__ = [
     "Sighting",
     "SuburbConfig",
     "UniformFiring",
+    "Weather",
     "__version__",
     "_panic",
     "bev_maps",
@@ -43,8 +44,8 @@ __all__ = [
     "nms_bev",
     "read_detections",
     "read_truths",
-    "weather_air",
     "weather_names",
+    "weather_preset",
     "weather_recorded_scan",
 ]
 
@@ -158,6 +159,9 @@ class BeamTable:
         min_range_m: float,
         max_range_m: float,
         range_noise_m: float,
+        detection_range_m: float,
+        beam_mrad: float,
+        pulse_ns: float,
         spin: str,
         rate_hz: float,
         start_azimuth_deg: float,
@@ -168,6 +172,9 @@ class BeamTable:
     min_range_m: Final[float]
     max_range_m: Final[float]
     range_noise_m: Final[float]
+    detection_range_m: Final[float]
+    beam_mrad: Final[float]
+    pulse_ns: Final[float]
     spin: Final[str]
     rate_hz: Final[float]
     start_azimuth_deg: Final[float]
@@ -180,6 +187,10 @@ class Lidar:
     def preset(name: str) -> Lidar: ...
     @staticmethod
     def presets() -> list[str]: ...
+    @staticmethod
+    def return_modes() -> list[str]: ...
+    @staticmethod
+    def materials() -> list[str]: ...
     @staticmethod
     def from_table(table: BeamTable) -> Lidar: ...
     name: Final[str]
@@ -411,7 +422,24 @@ class Capture:
     def radiance(self, index: int) -> NDArray[np.float32] | None: ...
     def png(self, index: int) -> bytes: ...
     def maps(self, index: int) -> dict[str, NDArray[Any]] | None: ...
-    def scan(self, index: int) -> dict[str, NDArray[Any]]: ...
+    def scan(self, index: int) -> dict[str, Any]: ...
+
+@final
+class Weather:
+    """A weather in numbers (see `cadet.Weather`)."""
+
+    def __new__(
+        cls,
+        name: str,
+        *,
+        rain_mm_h: float,
+        fog_visibility_m: float | None,
+        snow_mm_h: float,
+        wetness: float,
+        cloud_cover: float,
+        sun_elevation_deg: float | None,
+        sun_azimuth_deg: float | None,
+    ) -> Weather: ...
 
 @final
 class Scene:
@@ -425,7 +453,7 @@ class Scene:
         *,
         map_name: str | None,
         map_xodr: str | None,
-        weather: str,
+        weather: Weather,
         rig: Rig,
         config: SceneConfig,
         assets: Assets | None,
@@ -435,7 +463,7 @@ class Scene:
         *,
         map_name: str | None,
         map_xodr: str | None,
-        weather: str,
+        weather: Weather,
         rig: Rig,
         config: SceneConfig,
         assets: Assets | None,
@@ -464,7 +492,7 @@ class Scene:
     def drive(self, distance_m: float, blocked_s: float) -> None: ...
     def capture(self, request: Request) -> Capture: ...
     def capture_labeled(self, request: Request) -> Capture | None: ...
-    def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]: ...
+    def scan(self, lidar: Lidar | None, *, ideal: bool, surfaces: bool, sample: int) -> dict[str, Any]: ...
     def cast_rays(
         self, origins_world: NDArray[np.float64], directions_world: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]: ...
@@ -524,7 +552,7 @@ def estimate_ground_plane(
 ) -> list[float]: ...
 def decode_image(data: bytes, max_pixels: int) -> tuple[NDArray[np.uint8] | NDArray[np.uint16], str, bool, bool]: ...
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes: ...
-def weather_air(name: str) -> tuple[float, float, float, float]: ...
+def weather_preset(name: str) -> tuple[float, float | None, float, float, float, float]: ...
 def weather_names() -> list[str]: ...
 def weather_recorded_scan(
     points_velo: NDArray[np.float32],

@@ -58,9 +58,8 @@ class SmallPolicy(ResetPolicy):
 def small_policy() -> ResetPolicy:
     """Return KITTI's policy on a straight road, with few rays and samples."""
     lidar = Lidar.vlp16()
-    weathers = (("clear_noon", 1.0),)
-    quick = replace(KITTI, maps=(ROAD,), weathers=weathers, samples_per_episode=NUM_SAMPLES, attempts_limit=6)
-    quick = quick.with_districts(STREET).with_each_rig(lambda rig: rig.with_lidar(lidar))
+    quick = replace(KITTI, maps=(ROAD,), samples_per_episode=NUM_SAMPLES, attempts_limit=6)
+    quick = quick.with_weathers("clear_noon").with_districts(STREET).with_each_rig(lambda rig: rig.with_lidar(lidar))
     return SmallPolicy(**{f.name: getattr(quick, f.name) for f in fields(quick)})
 
 

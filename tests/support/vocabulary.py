@@ -66,6 +66,7 @@ COMMAND_ONLY: Mapping[str, str] = {
     "markdown": "prints Markdown",
     "max_minutes": "`should_stop` of `avod.train.run.train`",
     "plot": "`cadet.Report.plot`",
+    "points": "`points_ply` and so on of `write`",
     "rerun": "`cadet.figures.recording.view_episode`",
     "set": "any key of a detector's file",
     "sizes_from": "`avod.clusters.mean_sizes_of`",

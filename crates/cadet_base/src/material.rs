@@ -1,6 +1,6 @@
 //! What surfaces are made of, for the eye and for a 905 nm laser.
 
-use strum::VariantArray;
+use strum::{AsRefStr, VariantArray};
 
 use std::sync::Arc;
 
@@ -86,7 +86,7 @@ impl LidarMaterial {
     /// Refractive index of lacquer, enamel and glass at 905 nm.
     pub const LACQUER_INDEX: f32 = 1.5;
 
-    /// A Lambertian surface of the given reflectance.
+    /// A matt surface of the given reflectance, without a coat.
     #[must_use]
     pub const fn diffuse(reflectance: f32) -> Self {
         Self { reflectance, coat_index: 1.0, gloss: 0.0, roughness: 1.0, transmission: 0.0, retro: false }
@@ -94,7 +94,8 @@ impl LidarMaterial {
 }
 
 /// A procedural texture, evaluated at the hit in local coordinates (or in world coordinates for the ground).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, AsRefStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum Pattern {
     /// One color.
     Plain,
@@ -127,6 +128,14 @@ pub enum Pattern {
     Window,
     /// A dark lens at night that throws light back to where it comes from.
     Reflector,
+}
+
+impl Pattern {
+    /// Their names, in the order of their numbers.
+    #[must_use]
+    pub fn names() -> Vec<&'static str> {
+        Self::VARIANTS.iter().map(AsRef::as_ref).collect()
+    }
 }
 
 /// Radiance of lit lenses at night per unit of their color: a white surface under 100 lx, 31.8 cd/m², has 1.

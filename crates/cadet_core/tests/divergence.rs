@@ -51,7 +51,7 @@ fn a_half_covered_beam_reports_what_its_shares_say() {
             // Half of the near wall's echo is four times half of the far one's.
             let id = match mode {
                 ReturnMode::Strongest => 1 + i32::from(u > 0.5),
-                ReturnMode::Last => 1 + i32::from(u > -0.5),
+                _ => 1 + i32::from(u > -0.5),
             };
             if (u.abs() - 0.5).abs() > 0.02 {
                 assert_eq!(got.actor_id[i], id, "{u} {mode:?}");

@@ -106,6 +106,9 @@ pub(crate) struct BeamTable {
     min_range_m: f64,
     max_range_m: f64,
     range_noise_m: f64,
+    detection_range_m: f64,
+    beam_mrad: f64,
+    pulse_ns: f64,
     spin: String,
     rate_hz: f64,
     start_azimuth_deg: f64,
@@ -114,7 +117,7 @@ pub(crate) struct BeamTable {
 #[pymethods]
 impl BeamTable {
     #[new]
-    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, spin, rate_hz, start_azimuth_deg))]
+    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, detection_range_m, beam_mrad, pulse_ns, spin, rate_hz, start_azimuth_deg))]
     fn new(
         name: String,
         rings: Vec<Laser>,
@@ -122,11 +125,27 @@ impl BeamTable {
         min_range_m: f64,
         max_range_m: f64,
         range_noise_m: f64,
+        detection_range_m: f64,
+        beam_mrad: f64,
+        pulse_ns: f64,
         spin: String,
         rate_hz: f64,
         start_azimuth_deg: f64,
     ) -> Self {
-        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m, spin, rate_hz, start_azimuth_deg }
+        Self {
+            name,
+            rings,
+            firing,
+            min_range_m,
+            max_range_m,
+            range_noise_m,
+            detection_range_m,
+            beam_mrad,
+            pulse_ns,
+            spin,
+            rate_hz,
+            start_azimuth_deg,
+        }
     }
 }
 
@@ -155,6 +174,9 @@ impl BeamTable {
             min_range_m: spec.min_range_m,
             max_range_m: spec.max_range_m,
             range_noise_m: spec.receiver().range_noise_m,
+            detection_range_m: spec.receiver().detection_range_m,
+            beam_mrad: rounded(spec.receiver().divergence_rad * 1e3),
+            pulse_ns: rounded(spec.receiver().pulse_s * 1e9),
             spin: spec.spin.direction.as_ref().to_owned(),
             rate_hz: spec.spin.rate_hz,
             start_azimuth_deg: degrees(spec.spin.start_rad),
@@ -172,7 +194,12 @@ impl BeamTable {
         let rings = self.rings.iter().map(ring).collect();
         let mut spec = LidarSpec::with_firing(&self.name, rings, self.firing.to_core())?.staggered(offsets_rad)?;
         (spec.min_range_m, spec.max_range_m) = (self.min_range_m, self.max_range_m);
-        let receiver = Receiver { range_noise_m: self.range_noise_m, ..*spec.receiver() };
+        let receiver = Receiver {
+            pulse_s: self.pulse_ns * 1e-9,
+            divergence_rad: self.beam_mrad * 1e-3,
+            detection_range_m: self.detection_range_m,
+            range_noise_m: self.range_noise_m,
+        };
         spec = spec.with_receiver(receiver)?;
         let receiver = |laser: &Laser| LaserReceiver {
             gain: laser.gain,

@@ -4,7 +4,7 @@ use cadet_core::actor::{ActorState, BrakesFor};
 use cadet_core::camera::png::encode_rgb8;
 use cadet_core::camera::{SurfaceMapKinds, SurfaceMaps};
 use cadet_core::label::{Rect, Sighting as CoreSighting};
-use cadet_core::lidar::Scan;
+use cadet_core::lidar::{ReturnSurface, Scan};
 use cadet_core::math::DPose3;
 use cadet_core::scene as core;
 use cadet_core::town::GeoReference;
@@ -312,5 +312,20 @@ pub(crate) fn scan_to_dict(py: Python<'_>, scan: Scan) -> PyResult<Bound<'_, PyD
     dict.set_item("semantic", PyArray1::<u8>::from_vec(py, semantic))?;
     dict.set_item("range_m", PyArray1::from_vec(py, scan.range_m))?;
     dict.set_item("time_s", PyArray1::<f32>::from_vec(py, time_s))?;
+    dict.set_item("echo", PyArray1::from_vec(py, scan.echo))?;
+    let surfaces = (!scan.surface.is_empty()).then(|| surfaces_to_dict(py, &scan.surface)).transpose()?;
+    dict.set_item("surfaces", surfaces)?;
+    Ok(dict)
+}
+
+/// What returned each point by the fields of `cadet.ScanSurfaces`.
+fn surfaces_to_dict<'py>(py: Python<'py>, surfaces: &[ReturnSurface]) -> PyResult<Bound<'py, PyDict>> {
+    let each = |of: fn(&ReturnSurface) -> f32| PyArray1::from_iter(py, surfaces.iter().map(of));
+    let dict = PyDict::new(py);
+    dict.set_item("cos_incidence", each(|s| s.cos_incidence))?;
+    dict.set_item("reflectance", each(|s| s.reflectance))?;
+    dict.set_item("normal_velo", arrays::rows(py, surfaces.iter().map(|s| s.normal_velo).collect()))?;
+    let material = surfaces.iter().map(|s| s.pattern.map_or(-1, |pattern| pattern as i8));
+    dict.set_item("material", PyArray1::from_iter(py, material))?;
     Ok(dict)
 }

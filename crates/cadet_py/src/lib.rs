@@ -63,8 +63,9 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(image::decode_image, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
     module.add_function(wrap_pyfunction!(settings::limits, module)?)?;
+    module.add_class::<weather::Weather>()?;
     module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;
-    module.add_function(wrap_pyfunction!(weather::weather_air, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_preset, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_recorded_scan, module)?)?;
     module.add_function(wrap_pyfunction!(panic_for_tests, module)?)?;
     Ok(())

@@ -1,6 +1,7 @@
 //! LIDAR specifications.
 
 use cadet_core::lidar::{LidarSpec, PRESETS, ReturnMode};
+use cadet_core::material::Pattern;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -29,6 +30,18 @@ impl Lidar {
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
         PRESETS.to_vec()
+    }
+
+    /// What `returns` may be.
+    #[staticmethod]
+    fn return_modes() -> Vec<&'static str> {
+        ReturnMode::names()
+    }
+
+    /// What the materials of a scan's surfaces count.
+    #[staticmethod]
+    fn materials() -> Vec<&'static str> {
+        Pattern::names()
     }
 
     /// The LIDAR of a table.

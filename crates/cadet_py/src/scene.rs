@@ -6,7 +6,6 @@ use cadet_core::actor::{BrakesFor, ObjectClass};
 use cadet_core::lidar::Scan;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene as core;
-use cadet_core::weather::Weather;
 use cadet_core::world::{Course, EgoCommand, ModelChoice, Overlap, Waypoint};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,6 +19,7 @@ use crate::guard;
 use crate::lidar::Lidar;
 use crate::rig::Rig;
 use crate::settings::SceneConfig;
+use crate::weather::Weather;
 
 type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray2<f64>>);
 type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -73,13 +73,13 @@ impl Scene {
         attempt: u64,
         map_name: Option<String>,
         map_xodr: Option<String>,
-        weather: &str,
+        weather: &Weather,
         rig: &Rig,
         config: &SceneConfig,
         assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Suburb);
-        let weather = Weather::preset(weather).map_err(BorderError::from)?;
+        let weather = weather.inner.clone();
         let (rig, config) = (rig.rig.clone(), config.with(assets));
         let key = StreamKey { seed, episode, attempt };
         let inner = guard::detached(py, || core::Scene::random(key, &source, weather, rig, &config))?;
@@ -92,13 +92,13 @@ impl Scene {
         py: Python<'_>,
         map_name: Option<String>,
         map_xodr: Option<String>,
-        weather: &str,
+        weather: &Weather,
         rig: &Rig,
         config: &SceneConfig,
         assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Flat);
-        let weather = Weather::preset(weather).map_err(BorderError::from)?;
+        let weather = weather.inner.clone();
         let (rig, config) = (rig.rig.clone(), config.with(assets));
         let inner = guard::detached(py, || core::Scene::empty(&source, weather, rig, &config))?;
         Ok(Self { inner: Mutex::new(inner) })
@@ -190,16 +190,22 @@ impl Scene {
         self.with(py, |scene| Ok(scene.capture_labeled(&request.inner)?.map(|frame| Capture::new(frame, scene))))
     }
 
-    #[pyo3(signature = (lidar, ideal, sample))]
+    #[pyo3(signature = (lidar, *, ideal, surfaces, sample))]
     fn scan<'py>(
         &self,
         py: Python<'py>,
         lidar: Option<&Lidar>,
         ideal: bool,
+        surfaces: bool,
         sample: u64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let spec = lidar.map(|l| &l.spec);
         let scan = self.with(py, |scene| {
+            if !ideal && surfaces {
+                let mut spec = spec.unwrap_or(scene.rig().lidar()).clone();
+                spec.records_surfaces = true;
+                return scene.scan(Some(&spec), sample);
+            }
             if !ideal {
                 return scene.scan(spec, sample);
             }
@@ -212,6 +218,8 @@ impl Scene {
                 ring,
                 column,
                 semantic: scan.semantic(&posed),
+                echo: scan.range_m.iter().map(|r| u8::from(r.is_finite())).collect(),
+                surface: Vec::new(),
                 range_m: scan.range_m.iter().map(|r| f64::from(*r)).collect(),
                 actor_id: scan.actor_id,
                 firing_times_s: vec![0.0; spec.azimuths_rad().len()],

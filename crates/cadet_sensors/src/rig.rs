@@ -44,12 +44,12 @@ pub struct Mounted<T> {
 /// Cameras and LIDARs on the ego vehicle. The first camera's frame is the one that labels are given in.
 ///
 /// ```
-/// use cadet_core::camera::CameraModel;
-/// use cadet_core::frames;
-/// use cadet_core::lidar::LidarSpec;
-/// use cadet_core::math::{DPose3, DVec3, PI};
-/// use cadet_core::nalgebra::Matrix3x4;
-/// use cadet_core::rig::{Mount, Mounted, Rig};
+/// use cadet_base::frames;
+/// use cadet_base::math::{DPose3, DVec3, PI};
+/// use cadet_sensors::camera::CameraModel;
+/// use cadet_sensors::lidar::LidarSpec;
+/// use cadet_sensors::rig::{Mount, Mounted, Rig};
+/// use nalgebra::Matrix3x4;
 ///
 /// let projection = Matrix3x4::new(700.0, 0.0, 320.0, 0.0, 0.0, 700.0, 120.0, 0.0, 0.0, 0.0, 1.0, 0.0);
 /// let sensor = CameraModel::new(640, 240, projection, None)?;
@@ -62,7 +62,7 @@ pub struct Mounted<T> {
 ///
 /// let world_from_cam = rig.world_from_cam(&DPose3::IDENTITY);
 /// assert!((world_from_cam.rotation * DVec3::Z - DVec3::X).length() < 1e-12);
-/// # Ok::<_, cadet_core::Error>(())
+/// # Ok::<_, cadet_base::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Rig {

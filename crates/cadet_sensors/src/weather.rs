@@ -94,6 +94,13 @@ pub fn snow_share(rise: f32) -> f32 {
     ((rise - SNOW_FROM_RISE) * SNOW_PER_RISE).clamp(0.0, 1.0)
 }
 
+/// Attenuation of fog, 1/m, through which one sees so far: the meteorological optical range, at which a twentieth of the light
+/// of a lamp is left.
+#[must_use]
+pub fn fog_alpha_per_m(visibility_m: f64) -> f64 {
+    math::ln(20.0) / visibility_m
+}
+
 /// (name, cloudiness, wetness, rain mm/h) of the seven skies of CARLA 0.8.
 const SKIES: [(&str, f64, f64, f64); 7] = [
     ("clear", 0.1, 0.0, 0.0),
@@ -156,8 +163,8 @@ impl Weather {
                     weather.sun_elevation_rad = 10_f64.to_radians();
                 }
             }
-            (None, "light_fog") => (weather.cloudiness, weather.fog_alpha_per_m) = (0.9, 0.01),
-            (None, "dense_fog") => (weather.cloudiness, weather.fog_alpha_per_m) = (1.0, 0.06),
+            (None, "light_fog") => (weather.cloudiness, weather.fog_alpha_per_m) = (0.9, fog_alpha_per_m(300.0)),
+            (None, "dense_fog") => (weather.cloudiness, weather.fog_alpha_per_m) = (1.0, fog_alpha_per_m(50.0)),
             (None, "snow") => (weather.cloudiness, weather.snow_mm_per_h) = (1.0, 1.5),
             (None, "dusk") => (weather.cloudiness, weather.sun_elevation_rad) = (0.4, 3_f64.to_radians()),
             (None, "clear_night") => weather.sun_elevation_rad = NIGHT_SUN_RAD,
@@ -187,8 +194,8 @@ impl Weather {
         Ok(weather)
     }
 
-    /// Checks what is in the air and on the ground: fog of at most 10 per meter, rain of at most 1000 and snow of at most
-    /// 100 mm/h, wetness of 0 to 1.
+    /// Checks what is in the air, the sky, and on the ground: fog of at most 10 per meter, rain of at most 1000 and snow of at
+    /// most 100 mm/h, wetness and clouds of 0 to 1, a sun from 90 degrees below to 90 above the horizon.
     ///
     /// # Errors
     /// [`Error::NotFinite`] or [`Error::OutOfRange`], naming the field.
@@ -198,6 +205,8 @@ impl Weather {
             ("rain", self.rain_mm_per_h, 1000.0),
             ("snow", self.snow_mm_per_h, 100.0),
             ("wetness", self.wetness, 1.0),
+            ("cloud_cover", self.cloudiness, 1.0),
+            ("sun_elevation_deg + 90", self.sun_elevation_rad.to_degrees() + 90.0, 180.0),
         ] {
             if !(0.0..=most).contains(&finite(what, value)?) {
                 return Err(Error::OutOfRange { what, value: value.to_string(), expected: format!("0 to {most}") });

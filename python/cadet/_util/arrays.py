@@ -1,16 +1,24 @@
-"""Checks of the arrays that users hand in: exact dtype, shape, finite."""
+"""Checks of the arrays that users hand in: exact dtype, shape, finite; and their .npy files."""
 
 from __future__ import annotations
 
-from typing import Any
+import io
+import warnings
+from tokenize import TokenError
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cadet.errors import NonFiniteError, ShapeError
+from cadet.errors import FileFormatError, NonFiniteError, ShapeError
 
 _WIDEST = 8
 """Bytes: the core computes in double precision."""
+_NO_ARRAY: Final = (
+    *(ValueError, EOFError, TypeError, SyntaxError, OverflowError, MemoryError, RecursionError, KeyError),
+    *(AttributeError, TokenError),
+)
+"""What NumPy raises, which reads a header as Python's text."""
 
 
 def check_array(
@@ -91,3 +99,28 @@ def as_array(
             raise ShapeError(f"{name}: expected numbers in rows of one length, got another kind of list") from None
         return check_array(array, name, shape, finite=finite)
     return check_array(values, name, shape, dtype, finite=finite)
+
+
+def npy_from_array(array: NDArray[Any]) -> bytes:
+    """Return an array in NumPy's .npy format."""
+    file = io.BytesIO()
+    np.save(file, array, allow_pickle=False)
+    return file.getvalue()
+
+
+def array_from_npy(data: bytes, file: str) -> NDArray[Any]:
+    """Read an array of NumPy's .npy format.
+
+    Raises:
+        FileFormatError: the data are damaged or of another format, or hold Python's objects.
+    """
+    try:
+        # Files of Python 2 are read all the same.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            array: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    except _NO_ARRAY as error:
+        raise FileFormatError(f"cannot be read as an array: {' '.join(str(error).split())[:200]}", file) from None
+    if not isinstance(array, np.ndarray):
+        raise FileFormatError("several arrays (.npz), expected one (.npy)", file)
+    return array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import sys
@@ -14,12 +15,14 @@ import click
 from rich.console import Console
 
 from cadet import _cadet
+from cadet._util.checks import shown
 from cadet._util.notices import notice
 from cadet.cli.destination import Destination
 from cadet.cli.names import names_option
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
+from cadet.formats.point_files import POINT_FILES
 from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.sensors.lidar import LIDAR_PRESETS, RETURN_MODES
 from cadet.sensors.rig import RIG_PRESETS, Rig
@@ -28,13 +31,14 @@ from cadet.worlds.districts import DISTRICTS
 from cadet.worlds.policy import POLICIES, ResetPolicy
 from cadet.worlds.policy_table import changed
 from cadet.worlds.road_map import RoadMap
-from cadet.worlds.weather import weather_names
+from cadet.worlds.weather import Weather, weather_names
 
 _WORLD: Final = (
     *("districts", "maps", "weathers", "rig", "lidar", "rolling", "returns", "divergence_mrad", "image_size"),
     *("assets", "skip_bad", "props", "hz", "length_s"),
 )
 """The options that change the policy, by the same keys as in a file."""
+_A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -67,6 +71,7 @@ _WORLD: Final = (
 @click.option("--divergence-mrad", type=float, help="How far LIDARs' beams open, the full cone.")
 @click.option("--maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @names_option("--weathers", help="Some of the presets below.")
+@click.option("--weather", metavar="JSON", help=f"Numbers of a weather, {_A_WEATHER} (docs/weather.md).")
 @click.option("--assets", metavar="DIR", help="Own meshes: a folder with an assets.toml (docs/assets.md).")
 @click.option(
     "--skip-bad", is_flag=True, default=None, help="Leave out those of --assets whose meshes are missing or broken."
@@ -90,6 +95,7 @@ _WORLD: Final = (
 )
 @click.option("--address", help="Address of the Ray cluster.  [default: RAY_ADDRESS, or a local Ray]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
+@names_option("--points", help=f"Write scans so, too: {','.join(POINT_FILES)} (--write points_ply and so on).")
 @names_option("--write", help=f"Write these too: {','.join(EXTRAS)}.")
 @click.option("--resume", is_flag=True, help="Continue a run that the same command started.")
 @click.option(
@@ -119,19 +125,21 @@ def cadet_gen(
     workers: int | None,
     engine: str,
     address: str | None,
+    points: tuple[str, ...],
     write: tuple[str, ...],
     resume: bool,
     val_fraction: float,
     test_fraction: float,
     **world: Any,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', or shards.
+    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', shards, or bags.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen scenes -n 160 --format nuscenes --hz 2 --length-s 20
     cadet-gen drives -n 200 --format kitti_raw --hz 10 --length-s 20
+    cadet-gen bags -n 400 --format mcap --hz 10 --length-s 20   # ROS 2's messages
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen fields -n 500 --districts country_road   # or motorway
@@ -141,6 +149,9 @@ def cadet_gen(
     """  # noqa: D301 - click reads the backspace
     if address is not None and engine != "ray":
         raise CadetError("--address: goes with --engine ray")
+    for suffix in points:
+        if suffix not in POINT_FILES:
+            raise CadetError(f"--points: unknown {shown(suffix)}; known: {', '.join(POINT_FILES)}")
     try:
         settings = Settings(
             seed=seed,
@@ -148,7 +159,7 @@ def cadet_gen(
             policy=_policy(policy, format, world),
             format=format,
             shard_size=shard_size,
-            write=write,
+            write=tuple(dict.fromkeys((*write, *(f"points_{suffix}" for suffix in points)))),
             val_fraction=val_fraction,
             test_fraction=test_fraction,
         )
@@ -210,6 +221,10 @@ def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:
     except CadetError as error:
         raise CadetError(f"--policy: {error}") from None
     table = {key: world[key] for key in _WORLD if world[key] not in (None, ())}
+    if world["weather"] is not None:
+        if "weathers" in table:
+            raise CadetError("--weather: expected it or --weathers, not both")
+        table["weathers"] = {"custom": _numbers(world["weather"])}
     if "image_size" in table:
         table["image_size"] = _image_size(table["image_size"])
     if format == "nuscenes":
@@ -225,7 +240,12 @@ def _check_drivable(road_map: RoadMap) -> None:
     native = Rig.kitti()._to_native()
     config = SceneConfig()._to_native()
     scene = _cadet.Scene.empty(
-        map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config, assets=None
+        map_name=road_map.name,
+        map_xodr=road_map.xodr,
+        weather=Weather()._to_native(),
+        rig=native,
+        config=config,
+        assets=None,
     )
     notice(scene.map_warnings(), about=road_map)
 
@@ -235,6 +255,16 @@ def _image_size(text: str) -> list[int]:
     if match is None:
         raise CadetError(f"--image-size: expected WxH such as 1242x375, got {text!r}")
     return [int(match[1]), int(match[2])]
+
+
+def _numbers(text: str) -> dict[str, Any]:
+    try:
+        numbers = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise CadetError(f"--weather: expected {_A_WEATHER}, got {text!r} ({error})") from None
+    if not isinstance(numbers, dict):
+        raise CadetError(f"--weather: expected {_A_WEATHER}, got {text!r}")
+    return numbers
 
 
 def _how_to_go_on(context: click.Context, num_done: int, num_frames: int) -> str:

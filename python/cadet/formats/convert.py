@@ -1,4 +1,4 @@
-"""Datasets from one format to another, byte for byte: KITTI's folder and tar shards hold the same files."""
+"""Datasets from one format to another, byte for byte: KITTI's folder and tar shards hold the same files. And scans."""
 
 from __future__ import annotations
 
@@ -22,8 +22,11 @@ from cadet.formats.kitti.files.folder import (
     testing_folder,
 )
 from cadet.formats.kitti.files.other_layouts import no_frames
+from cadet.formats.kitti.files.point_labels import point_times_from_bytes
 from cadet.formats.kitti.frame_files import FolderFiles, FrameFiles
 from cadet.formats.kitti.image_sets import LISTS, ImageSet, list_bytes, list_paths, read_image_set
+from cadet.formats.point_files import POINT_FILES, columns_of_points
+from cadet.formats.scan_files.read import scan_from_data
 from cadet.formats.webdataset import ShardDataset
 from cadet.formats.webdataset.dataset import expand_pattern, is_pattern, is_shard_folder
 from cadet.formats.webdataset.exporter import SHARD_SIZE
@@ -32,8 +35,8 @@ from cadet.formats.webdataset.member import Member
 from cadet.formats.webdataset.member_names import member_name
 from cadet.formats.webdataset.tar_writing import archive_chunks
 
-FORMATS: Final = ("kitti", "webdataset")
-"""What can be converted to."""
+FORMATS: Final = ("kitti", "webdataset", *POINT_FILES)
+"""What can be converted to: sets byte for byte, and scans in other formats."""
 UNLISTED: Final = "unlisted"
 """The split of frames that neither `train.txt` nor `val.txt` names, where there are such lists."""
 
@@ -60,7 +63,10 @@ class _Source:
 
 
 def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = SHARD_SIZE) -> Converted:
-    """Write a dataset in another format. No file of a frame is parsed or changed, and lists of splits are kept.
+    """Write a dataset in another format, or its scans. Lists of splits are kept.
+
+    Between sets no file of a frame is parsed or changed. Scans have x, y, z, and intensity, the `ring` where their
+    files have it, and the `time` where `point_times` has it.
 
     Args:
         source: a KITTI folder, a folder of shards as `cadet-gen --format webdataset` writes it, or a pattern that names
@@ -70,9 +76,9 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
         shard_size: frames of a shard.
 
     Raises:
-        CadetError: an unknown format, a folder that is not empty, lists that contradict each other or the folder, or
-            archives as `read_members` refuses them.
-        MissingFileError: no dataset.
+        CadetError: an unknown format, a folder that is not empty, lists that contradict each other or the folder,
+            archives as `read_members` refuses them, or, to write scans, a scan that cannot be read.
+        MissingFileError: no dataset, or, to write scans, a frame without one.
         OSError: the folder can't be written.
     """
     if not is_one_of(to, FORMATS):
@@ -84,6 +90,8 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
         for split, (files, ids) in found.splits.items():
             if to == "kitti":
                 _put_folder(sink, split, files, ids)
+            elif to in POINT_FILES:
+                _put_points(sink, split, files, ids, to)
             else:
                 _put_shards(sink, split, files, ids, int(shard_size))
         if to == "kitti":
@@ -183,6 +191,20 @@ def _put_folder(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[st
     for frame_id in ids:
         for kind, suffix, data in _files_of(files, frame_id):
             sink.put(str(file_path(part, kind, frame_id, suffix)), data)
+
+
+def _put_points(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[str], suffix: str) -> None:
+    part = Path("testing" if split == "test" else "training")
+    for frame_id in ids:
+        data, name = files.read("velodyne", frame_id)
+        scan = scan_from_data(data, name)
+        time_s = None
+        if files.has("point_times", frame_id):
+            time_s = point_times_from_bytes(*files.read("point_times", frame_id))
+            if len(time_s) != len(scan.points_velo):
+                raise CadetError(f"{name}: {len(scan.points_velo)} points, its point_times has {len(time_s)}")
+        columns = columns_of_points(scan.points_velo, scan.ring, time_s)
+        sink.put(str(file_path(part, f"points_{suffix}", frame_id)), POINT_FILES[suffix](columns))
 
 
 def _put_shards(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[str], shard_size: int) -> None:

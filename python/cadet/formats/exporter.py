@@ -1,4 +1,4 @@
-"""What a dataset's format must be able to do; `kitti`, `kitti_sequences`, `nuscenes`, and `webdataset` hold some."""
+"""What a dataset's format must be able to do; `kitti`, `kitti_sequences`, `nuscenes`, `ros_bags` hold some."""
 
 from __future__ import annotations
 

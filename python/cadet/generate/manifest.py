@@ -87,11 +87,14 @@ def _is_there(sink: Sink, name: str, wanted: Iterable[bytes]) -> bool:
 
 def _chunks(head: dict[str, Any], hashes: dict[str, str], sink: Sink, settings: Settings) -> Iterator[bytes]:
     """Yield the manifest frame by frame, so that its size does not bound the dataset's."""
-    yield json.dumps(head, indent=1, allow_nan=False)[:-2].encode("ascii") + b',\n "sha256": {\n'
-    yield _lines(hashes)
+    lead = json.dumps(head, indent=1, allow_nan=False)[:-2].encode("ascii") + b',\n "sha256": {\n'
+    if hashes:
+        yield lead + _lines(hashes)
+        lead = b",\n"
     records = read_each(sink, (settings.exporter.path(place, "record") for place in settings.places()))
     for place, record in zip(settings.places(), records, strict=True):
-        yield b",\n" + _lines(recorded_hashes(settings, place, record))
+        yield lead + _lines(recorded_hashes(settings, place, record))
+        lead = b",\n"
     yield b"\n }\n}\n"
 
 

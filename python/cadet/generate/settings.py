@@ -17,6 +17,7 @@ from cadet.formats.exporter import Exporter, Place, Split
 from cadet.formats.kitti.exporter import KittiExporter
 from cadet.formats.kitti_sequences import KittiRawExporter, KittiTrackingExporter
 from cadet.formats.nuscenes.exporter import NuscenesExporter
+from cadet.formats.ros_bags import McapExporter
 from cadet.formats.webdataset.exporter import WebdatasetExporter
 from cadet.generate.object_sink import open_sink
 from cadet.sensors.rig import Rig
@@ -31,6 +32,7 @@ _ALL: Final[tuple[Exporter, ...]] = (
     KittiRawExporter(),
     NuscenesExporter(),
     WebdatasetExporter(),
+    McapExporter(),
 )
 EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
 """The formats by name."""
@@ -105,6 +107,8 @@ class Settings:
         exporter = EXPORTERS[self.format]
         if isinstance(exporter, WebdatasetExporter) and self.shard_size is not None:
             return replace(exporter, shard_size=self.shard_size)
+        if isinstance(exporter, NuscenesExporter) and self.policy.time_step_s is not None:
+            return exporter.at_time_step(self.policy.time_step_s)
         return exporter
 
     def open(self, root: str | Path) -> Sink:

@@ -48,8 +48,8 @@ class Laser:
     """Sensitivity of the receiver: below 1 it reports more zero intensities."""
     range_offset_m: Annotated[float, Limits(-1, 1)] = 0.0
     """By how much the laser measures too far: its points lie farther along their beams. Ideal scans have none."""
-    focus_m: Annotated[float, Limits(0, 1000)] = 0.0
-    """Of what comes from surfaces nearer than this, (range / focus)^3 of the power counts for detection."""
+    focus_m: Annotated[float, Limits(0, 1000)] = 6.0
+    """Of what comes from nearer than this, (range / focus)^3 of the power counts for detection."""
     blind_deg: tuple[tuple[float, float], ...] = ()
     """Azimuths (from, to) at which what carries the sensor is in the way: beams there never return."""
 
@@ -135,7 +135,17 @@ class ListedFiring:
 
 
 _NUMBERS = tuple(f.name for f in fields(Laser) if f.name != "blind_deg")
-_PLAIN = ("min_range_m", "max_range_m", "range_noise_m", "spin", "rate_hz", "start_azimuth_deg")
+_PLAIN = (
+    "min_range_m",
+    "max_range_m",
+    "range_noise_m",
+    "detection_range_m",
+    "beam_mrad",
+    "pulse_ns",
+    "spin",
+    "rate_hz",
+    "start_azimuth_deg",
+)
 """The fields of a table that are plain values."""
 SPINS = ("cw", "ccw")
 
@@ -186,6 +196,13 @@ class BeamTable(LidarFile):
     """Returns as far as this are not kept."""
     range_noise_m: Annotated[float, Limits(0, 10)] = 0.0078
     """Standard deviation of the range."""
+    detection_range_m: Annotated[float, Limits(0.1, 10_000)] = 79.0
+    """Where a target of 10 % that faces the sensor is detected half of the time, as data sheets state it. The default
+    is fitted to KITTI's cars."""
+    beam_mrad: Annotated[float, Limits(0.01, 20)] = 2.0
+    """Full cone of a beam, in which drops and flakes are met; `Lidar.divergence_mrad` also splits beams at edges."""
+    pulse_ns: Annotated[float, Limits(0.1, 100)] = 5.0
+    """Half-power width of a pulse: echoes within half the way that light goes in it are one."""
     spin: str = "cw"
     """Which way it turns, seen from above: one of `SPINS`, clockwise or counter-clockwise."""
     rate_hz: Annotated[float, Limits(1, 100)] = 10.0

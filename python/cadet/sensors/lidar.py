@@ -18,7 +18,7 @@ from cadet._util.toml_file import NamedFile
 from cadet.errors import CadetError
 from cadet.sensors.beam_table import BeamTable, LidarFile
 
-RETURN_MODES = ("strongest", "last")
+RETURN_MODES = tuple(_cadet.Lidar.return_modes())
 HOW = ("single_origin", "rolling", "returns", "divergence_mrad")
 """How a scan is taken, besides where the beams go."""
 _FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" / "lidars").glob("*.toml"))}
@@ -37,7 +37,8 @@ class Lidar(LidarFile, NamedFile):
         rolling: the car and all actors move during the turn, which looks forward at the image's instant
             (`BeamTable.spin`, `rate_hz`, `start_azimuth_deg`); points stay in the frame of their own firing, at
             `Scan.time_s`.
-        returns: "strongest" or "last": what is reported where a beam meets several surfaces.
+        returns: which of the echoes of one pulse are reported: "strongest", "last", "first", "dual" (the strongest and
+            the last) or "triple" (the three strongest), each with its `Scan.echo`.
         divergence_mrad: how far a beam opens (the full cone), so that it meets several surfaces at depth edges; 0 for
             beams that meet surfaces as lines do; drops and flakes then see the sensor's own 2 mrad. The HDL-64E's is 2
             to 3.

@@ -17,6 +17,26 @@ from cadet._util.summary import counts, summary
 from cadet.errors import CadetError
 from cadet.sensors.rig import Rig
 
+MATERIALS = tuple(_cadet.Lidar.materials())
+"""What `ScanSurfaces.material` counts."""
+
+
+class ScanSurfaces(NamedTuple):
+    """The surfaces that returned a scan's points; for what fog, drops and flakes returned NaN and -1.
+
+    Attributes:
+        cos_incidence: (N,) float32, of the angle between the beam and the normal, 0 to 1.
+        reflectance: (N,) float32 back to the sensor, against a white diffuse surface that faces it, with what panes,
+            water, snow and other parts of a split beam leave of it; of a retroreflector hundreds.
+        normal_velo: (N, 3) float32, unit length, towards the sensor as it stood when the laser fired.
+        material: (N,) int8, an index into `cadet.MATERIALS`.
+    """
+
+    cos_incidence: NDArray[np.float32]
+    reflectance: NDArray[np.float32]
+    normal_velo: NDArray[np.float32]
+    material: NDArray[np.int8]
+
 
 @dataclass(frozen=True, eq=False)
 class Scan:
@@ -32,6 +52,8 @@ class Scan:
         semantic: (N,) uint8, values of `cadet.Semantic`; sky for a miss, and for what fog, drops and flakes return.
         range_m: (N,) float64 from the laser's origin; inf for a miss.
         time_s: (N,) float32, when it fired, seconds from the image's instant; 0 where `Lidar.rolling` is off.
+        echo: (N,) uint8, its number among the echoes of its pulse that are detected, the nearest 1; 0 for a miss.
+        surfaces: what returned each point, if it was asked for.
     """
 
     points_velo: NDArray[np.float32]
@@ -41,6 +63,8 @@ class Scan:
     semantic: NDArray[np.uint8]
     range_m: NDArray[np.float64]
     time_s: NDArray[np.float32]
+    echo: NDArray[np.uint8]
+    surfaces: ScanSurfaces | None = None
 
     def __repr__(self) -> str:
         rings, hits = len(np.unique(self.ring)), int((self.actor_id >= 0).sum())
@@ -52,6 +76,12 @@ MORE_MAPS: Final = ("normals", "optical_flow", "scene_flow", "radiance")
 _FLOW_S: Final = 0.1
 """The time between KITTI's images."""
 _FLOW_LIMITS_S: Final = (1e-3, 10.0)
+
+
+def scan_from_native(native: Mapping[str, Any]) -> Scan:
+    """Return the scan that the core took."""
+    surfaces = native["surfaces"]
+    return Scan(**{**native, "surfaces": None if surfaces is None else ScanSurfaces(**surfaces)})
 
 
 @dataclass(frozen=True)
@@ -308,7 +338,7 @@ class Sample:
 
     def scan(self, name: str | None = None) -> Scan:
         """Return a LIDAR's scan, the first one's if None."""
-        return Scan(**self._native.scan(_index(self.scan_names, name)))
+        return scan_from_native(self._native.scan(_index(self.scan_names, name)))
 
 
 def _index(names: tuple[str, ...], name: str | None) -> int:

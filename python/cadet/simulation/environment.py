@@ -17,6 +17,7 @@ from cadet.worlds.config import SceneConfig
 from cadet.worlds.policy import ResetPolicy
 from cadet.worlds.policy_choice import choose_policy, draw_with
 from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import Weather
 
 
 class Environment:
@@ -28,7 +29,7 @@ class Environment:
         policy: how worlds are drawn, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
         rig: the sensors; the policy's if None.
         map: an OpenDRIVE file, or one that was read; the policy's maps, or suburbs that are generated, if None.
-        weather: a preset of `weather_names()`; drawn if None.
+        weather: a preset of `weather_names()`, or numbers; drawn if None.
         config: how full every scene is, and what gets a label; what it was not given is drawn.
         assets: the user's own meshes, or their folder; the policy's if None.
         sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`.
@@ -46,7 +47,7 @@ class Environment:
         policy: ResetPolicy | str | None = None,
         rig: Rig | None = None,
         map: RoadMap | str | Path | None = None,
-        weather: str | None = None,
+        weather: Weather | str | None = None,
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
         sensors: Iterable[str] | None = None,

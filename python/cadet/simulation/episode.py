@@ -12,6 +12,7 @@ from cadet.errors import CadetError
 from cadet.sensors.rig import Rig
 from cadet.sensors.sample import Sample, Wanted
 from cadet.worlds.policy import EpisodeSpec, ResetPolicy
+from cadet.worlds.weather import weather_names
 
 
 def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
@@ -26,7 +27,7 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
         spec.attempt,
         map_name=None if spec.road_map is None else spec.road_map.name,
         map_xodr=None if spec.road_map is None else spec.road_map.xodr,
-        weather=spec.weather,
+        weather=spec.weather._to_native(),
         rig=spec.mounted_rig._to_native(),
         config=spec.config.scaled(spec.rig.camera.image_scale)._to_native(),
         assets=None if spec.assets is None else spec.assets._to_native(),
@@ -157,6 +158,7 @@ class Episode:
             "policy": self.policy.name,
             "district": spec.district,
             **({} if flow_s is None else {"flow_s": flow_s}),
+            **({} if spec.weather.name in weather_names() else {"weather_numbers": spec.weather.numbers()}),
         }
 
     def _advance(self, number: int) -> tuple[_cadet.Scene, EpisodeSpec]:

@@ -24,6 +24,7 @@ from cadet.worlds.config import SceneConfig
 from cadet.worlds.policy import ResetPolicy
 from cadet.worlds.policy_choice import choose_policy
 from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import Weather
 
 try:
     import gymnasium
@@ -65,7 +66,7 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         policy: how worlds are drawn, as in `cadet.Environment`.
         rig: the sensors of all episodes; the policy's first if None.
         map: an OpenDRIVE file, or one that was read; the policy's maps, or generated suburbs, if None.
-        weather: a preset; drawn if None.
+        weather: a preset, or numbers; drawn if None.
         config: how full every scene is; what it was not given is drawn.
         assets: the user's own meshes.
         max_speed_mps: the action space's greatest speed.
@@ -87,7 +88,7 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         policy: ResetPolicy | str | None = None,
         rig: Rig | None = None,
         map: RoadMap | str | Path | None = None,
-        weather: str | None = None,
+        weather: Weather | str | None = None,
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
         max_speed_mps: float = 20.0,

@@ -18,14 +18,14 @@ from cadet.errors import CadetError
 from cadet.formats.kitti import Frame, frame_from_sample
 from cadet.sensors.lidar import Lidar
 from cadet.sensors.rig import Rig
-from cadet.sensors.sample import Agent, Sample, Scan, Wanted, agent_from_native
+from cadet.sensors.sample import Agent, Sample, Scan, Wanted, agent_from_native, scan_from_native
 from cadet.simulation.episode import Episode, as_command, request
 from cadet.worlds.assets import Assets, as_assets
 from cadet.worlds.config import SceneConfig
 from cadet.worlds.policy import ResetPolicy
 from cadet.worlds.policy_choice import choose_policy, draw_with
 from cadet.worlds.road_map import RoadMap, as_road_map
-from cadet.worlds.weather import check_weather
+from cadet.worlds.weather import Weather, as_weather
 
 _MAX_PLACE_M = 1e6
 
@@ -71,7 +71,7 @@ class Scene:
         *,
         seed: int | None = None,
         map: RoadMap | str | Path | None = None,
-        weather: str | None = None,
+        weather: Weather | str | None = None,
         rig: Rig | None = None,
         config: SceneConfig | None = None,
         policy: ResetPolicy | str | None = None,
@@ -84,7 +84,7 @@ class Scene:
         Args:
             seed: names every random draw; None draws a fresh one, which `seed` and the metadata then tell.
             map: an OpenDRIVE file, or one that was read; a suburb is generated if None and the policy has no maps.
-            weather: a preset of `weather_names()`; drawn if None.
+            weather: a preset of `weather_names()`, or numbers; drawn if None.
             rig: the sensors; the policy's if None.
             config: how full the scene is; what it was not given is drawn.
             policy: draws what is not given, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
@@ -106,7 +106,7 @@ class Scene:
         cls,
         *,
         map: RoadMap | str | Path | None = None,
-        weather: str = "clear_noon",
+        weather: Weather | str = "clear_noon",
         rig: Rig | None = None,
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
@@ -117,7 +117,7 @@ class Scene:
             map: an OpenDRIVE file, or one that was read; None is a level square of 400 m that looks like a road of two
                 lanes along x between lawns. The ego stands at the origin, in the right one; since nothing can be driven
                 along there, `command_ego` needs a map.
-            weather: a preset of `weather_names()`.
+            weather: a preset of `weather_names()`, or numbers.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.
             assets: the user's own meshes, or their folder, for `add`.
@@ -130,14 +130,14 @@ class Scene:
         check_kind("", "rig", rig, Rig)
         config = SceneConfig() if config is None else config
         check_kind("", "config", config, SceneConfig)
-        own = as_assets(assets)
+        own, given = as_assets(assets), as_weather(weather)
         road_map = None if map is None else as_road_map(map)
         native = _cadet.Scene.empty(
             map_name=None if road_map is None else road_map.name,
             map_xodr=None if road_map is None else road_map.xodr,
-            weather=check_weather(weather),
+            weather=given._to_native(),
             rig=rig._to_native(),
-            config=config.scaled(rig.camera.image_scale)._to_native(),
+            config=given.sun_of(config).scaled(rig.camera.image_scale)._to_native(),
             assets=None if own is None else own._to_native(),
         )
         if road_map is not None:
@@ -306,19 +306,27 @@ class Scene:
         flow = {} if over_s is None else {"flow_s": over_s}
         return frame_from_sample(Sample(native, self._rig, (self._origin or {"sample": self._num_moves}) | flow))
 
-    def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
+    def scan(self, lidar: Lidar | None = None, *, ideal: bool = False, surfaces: bool = False) -> Scan:
         """Take a scan with a LIDAR.
 
         Args:
             lidar: the rig's own if None.
             ideal: every triangle opaque, every hit returned, no noise, drop-out, weather or rounding; all rays at one
                 instant and as thin as lines, whatever the LIDAR's `rolling` and `divergence_mrad`.
+            surfaces: tell in `Scan.surfaces` what returned each point; not for ideal scans.
+
+        Raises:
+            CadetError: surfaces of an ideal scan.
         """
         if lidar is not None:
             check_kind("", "lidar", lidar, Lidar)
         check_flag("scan", "ideal", ideal)
         native = None if lidar is None else lidar._to_native()
-        return Scan(**self._native.scan(native, bool(ideal), self._num_moves))
+        check_flag("scan", "surfaces", surfaces)
+        if ideal and surfaces:
+            raise CadetError("scan.surfaces: an ideal scan has none, every hit is returned as it is; leave ideal out")
+        how = {"ideal": bool(ideal), "surfaces": bool(surfaces)}
+        return scan_from_native(self._native.scan(native, **how, sample=self._num_moves))
 
     def cast_rays(
         self,

@@ -26,6 +26,7 @@ from cadet.worlds.assets import Assets
 from cadet.worlds.config import SceneConfig
 from cadet.worlds.policy import ResetPolicy
 from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import Weather
 
 _MOST_EPISODES: Final = 10**9
 
@@ -150,7 +151,7 @@ def stream(
     shard: tuple[int, int] = (0, 1),
     rig: Rig | None = None,
     map: RoadMap | str | Path | None = None,
-    weather: str | None = None,
+    weather: Weather | str | None = None,
     config: SceneConfig | None = None,
     assets: Assets | str | Path | None = None,
     sensors: Iterable[str] | None = None,
@@ -167,7 +168,7 @@ def stream(
         shard: (i, n): of every n episodes the i-th alone, for several readers that share a stream without overlap.
         rig: as for `Environment`, like all that follow.
         map: an OpenDRIVE file, or one that was read.
-        weather: a preset of `weather_names()`.
+        weather: a preset of `weather_names()`, or numbers.
         config: how full every scene is, and what gets a label; what it was not given is drawn.
         assets: the user's own meshes, or their folder.
         sensors: names of sensors besides the first camera and LIDAR.

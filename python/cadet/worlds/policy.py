@@ -38,7 +38,7 @@ from cadet.worlds.draws import Draws
 from cadet.worlds.policy_table import changed, keys_of_policy, table_of_policy
 from cadet.worlds.props import Props
 from cadet.worlds.road_map import RoadMap
-from cadet.worlds.weather import check_weather, weather_names
+from cadet.worlds.weather import Weather, as_weather, table_of_weathers, weather_names
 
 STEPS_PER_S = 60
 """Steps of physics a second."""
@@ -60,8 +60,8 @@ class EpisodeSpec:
     """The district's name."""
     road_map: RoadMap | None
     """The map; None for a generated suburb."""
-    weather: str
-    """The preset."""
+    weather: Weather
+    """In numbers."""
     config: SceneConfig
     """How full the scene is, and what gets a label."""
     rig: Rig
@@ -106,8 +106,8 @@ class ResetPolicy(NamedFile):
     """After so many redrawn worlds an episode is given up with an error."""
     maps: tuple[RoadMap, ...] = ()
     """One is drawn, all equally likely; none means suburbs generated from the seed."""
-    weathers: tuple[tuple[str, float], ...]
-    """Presets with their weights."""
+    weathers: tuple[tuple[Weather, float], ...]
+    """Weathers of different names, or presets by name, with their weights."""
     districts: tuple[tuple[District, float], ...]
     """Districts with their weights."""
     rigs: tuple[tuple[Rig, float], ...] = ((Rig.kitti(), 1.0),)
@@ -150,8 +150,10 @@ class ResetPolicy(NamedFile):
                 check_number("ResetPolicy", f"{name} weight", weight, 0, 1e9)
             if sum(weight for _, weight in pairs) <= 0:
                 raise CadetError(f"ResetPolicy.{name}: expected a weight above 0, got none")
-        for weather, _ in self.weathers:
-            check_weather(weather)
+        weathers = tuple((as_weather(weather), weight) for weather, weight in self.weathers)
+        object.__setattr__(self, "weathers", weathers)
+        if len({weather.name for weather, _ in weathers}) < len(weathers):
+            raise CadetError("ResetPolicy.weathers: expected weathers of different names")
         for district, _ in self.districts:
             check_kind("ResetPolicy", "districts", district, District)
         for rig, _ in self.rigs:
@@ -174,7 +176,7 @@ class ResetPolicy(NamedFile):
             name="kitti",
             # So long that red lights do not fill the set with one view.
             blocked_s=6.0,
-            weathers=_KITTI_WEATHERS,
+            weathers=tuple((Weather.preset(name), weight) for name, weight in _KITTI_WEATHERS),
             districts=KITTI_DISTRICTS,
             rigs=Rig.every_kitti(),
             car_pitch_sd_deg=_KITTI_CAR_PITCH_SD_DEG,
@@ -189,7 +191,7 @@ class ResetPolicy(NamedFile):
         return cls(
             name="paper",
             label=LabelConfig(boxes="exact"),
-            weathers=tuple((name, 1.0) for name in weather_names() if not name.endswith("_night")),
+            weathers=tuple((Weather.preset(name), 1.0) for name in weather_names() if not name.endswith("_night")),
             # In CARLA's towns of that time every car drove, and little stood about.
             districts=(
                 (
@@ -268,13 +270,13 @@ class ResetPolicy(NamedFile):
         """Return the policy with each of its districts changed."""
         return replace(self, districts=tuple((change(district), weight) for district, weight in self.districts))
 
-    def with_weathers(self, *names: str) -> ResetPolicy:
-        """Return the policy with these weathers, all equally likely.
+    def with_weathers(self, *weathers: Weather | str) -> ResetPolicy:
+        """Return the policy with these weathers, presets by name, all equally likely.
 
         Raises:
-            CadetError: none, or what is no preset.
+            CadetError: none, or what is no weather.
         """
-        return replace(self, weathers=tuple((name, 1.0) for name in names))
+        return replace(self, weathers=tuple((as_weather(weather), 1.0) for weather in weathers))
 
     def with_each_rig(self, change: Callable[[Rig], Rig]) -> ResetPolicy:
         """Return the policy with each of its rigs changed."""
@@ -292,6 +294,7 @@ class ResetPolicy(NamedFile):
         check_number("", "attempt", attempt, 0, MAX_EPISODE, whole=True)
         episode, attempt = int(episode), int(attempt)
         weather = Draws(seed, episode, attempt, "weather").weighted(self.weathers)
+        weather = weather.drawn(Draws(seed, episode, attempt, "weather numbers"))
         district = Draws(seed, episode, attempt, "district").weighted(self.districts)
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
         counts = Draws(seed, episode, attempt, "counts")
@@ -321,7 +324,7 @@ class ResetPolicy(NamedFile):
             district=district.name,
             road_map=None if map_index is None else self.maps[map_index],
             weather=weather,
-            config=config,
+            config=weather.sun_of(config),
             rig=rig,
             car_pitch_deg=round(self.car_pitch_sd_deg * load.bell(), 6),
             assets=self.assets,
@@ -344,7 +347,7 @@ class ResetPolicy(NamedFile):
             values["assets"] = self.assets.to_dict()
         values["maps"] = [{"name": m.name, "sha256": m.sha256} for m in self.maps]
         values["districts"] = [{**district.to_dict(), "weight": weight} for district, weight in self.districts]
-        values["weathers"] = dict(self.weathers)
+        values["weathers"] = table_of_weathers(self.weathers)
         return values
 
 

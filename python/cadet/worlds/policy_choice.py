@@ -14,14 +14,14 @@ from cadet.worlds.assets import Assets, as_assets
 from cadet.worlds.config import SceneConfig
 from cadet.worlds.policy import POLICIES, EpisodeSpec, ResetPolicy
 from cadet.worlds.road_map import RoadMap, as_road_map
-from cadet.worlds.weather import check_weather
+from cadet.worlds.weather import Weather, as_weather
 
 
 def choose_policy(
     policy: ResetPolicy | str | None,
     *,
     map: RoadMap | str | Path | None = None,
-    weather: str | None = None,
+    weather: Weather | str | None = None,
     rig: Rig | None = None,
     assets: Assets | str | Path | None = None,
 ) -> ResetPolicy:
@@ -40,7 +40,7 @@ def choose_policy(
     if map is not None:
         policy = replace(policy, maps=(as_road_map(map),))
     if weather is not None:
-        policy = replace(policy, weathers=((check_weather(weather), 1.0),))
+        policy = replace(policy, weathers=((as_weather(weather), 1.0),))
     if rig is not None:
         policy = policy.with_rig(rig)
     return policy if assets is None else replace(policy, assets=as_assets(assets))

@@ -17,6 +17,7 @@ from cadet.worlds.assets import Assets
 from cadet.worlds.districts import District
 from cadet.worlds.props import Props
 from cadet.worlds.road_map import RoadMap
+from cadet.worlds.weather import Weather, as_weather, table_of_weathers
 
 # A `ResetPolicy`, which uses this module.
 _Policy = Any
@@ -69,7 +70,7 @@ def table_of_policy(policy: _Policy) -> dict[str, Any]:
     plain = {key: value for key, value in table_of_object(policy).items() if key not in _WORLDS}
     districts = [{"weight": weight, "district": _name_or_table(one)} for one, weight in policy.districts]
     rigs = [{"weight": weight, "rig": _name_or_table(one)} for one, weight in policy.rigs]
-    return {**plain, "weathers": dict(policy.weathers), "districts": districts, "rigs": rigs}
+    return {**plain, "weathers": table_of_weathers(policy.weathers), "districts": districts, "rigs": rigs}
 
 
 def _name_or_table(one: Rig | District) -> Any:
@@ -83,7 +84,16 @@ def _with_field(policy: _Policy, key: str, table: Mapping[str, Any], folder: Pat
 
 def _with_weathers(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:
     weights = table[key] if isinstance(table[key], Mapping) else dict.fromkeys(_strings(table[key]), 1.0)
-    return replace(policy, weathers=tuple(weights.items()))
+    return replace(policy, weathers=tuple(_weather(name, value) for name, value in weights.items()))
+
+
+def _weather(name: str, value: Any) -> tuple[Weather, float]:
+    """Return a preset with its weight, or a weather of the table's own numbers with the one among them, 1 if none."""
+    if not isinstance(value, Mapping):
+        return as_weather(name), value
+    numbers = {key: tuple(v) if isinstance(v, list) else v for key, v in value.items() if key != "weight"}
+    check_keys(numbers, tuple(f.name for f in fields(Weather) if f.name != "name"))
+    return Weather(name=name, **numbers), value.get("weight", 1.0)
 
 
 def _with_districts(policy: _Policy, key: str, table: Mapping[str, Any], folder: Path) -> _Policy:

@@ -1,26 +1,31 @@
-"""One weather for both sensors: its presets, and the same fog, rain and snow for scans that were recorded without."""
+"""One weather for both sensors, and the same fog, rain and snow for scans that were recorded without."""
 
 from __future__ import annotations
 
+import math
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from numbers import Integral, Real
-from typing import Literal, NamedTuple, overload
+from typing import Annotated, Any, Final, Literal, NamedTuple, TypeAlias, get_origin, get_type_hints, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet._util.arrays import check_array
-from cadet._util.checks import is_one_of, plain_number, shown
+from cadet._util.checks import Limits, check_number, check_text, is_one_of, plain_number, shown
 from cadet.errors import CadetError, NonFiniteError, ShapeError
+from cadet.worlds.config import SceneConfig
+from cadet.worlds.draws import Draws
 
 
 class Fate(IntEnum):
     """What became of a point of a scan that `apply` put weather on."""
 
     KEPT = 0
-    """Still there: dimmer and, where rain or snow falls, a little noisier in range."""
+    """Still there: dimmer and a little noisier in range."""
     LOST = 1
     """Below the detection threshold."""
     SCATTERED = 2
@@ -40,6 +45,114 @@ class Air(NamedTuple):
     """Share of paved ground under a film of water."""
 
 
+_Number: TypeAlias = float | tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weather:
+    """A weather in numbers; a pair of them is a range, from which each episode of a policy draws its own.
+
+    The presets of `weather_names()` are such numbers: `Weather.preset("snow")`.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    name: str = "custom"
+    """For the metadata."""
+    rain_mm_h: Annotated[_Number, Limits(0, 1000)] = 0.0
+    """Rain rate, mm/h."""
+    fog_visibility_m: Annotated[_Number | None, Limits(1, 100_000)] = None
+    """Meteorological optical range of the fog alone, ln 20 over its attenuation; None for none."""
+    snow_mm_h: Annotated[_Number, Limits(0, 100)] = 0.0
+    """Snow rate, mm/h of water; where snow falls it also lies."""
+    wetness: Annotated[_Number, Limits(0, 1)] = 0.0
+    """Share of paved ground under a film of water."""
+    cloud_cover: Annotated[_Number, Limits(0, 1)] = 0.1
+    """0 is a clear sky, 1 an overcast one without shadows."""
+    sun_elevation_deg: Annotated[_Number | None, Limits(-90, 90)] = None
+    """The sun's height over the horizon, below 0 at night; None for one of 20 to 45 degrees, drawn by the seed."""
+    sun_azimuth_deg: Annotated[_Number | None, Limits(-360, 360)] = None
+    """Its direction, counter-clockwise from east; drawn by the seed if None, south in `Scene.empty`."""
+
+    def __post_init__(self) -> None:
+        check_text("Weather", "name", self.name)
+        for name, limits in _LIMITS.items():
+            value = getattr(self, name)
+            if value is None and name in _MAY_LACK:
+                continue
+            ends = value if isinstance(value, (list, tuple)) else (value,)
+            for end in ends:
+                check_number("Weather", name, end, *limits)
+            if len(ends) not in (1, 2) or ends[0] > ends[-1]:
+                raise CadetError(f"Weather.{name}: expected a number, or two that rise, got {shown(value)}")
+            plain = tuple(map(float, ends))
+            object.__setattr__(self, name, plain if isinstance(value, (list, tuple)) else plain[0])
+
+    @classmethod
+    def preset(cls, name: str) -> Weather:
+        """Return the numbers of a preset.
+
+        Raises:
+            CadetError: no preset of that name.
+        """
+        rain, visibility_m, snow, wetness, cloud_cover, elevation_deg = _cadet.weather_preset(check_weather(name))
+        return cls(
+            name=name,
+            rain_mm_h=rain,
+            fog_visibility_m=visibility_m,
+            snow_mm_h=snow,
+            wetness=wetness,
+            cloud_cover=cloud_cover,
+            sun_elevation_deg=elevation_deg if elevation_deg < _LEAST_DRAWN_SUN_DEG else None,
+        )
+
+    def drawn(self, draws: Draws) -> Weather:
+        """Return the weather with a number in place of each range."""
+        ranges = {name: value for name in _LIMITS if isinstance(value := getattr(self, name), tuple)}
+        drawn: dict[str, Any] = {name: draws.between(*ends) for name, ends in ranges.items()}
+        return replace(self, **drawn)
+
+    def numbers(self) -> dict[str, Any]:
+        """Return what differs from a clear noon, in plain values."""
+        values = {name: getattr(self, name) for name in _LIMITS if getattr(self, name) != getattr(Weather, name)}
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
+
+    def sun_of(self, config: SceneConfig) -> SceneConfig:
+        """Return a scene's configuration with the weather's sun, where it says more than the configuration.
+
+        What is too low for `SceneConfig` is in the core's weather.
+        """
+        azimuth, elevation = self.sun_azimuth_deg, self.sun_elevation_deg
+        sun: dict[str, Any] = {}
+        if azimuth is not None and config.sun_azimuth_deg is None:
+            sun["sun_azimuth_deg"] = azimuth
+        if isinstance(elevation, float) and elevation >= _LEAST_DRAWN_SUN_DEG and config.sun_elevation_deg is None:
+            sun["sun_elevation_deg"] = elevation
+        return replace(config, **sun)
+
+    def _to_native(self) -> _cadet.Weather:
+        """Return the core's weather.
+
+        Raises:
+            CadetError: a number is still a range.
+        """
+        numbers = {name: getattr(self, name) for name in _LIMITS}
+        if ranges := [name for name, value in numbers.items() if isinstance(value, tuple)]:
+            raise CadetError(f"Weather.{ranges[0]}: a range is for policies; expected a number")
+        return _cadet.Weather(self.name, **numbers)
+
+
+_LIMITS: Final[dict[str, Limits]] = {
+    name: hint.__metadata__[0]
+    for name, hint in get_type_hints(Weather, include_extras=True).items()
+    if get_origin(hint) is Annotated
+}
+_MAY_LACK: Final = {name for name in _LIMITS if getattr(Weather, name) is None}
+_LEAST_DRAWN_SUN_DEG: Final = 15.0
+"""The height of a sun that lies higher is drawn by the seed, unless it is given (`Weather::with_sun_turned`)."""
+
+
 def weather_names() -> tuple[str, ...]:
     """Return the names of the presets, as `Scene.random(weather=...)` and `cadet gen --weathers` take them."""
     return tuple(_cadet.weather_names())
@@ -57,13 +170,33 @@ def check_weather(name: object) -> str:
     return str(name)
 
 
+def as_weather(weather: object) -> Weather:
+    """Return a weather, or the preset of a name.
+
+    Raises:
+        CadetError: neither.
+    """
+    return weather if isinstance(weather, Weather) else Weather.preset(check_weather(weather))
+
+
+def table_of_weathers(weathers: Iterable[tuple[Weather, float]]) -> dict[str, Any]:
+    """Return the weight of each preset by its name; of other weathers their numbers, too."""
+    return {
+        weather.name: weight
+        if is_one_of(weather.name, weather_names()) and weather == Weather.preset(weather.name)
+        else {"weight": weight, **weather.numbers()}
+        for weather, weight in weathers
+    }
+
+
 def air_of(name: str) -> Air:
     """Return what a preset has in its air, for `apply(points_velo, **air_of("dense_fog")._asdict())`.
 
     Raises:
         CadetError: no preset of that name.
     """
-    return Air(*_cadet.weather_air(check_weather(name)))
+    rain, visibility_m, snow, wetness, *_ = _cadet.weather_preset(check_weather(name))
+    return Air(0.0 if visibility_m is None else math.log(20.0) / visibility_m, rain, snow, wetness)
 
 
 @overload
@@ -108,10 +241,9 @@ def apply(
     """Put fog, rain or snow on a scan that was recorded in clear air.
 
     The physics is that of generated scans (docs/weather.md). Kept points lose intensity by `exp(-2 alpha range)`, and
-    rain and snow move them along their rays by the noise of a weaker echo. Scattered points stand where fog, a drop or
-    a flake gave the return, between the sensor and the point, with that return's intensity. Lost points are left out:
-    those that drops, flakes or water leave below the detection threshold. Fog alone loses none. Intensities are not
-    rounded to 0.01.
+    move along their rays by the noise of a weaker echo. Scattered points stand where fog, a drop or a flake gave the
+    return, between the sensor and the point, with that return's intensity. Lost points, left below the detection
+    threshold, are left out. Intensities are not rounded to 0.01.
 
     A point's fate depends on itself, on the weather and on `seed`, not on the rest of the array, so a scan may be cut
     in pieces. Rows keep their order. With no weather the points come back bit for bit, in a new array.

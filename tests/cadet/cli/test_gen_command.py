@@ -72,7 +72,8 @@ def test_options_and_the_keys_of_a_file_make_the_same_policy(given: list[Setting
     assert settings.policy == cadet.ResetPolicy.read(tmp_path / "town.toml")
     assert settings.policy != cadet.ResetPolicy.paper()
     assert (settings.write, settings.val_fraction) == (("depth", "instance", "semantic"), 0.5)
-    gen("--policy", tmp_path / "town.toml")
+    gen("--points", "ply,las", "--write", "points_ply", "--policy", tmp_path / "town.toml")
+    assert given[1].write == ("points_ply", "points_las")
     assert given[1].policy == settings.policy
 
 
@@ -85,6 +86,7 @@ def test_options_and_the_keys_of_a_file_make_the_same_policy(given: list[Setting
         (["--divergence-mrad", "99"], "--divergence-mrad: Lidar.divergence_mrad: expected a number from 0 to"),
         (["--hz", "7"], "--hz: expected a rate that divides"),
         (["--skip-bad"], "--skip-bad: goes with assets"),
+        (["--points", "ply,xyz"], "--points: unknown 'xyz'; known: ply, pcd, las, npz"),
         (["--write", "flow"], "--write: cannot write 'flow'"),
         (["--test-fraction", "0.4"], "--test-fraction: expected a number from 0 to 0.34, got 0.4"),
     ],

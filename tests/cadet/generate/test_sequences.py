@@ -48,7 +48,7 @@ def test_formats_of_sequences_imply_one(dataset_format: str, tmp_path: Path, mon
         return Summary(1, 0, Counter())
 
     monkeypatch.setattr("cadet.cli.gen.generate", note)
-    is_sequence = dataset_format in ("nuscenes", "kitti_tracking", "kitti_raw")
+    is_sequence = dataset_format in ("nuscenes", "kitti_tracking", "kitti_raw", "mcap")
     options = ["--hz", "10", "--length-s", "3"] if is_sequence else []
     monkeypatch.setattr("sys.argv", ["cadet-gen", str(tmp_path / "out"), "--format", dataset_format, *options])
     with pytest.raises(SystemExit) as ended:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -125,3 +126,52 @@ def test_beams_that_open_report_the_strongest_or_the_last_surface(street: cadet.
     # Without divergence every beam has one echo.
     plain = street.scan(cadet.Lidar.hdl64e_kitti(returns="last"))
     np.testing.assert_array_equal(plain.points_velo, lines.points_velo)
+
+
+def test_dual_returns_are_the_strongest_and_the_last_together(street: cadet.Scene) -> None:
+    def rows(returns: str) -> set[tuple[int, int, int, float]]:
+        scan = street.scan(cadet.Lidar(returns=returns, divergence_mrad=3.0))
+        return set(zip(*(values.tolist() for values in (scan.ring, scan.column, scan.echo, scan.range_m)), strict=True))
+
+    strongest, last, first, dual, triple = map(rows, cadet.sensors.lidar.RETURN_MODES)
+    assert dual == strongest | last and len(dual) > len(strongest) + 500
+    # Where four quarters of a beam meet four surfaces, the weakest is left out.
+    four = {(ring, column) for ring, column, echo, _ in last if echo == 4}
+    triple, others = ({row for row in rows if row[:2] not in four} for rows in (triple, dual | first))
+    assert triple >= others and {echo for _, _, echo, _ in triple} == {1, 2, 3} and len(four) < 50
+    # A beam's echoes are numbered by range.
+    echoes = sorted(triple)
+    for (ring, column, echo, range_m), after in pairwise(echoes):
+        assert after[:2] != (ring, column) or (after[2] == echo + 1 and after[3] > range_m)
+
+
+def test_a_scan_tells_what_surfaces_returned_it(street: cadet.Scene) -> None:
+    scan = street.scan(surfaces=True)
+    plain = street.scan()
+    assert plain.surfaces is None
+    np.testing.assert_array_equal(scan.points_velo, plain.points_velo)
+    surfaces = scan.surfaces
+    assert surfaces is not None
+    toward = -scan.points_velo[:, :3] / np.linalg.norm(scan.points_velo[:, :3], axis=1, keepdims=True)
+    far = scan.range_m > 5.0
+    # Points are seen from the sensor's origin, beams leave their lasers some centimeters from it.
+    np.testing.assert_allclose((toward * surfaces.normal_velo).sum(axis=1)[far], surfaces.cos_incidence[far], atol=0.05)
+    np.testing.assert_allclose(np.linalg.norm(surfaces.normal_velo, axis=1), 1.0, atol=1e-5)
+    road = (scan.semantic == cadet.Semantic.ROAD) & (scan.range_m < 20.0)
+    assert np.median(surfaces.normal_velo[road, 2]) > 0.998
+    assert (surfaces.material[road] == cadet.MATERIALS.index("asphalt")).mean() > 0.9
+    assert 0.1 < np.median(surfaces.reflectance[road]) < 0.4
+    # What reads brighter is brighter: readings are compensated for range up to 18 m.
+    bright = scan.points_velo[:, 3] > np.median(scan.points_velo[:, 3])
+    near = scan.range_m < 18.0
+    assert np.median(surfaces.reflectance[bright & near]) > 1.3 * np.median(surfaces.reflectance[~bright & near])
+
+
+def test_what_the_air_returns_has_no_surface() -> None:
+    scan = cadet.Scene.random(seed=4, weather="snow").scan(surfaces=True)
+    in_air = scan.semantic == cadet.Semantic.SKY
+    assert scan.surfaces is not None and in_air.sum() > 100
+    assert (scan.surfaces.material[in_air] == -1).all() and np.isnan(scan.surfaces.normal_velo[in_air]).all()
+    assert (scan.surfaces.material[~in_air] >= 0).all()
+    with pytest.raises(cadet.CadetError, match="an ideal scan has none"):
+        cadet.Scene.empty().scan(ideal=True, surfaces=True)

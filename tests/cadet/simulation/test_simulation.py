@@ -33,7 +33,7 @@ def test_every_key_changes_what_it_names(tmp_path: Path) -> None:
     )
     policy = found.policy
     assert (found.seed, policy.name, policy.samples_per_episode) == (7, "paper", 3)
-    assert [name for name, _ in policy.weathers] == ["snow", "dusk"]
+    assert [weather.name for weather, _ in policy.weathers] == ["snow", "dusk"]
     assert [district.name for district, _ in policy.districts] == ["country_road", "quiet"]
     assert [district.vehicle_shares for district, _ in policy.districts] == [{"Car": 0.8, "Van": 0.2}] * 2
     assert policy.assets is not None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -17,7 +15,7 @@ def frame(seed: int, weather: str, district: str | None = None) -> cadet.Frame:
     policy = cadet.ResetPolicy.kitti()
     if district is not None:
         policy = policy.with_districts(District.named(district))
-    policy = replace(policy, weathers=((weather, 1.0),))
+    policy = policy.with_weathers(weather)
     return cadet.Scene.random(seed=seed, policy=policy).capture(sensors=())
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from dataclasses import replace
 from functools import partial
@@ -39,7 +40,7 @@ def test_large_seeds_are_used_in_full_and_episodes_that_would_share_their_stream
 
 def test_kittis_weather_is_bad_in_a_tenth_of_the_episodes() -> None:
     num = 4000
-    drawn = Counter(ResetPolicy.kitti().draw(0, episode).weather for episode in range(num))
+    drawn = Counter(ResetPolicy.kitti().draw(0, episode).weather.name for episode in range(num))
     bad = sum(count for name, count in drawn.items() if name not in DRY) / num
     assert abs(bad - 0.1) < 4 * (0.1 * 0.9 / num) ** 0.5
     assert drawn["clear_noon"] > num / 2
@@ -47,7 +48,7 @@ def test_kittis_weather_is_bad_in_a_tenth_of_the_episodes() -> None:
 
 def test_the_papers_weather_is_uniform_over_all_presets_of_the_day() -> None:
     num = 3600
-    drawn = Counter(ResetPolicy.paper().draw(0, episode).weather for episode in range(num))
+    drawn = Counter(ResetPolicy.paper().draw(0, episode).weather.name for episode in range(num))
     assert set(drawn) == {name for name in weather_names() if not name.endswith("_night")}
     assert max(abs(count - num / 18) for count in drawn.values()) < 4 * (num / 18) ** 0.5
 
@@ -124,7 +125,7 @@ def test_nonsense_is_refused_by_name(values: dict[str, Any], message: str) -> No
 
 def test_an_unknown_weather_lists_the_known_ones() -> None:
     with pytest.raises(CadetError, match=r"^unknown weather 'hail'; known: clear_noon, .*, rain_night$"):
-        replace(ResetPolicy.kitti(), weathers=(("hail", 1.0),))
+        ResetPolicy.kitti().with_weathers("hail")
 
 
 def test_a_district_refuses_a_range_the_wrong_way_round() -> None:
@@ -208,4 +209,53 @@ def test_a_policys_own_draw_is_the_one_that_is_used() -> None:
     assert set(ratios) == {1.0, 2.0}
     assert policy.draw(1, 3) == policy.draw(1, 3)
     from_file = RushHour.from_toml('policy = "kitti"\nweathers = ["snow"]')
-    assert type(from_file) is RushHour and from_file.weathers == (("snow", 1.0),)
+    assert type(from_file) is RushHour and from_file.weathers == ((cadet.Weather.preset("snow"), 1.0),)
+
+
+@pytest.mark.parametrize("name", ["clear_noon", "dense_fog", "clear_sunset", "rain_night", "snow"])
+def test_a_preset_is_its_numbers(name: str) -> None:
+    by_name, by_numbers = (
+        cadet.Scene.random(seed=3, weather=weather)
+        for weather in (name, replace(cadet.Weather.preset(name), name="mine"))
+    )
+    np.testing.assert_array_equal(by_name.capture().points_velo, by_numbers.capture().points_velo)
+    np.testing.assert_array_equal(by_name.capture().image, by_numbers.capture().image)
+
+
+def test_weathers_of_numbers_are_drawn_from_their_ranges_and_kept_in_tables() -> None:
+    mist = cadet.Weather(name="mist", fog_visibility_m=(60.0, 200.0), cloud_cover=0.8, sun_elevation_deg=(30.0, 50.0))
+    policy = ResetPolicy.kitti().with_weathers("snow", mist)
+    drawn = [policy.draw(5, episode) for episode in range(40)]
+    own = [spec for spec in drawn if spec.weather.name == "mist"]
+    visibilities = {spec.weather.fog_visibility_m for spec in own}
+    assert 10 < len(own) < 30 and len(visibilities) == len(own)
+    assert all(60.0 <= (v or 0.0) < 200.0 for v in visibilities if not isinstance(v, tuple))
+    assert all(30.0 <= (spec.config.sun_elevation_deg or 0.0) < 50.0 for spec in own)
+    assert drawn == [policy.draw(5, episode) for episode in range(40)]
+    # A file of the policy makes the same.
+    assert ResetPolicy.from_toml(policy.to_toml()).weathers == policy.weathers
+    weathers = policy.to_dict()["weathers"]
+    assert weathers["snow"] == 1.0 and weathers["mist"]["fog_visibility_m"] == [60.0, 200.0]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "reason"),
+    [
+        ({"fog_visibility_m": 0.0}, "Weather.fog_visibility_m: expected a number from 1 to 100000, got 0.0"),
+        ({"rain_mm_h": (5.0, 2.0)}, "Weather.rain_mm_h: expected a number, or two that rise"),
+        ({"wetness": None}, "Weather.wetness: expected a number from 0 to 1, got None"),
+        ({"cloud_cover": "some"}, "Weather.cloud_cover: expected a number"),
+        ({"snow_mm_h": (1.0, 2.0, 3.0)}, "Weather.snow_mm_h: expected a number, or two that rise"),
+    ],
+)
+def test_bad_numbers_of_a_weather_are_refused(numbers: dict[str, Any], reason: str) -> None:
+    with pytest.raises(CadetError, match=re.escape(reason)):
+        cadet.Weather(**numbers)
+
+
+def test_a_range_is_no_weather_of_a_scene_without_draws() -> None:
+    with pytest.raises(CadetError, match=r"Weather.rain_mm_h: a range is for policies"):
+        cadet.Scene.empty(weather=cadet.Weather(rain_mm_h=(1.0, 2.0)))
+    text = "weathers: expected weathers of different names"
+    with pytest.raises(CadetError, match=text):
+        ResetPolicy.kitti().with_weathers(cadet.Weather(), cadet.Weather(wetness=1.0))

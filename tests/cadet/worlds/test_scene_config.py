@@ -86,7 +86,7 @@ def test_a_policys_districts_and_sun_reach_the_scene() -> None:
         name="mine", parking_occupancy=(0.5, 0.5), num_cars=(9, 9), num_pedestrians=(3, 3), suburb=suburb, props=props
     )
     policy = cadet.ResetPolicy(
-        weathers=(("clear_noon", 1.0),), districts=((district, 1.0),), sun_elevation_deg=(50.0, 60.0)
+        weathers=((cadet.Weather(), 1.0),), districts=((district, 1.0),), sun_elevation_deg=(50.0, 60.0)
     )
     drawn = [policy.draw(0, episode).config for episode in range(50)]
     assert all((config.suburb, config.props) == (suburb, props) for config in drawn)
@@ -100,9 +100,7 @@ def test_a_policys_districts_and_sun_reach_the_scene() -> None:
 
 
 def test_the_motorway_district_has_fast_vehicles_and_nobody_on_foot() -> None:
-    policy = replace(
-        cadet.ResetPolicy.kitti().with_districts(cadet.District.named("motorway")), weathers=(("clear_noon", 1.0),)
-    )
+    policy = cadet.ResetPolicy.kitti().with_districts(cadet.District.named("motorway")).with_weathers("clear_noon")
     for seed in range(3):
         scene = Scene.random(seed=seed, policy=policy, rig=SMALL)
         frame = scene.capture()
@@ -116,9 +114,7 @@ def test_the_motorway_district_has_fast_vehicles_and_nobody_on_foot() -> None:
 
 
 def test_the_country_road_district_has_vegetation_and_fields_and_no_sidewalk() -> None:
-    policy = replace(
-        cadet.ResetPolicy.kitti().with_districts(cadet.District.named("country_road")), weathers=(("clear_noon", 1.0),)
-    )
+    policy = cadet.ResetPolicy.kitti().with_districts(cadet.District.named("country_road")).with_weathers("clear_noon")
     wanted = {Semantic.ROAD, Semantic.ROAD_MARKING, Semantic.TERRAIN, Semantic.VEGETATION}
     for seed in range(3):
         frame = Scene.random(seed=seed, policy=policy, rig=SMALL).capture()

@@ -18,6 +18,7 @@ from cadet.evaluation import Rules
 from cadet.evaluation.analysis.groups import groups_from_text
 from cadet.formats.kitti.files import dialects
 from cadet.formats.kitti.files.planes import plane_from_text
+from cadet.formats.kitti.files.range_image import bytes_from_range_image, range_image_from_bytes
 from cadet.formats.kitti.files.velodyne import points_from_bytes
 from cadet.formats.scan_files.read import scan_from_data
 from cadet.formats.webdataset import Member, read_members
@@ -91,7 +92,7 @@ def _read_roads(text: str) -> object:
     return _cadet.Scene.empty(
         map_name="map.xodr",
         map_xodr=text,
-        weather="clear_noon",
+        weather=cadet.Weather()._to_native(),
         rig=_small_rig()._to_native(),
         config=cadet.SceneConfig(num_cars=2, num_pedestrians=2)._to_native(),
         assets=None,
@@ -143,6 +144,7 @@ TARGETS = (
     _files("scans", _FRAME.points_velo[:50].tobytes(), _read_points),
     _files("scans of five columns", _FIVE.tobytes(), _read_points),
     *(_files(f"scans as {name}", data, _read_scan) for name, data in _SCANS.items()),
+    _files("range images", bytes_from_range_image(np.ones((4, 20), np.float32)), range_image_from_bytes),
     _texts("JSON", _META, lambda text: json_from_text(text, "meta.json"), nests=True),
     _texts(
         "TOML", cadet.Lidar.vlp16().beam_table().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True

@@ -3,15 +3,11 @@
 //! A beam of divergence D (the full cone) is taken for a disc of even power. Four sub-beams at (+-D/4, +-D/4) in
 //! azimuth and elevation have the disc's second moments, and each carries a quarter of the pulse. Echoes that return
 //! within one pulse length of another reach the receiver as one, at their common center: a mixed point between two
-//! surfaces. What lies farther apart makes echoes of its own, of which the sensor reports the strongest or the last.
+//! surfaces. What lies farther apart makes echoes of its own.
 //!
 //! Beams away from edges are left alone: there the middle stands for the whole spot.
 
-use super::air::Air;
 use super::echo::Echo;
-use super::return_mode::ReturnMode;
-use super::returns::{echo_power, is_echo_detected};
-use super::ring_receiver::RingReceiver;
 use crate::sense::{BeamGrid, Hits, LaserRing, SpinningGrid};
 use cadet_base::error::Result;
 use cadet_base::math::{self, DPose3, DQuat, DVec3};
@@ -152,41 +148,23 @@ fn reach(sorted_rad: impl Iterator<Item = f64> + Clone, quarter_rad: f64) -> usi
 /// Beams to either side of an edge that are split at most.
 const MAX_REACH: usize = 64;
 
-/// What the receiver makes of the echoes of a beam's four quarters: the strongest that stand apart, or the last that is
-/// detected. None where none of them returns anything.
-pub(super) fn chosen_echo(
-    quarters: [Option<Echo>; 4],
-    mode: ReturnMode,
-    air: &Air,
-    receiver: &RingReceiver,
-    detection_chance: f64,
-) -> Option<Echo> {
-    let pulse_m = receiver.receiver.pulse_m();
+/// The echoes of a beam by rising range, None behind the last: what its four quarters return, together where the receiver
+/// cannot tell them apart.
+pub(super) fn echoes_of(quarters: [Option<Echo>; 4], pulse_m: f64) -> [Option<Echo>; 4] {
     let mut sorted = quarters;
     sorted.sort_by(|a, b| {
         let range_m = |e: &Option<Echo>| e.map_or(f64::INFINITY, |e| e.range_m);
         range_m(a).total_cmp(&range_m(b))
     });
-    let mut chosen: Option<Echo> = None;
     let mut rest = &sorted[..sorted.iter().filter(|e| e.is_some()).count()];
-    while let Some(first) = rest.first().copied().flatten() {
+    let mut echoes = [None; 4];
+    for echo in &mut echoes {
+        let Some(first) = rest.first().copied().flatten() else { break };
         let joined = rest.iter().flatten().take_while(|e| e.range_m - first.range_m < pulse_m).count();
-        let echo = merged(&rest[..joined]);
+        *echo = Some(merged(&rest[..joined]));
         rest = &rest[joined..];
-        let is_better = match mode {
-            ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
-            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection_chance),
-        };
-        if is_better {
-            chosen = Some(echo);
-        }
     }
-    chosen
-}
-
-/// Retro-reflectors outshine whatever stands beside them.
-fn rank(echo: &Echo, air: &Air) -> f64 {
-    echo_power(echo, air) * echo.brightness()
+    echoes
 }
 
 /// One echo of several that arrive together, each with a quarter of the pulse: their power adds up, their range is its
@@ -213,8 +191,7 @@ fn merged(quarters: &[Option<Echo>]) -> Echo {
 mod tests {
     use super::*;
     use crate::lidar::{LidarSpec, Receiver};
-    use crate::weather::Weather;
-    use cadet_base::material::Semantic;
+    use cadet_base::material::{Pattern, Semantic};
     use cadet_base::math::TAU;
     use cadet_base::rng::Stream;
 
@@ -223,24 +200,17 @@ mod tests {
             range_m,
             reflectance,
             cos_incidence: 1.0,
-            reading_noise: 0.05,
+            normal_velo: [0.0; 3],
+            pattern: Pattern::Render,
             retro: false,
             actor_id,
             semantic: Semantic::Building,
         })
     }
 
-    /// Any laser whose optics lose nothing.
-    fn average(receiver: Receiver) -> RingReceiver {
-        LidarSpec::cadet().with_receiver(receiver).expect("valid").ring_receiver(0)
-    }
-
-    fn clear() -> Air {
-        Air::new(&Weather::preset("clear_noon").expect("exists"), &Receiver::default())
-    }
-
-    fn chosen(quarters: [Option<Echo>; 4], mode: ReturnMode, detection: f64) -> Option<Echo> {
-        chosen_echo(quarters, mode, &clear(), &average(Receiver::default()), detection)
+    /// By the pulse of KITTI's sensor.
+    fn echoes(quarters: [Option<Echo>; 4]) -> Vec<Echo> {
+        echoes_of(quarters, Receiver::default().pulse_m()).into_iter().flatten().collect()
     }
 
     #[test]
@@ -320,47 +290,36 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_echo_wins_or_the_last_that_is_detected() {
-        let air = clear();
+    fn what_lies_apart_makes_echoes_of_its_own() {
         let (near, far) = (echo(10.0, 0.3, 1), echo(14.0, 0.3, 2));
-        let pick = |quarters, mode, detection| chosen(quarters, mode, detection).map(|e| e.actor_id);
-        let half = [near, far, near, far];
-        assert_eq!(pick(half, ReturnMode::Strongest, 0.5), Some(1));
-        assert_eq!(pick(half, ReturnMode::Last, 0.5), Some(2));
-        // Three quarters of the spot at 14 m return more power than one at 10 m: 3 / 14^2 > 1 / 10^2.
-        assert_eq!(pick([far, far, near, far], ReturnMode::Strongest, 0.5), Some(2));
-        assert_eq!(pick([None, None, near, None], ReturnMode::Last, 0.5), Some(1));
-        assert_eq!(pick([None; 4], ReturnMode::Strongest, 0.5), None);
+        let ids = |quarters| echoes(quarters).iter().map(|e| e.actor_id).collect::<Vec<_>>();
+        assert_eq!(ids([far, near, far, near]), [1, 2]);
+        assert_eq!(ids([None, None, near, None]), [1]);
+        assert!(ids([None; 4]).is_empty());
         // The share of the spot is the share of the power.
-        let strongest = chosen(half, ReturnMode::Strongest, 0.5).expect("detected");
-        assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
-        // A far surface is last as often as the receiver detects half of its power.
-        let (n, weak) = (2_000, echo(70.0, 0.16, 2));
-        let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
-        let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
-        let half_power = echo(70.0, 0.08, 2).expect("some");
-        let receiver = average(Receiver::default());
-        assert_eq!(last, draws.filter(|d| is_echo_detected(&half_power, &air, &receiver, *d)).count());
-        assert!(last > 20 && last < 1_980, "{last}");
+        let half = echoes([near, far, near, far])[0];
+        assert!((half.range_m - 10.0).abs() < 1e-12 && (half.reflectance - 0.15).abs() < 1e-12);
     }
 
     #[test]
     fn echoes_within_a_pulse_mix() {
         let two = [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)];
-        let mixed = chosen(two, ReturnMode::Last, 0.5).expect("detected");
+        let [mixed] = echoes(two)[..] else { panic!("one") };
         let (p, q) = (0.4 / 400.0, 0.2 / (20.4 * 20.4));
         assert!((mixed.range_m - (p * 20.0 + q * 20.4) / (p + q)).abs() < 1e-12);
         assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
         assert_eq!(mixed.actor_id, 1);
-        // A shorter pulse tells them apart: its length is the receiver's.
-        let short = average(Receiver { pulse_s: 2e-9, ..Receiver::default() });
-        let last = chosen_echo(two, ReturnMode::Last, &clear(), &short, 0.5).expect("detected");
-        assert!((last.range_m - 20.4).abs() < 1e-12 && last.actor_id == 2, "{last:?}");
-        let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];
-        assert_eq!(chosen(apart, ReturnMode::Last, 0.5).expect("detected").range_m, 20.8);
-        let mut plate = echo(20.8, 0.1, 3).expect("some");
-        plate.retro = true;
-        let beside = [echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), Some(plate)];
-        assert_eq!(chosen(beside, ReturnMode::Strongest, 0.5).expect("detected").actor_id, 3);
+        // A shorter pulse tells them apart.
+        let apart = echoes_of(two, Receiver { pulse_s: 2e-9, ..Receiver::default() }.pulse_m());
+        assert!((apart[1].expect("two").range_m - 20.4).abs() < 1e-12 && apart[2].is_none());
+    }
+
+    #[test]
+    fn a_retroreflector_draws_a_mixed_echo_to_itself() {
+        // A plate's corner in a quarter of a beam before a bumper: a thousandth of the power comes from the bumper.
+        let plate = echo(20.4, 900.0, 3).map(|e| Echo { retro: true, ..e });
+        let bumper = echo(20.0, 0.9, 3);
+        let [mixed] = echoes([bumper, bumper, bumper, plate])[..] else { panic!("one") };
+        assert!((mixed.range_m - 20.4).abs() < 0.002 && mixed.retro, "{}", mixed.range_m);
     }
 }

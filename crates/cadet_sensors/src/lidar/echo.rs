@@ -2,9 +2,8 @@
 
 use super::air::{FALLEN_SNOW, under_snow};
 use super::draws::Draws;
-use super::intensity::reading_noise;
 use super::reflection::{pane, reflectance};
-use cadet_base::material::{LidarMaterial, Material, Semantic};
+use cadet_base::material::{LidarMaterial, Material, Pattern, Semantic};
 
 /// Share of a glass surface's area that is dusty or printed enough to return light itself, and the reflectance there: fitted
 /// to what comes back from the windows of KITTI's cars.
@@ -24,6 +23,8 @@ pub(super) struct HitSurface<'a> {
     pub texture_factor: f64,
     /// The share of it that snow covers; 0 for ground, whose snow is the air's affair.
     pub snow_cover: f64,
+    /// Towards the sensor, where surfaces are recorded.
+    pub normal_velo: [f32; 3],
     pub actor_id: i32,
 }
 
@@ -33,20 +34,16 @@ pub(super) struct Echo {
     pub range_m: f64,
     pub reflectance: f64,
     pub cos_incidence: f64,
-    /// Standard deviation of its reading.
-    pub reading_noise: f64,
+    pub normal_velo: [f32; 3],
+    pub pattern: Pattern,
+    /// True if some of it comes from a retroreflector.
     pub retro: bool,
     pub actor_id: i32,
     pub semantic: Semantic,
 }
 
-impl Echo {
-    /// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
-    #[inline]
-    pub(super) fn brightness(&self) -> f64 {
-        if self.retro { 1e3 } else { 1.0 }
-    }
-}
+/// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
+const RETROREFLECTION: f64 = 1e3;
 
 /// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
 pub(super) fn first_echo(
@@ -61,7 +58,8 @@ pub(super) fn first_echo(
             range_m: transparent.range_m,
             reflectance,
             cos_incidence: transparent.cos_incidence,
-            reading_noise: reading_noise(transparent.material.pattern),
+            normal_velo: transparent.normal_velo,
+            pattern: transparent.material.pattern,
             retro: false,
             actor_id: transparent.actor_id,
             semantic: transparent.material.semantic,
@@ -85,13 +83,16 @@ pub(super) fn first_echo(
     }
     let opaque = opaque?;
     let lidar = &opaque.material.lidar;
-    let bare = reflectance(lidar, opaque.cos_incidence) * opaque.texture_factor;
+    let retro = lidar.retro && transmittance > 0.05;
+    let gain = if retro { RETROREFLECTION } else { 1.0 };
+    let bare = reflectance(lidar, opaque.cos_incidence) * opaque.texture_factor * gain;
     Some(Echo {
         range_m: opaque.range_m,
         reflectance: under_snow(bare, opaque.cos_incidence, opaque.snow_cover) * transmittance,
         cos_incidence: opaque.cos_incidence,
-        reading_noise: reading_noise(opaque.material.pattern),
-        retro: lidar.retro && transmittance > 0.05,
+        normal_velo: opaque.normal_velo,
+        pattern: opaque.material.pattern,
+        retro,
         actor_id: opaque.actor_id,
         semantic: opaque.material.semantic,
     })

@@ -4,7 +4,7 @@ use macro_rules_attribute::{apply, derive};
 
 use super::draws::Draws;
 use super::intensity::{intensity, saturated};
-use super::returned_points::Scan;
+use super::returned_points::{ReturnSurface, Scan};
 use super::returns::Arrival;
 use super::ring_receiver::RingReceiver;
 use crate::zeros::DefaultZeros;
@@ -21,6 +21,8 @@ pub(super) struct EchoBatch {
     column: [i32; BATCH_SIZE],
     actor_id: [i32; BATCH_SIZE],
     semantic: [Semantic; BATCH_SIZE],
+    number: [u8; BATCH_SIZE],
+    surface: [ReturnSurface; BATCH_SIZE],
     echo: Echoes,
     written: Written,
 }
@@ -58,6 +60,8 @@ impl EchoBatch {
             column: [0; BATCH_SIZE],
             actor_id: [0; BATCH_SIZE],
             semantic: [Semantic::Sky; BATCH_SIZE],
+            number: [0; BATCH_SIZE],
+            surface: [ReturnSurface::AIR; BATCH_SIZE],
             echo: Echoes::default(),
             written: Written::default(),
         })
@@ -76,6 +80,8 @@ impl EchoBatch {
         self.column[i] = column as i32;
         self.actor_id[i] = arrival.actor_id;
         self.semantic[i] = arrival.semantic;
+        self.number[i] = arrival.number;
+        self.surface[i] = arrival.surface;
         e.range_m[i] = arrival.range_m;
         e.power[i] = arrival.power;
         e.detected_power[i] = arrival.detected_power;
@@ -96,8 +102,8 @@ impl EchoBatch {
         self.n == BATCH_SIZE
     }
 
-    /// Receives what waits and writes what is detected.
-    pub(super) fn receive(&mut self, receiver: &RingReceiver, ring: usize, out: &mut Scan) {
+    /// Receives what waits and writes what is detected, its surfaces too if they are recorded.
+    pub(super) fn receive(&mut self, receiver: &RingReceiver, ring: usize, records_surfaces: bool, out: &mut Scan) {
         receive(&self.echo, *receiver, &mut self.written);
         let w = &self.written;
         for i in (0..self.n).filter(|i| w.is_kept[*i]) {
@@ -107,6 +113,10 @@ impl EchoBatch {
             out.column.push(self.column[i]);
             out.actor_id.push(self.actor_id[i]);
             out.semantic.push(self.semantic[i]);
+            out.echo.push(self.number[i]);
+            if records_surfaces {
+                out.surface.push(self.surface[i]);
+            }
             out.range_m.push(w.range_m[i]);
         }
         self.n = 0;

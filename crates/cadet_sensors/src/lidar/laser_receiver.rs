@@ -9,15 +9,15 @@ pub struct LaserReceiver {
     pub gain: f64,
     /// By how much it measures too far, whatever it measures. Ideal scans have none.
     pub range_offset_m: f64,
-    /// Where its optics are focused: of what comes from surfaces nearer than this a part falls beside the detector. 0 for
-    /// optics that lose nothing. What rain, snow and fog return is fitted without such a loss.
+    /// Where its optics are focused: of what comes from nearer than this a part falls beside the detector. 0 for optics
+    /// that lose nothing.
     pub focus_m: f64,
 }
 
 impl Default for LaserReceiver {
-    /// An average one without an error.
+    /// An average one without an error, focused as the HDL-64E's lower block: no other sensor's near field is known.
     fn default() -> Self {
-        Self { gain: 1.0, range_offset_m: 0.0, focus_m: 0.0 }
+        Self { gain: 1.0, range_offset_m: 0.0, focus_m: 6.0 }
     }
 }
 
@@ -42,15 +42,22 @@ impl LaserReceiver {
         Ok(())
     }
 
-    /// The share of a surface's echo that falls on the detector: the cube of range over focus, as fitted to KITTI's cars.
+    /// [`focused`] by this laser's optics.
     #[inline(always)]
     pub(super) fn focused(&self, range_m: f64) -> f64 {
-        if range_m >= self.focus_m {
-            return 1.0;
-        }
-        let near = range_m / self.focus_m;
-        near * near * near
+        focused(self.focus_m, range_m)
     }
+}
+
+/// The share of an echo that falls on the detector, of a surface, a drop, or fog: the cube of range over focus, as fitted to
+/// KITTI's cars.
+#[inline(always)]
+pub(super) fn focused(focus_m: f64, range_m: f64) -> f64 {
+    if range_m >= focus_m {
+        return 1.0;
+    }
+    let near = range_m / focus_m;
+    near * near * near
 }
 
 #[cfg(test)]

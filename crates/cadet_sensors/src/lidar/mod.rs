@@ -31,7 +31,7 @@ pub use laser_receiver::LaserReceiver;
 pub use presets::PRESETS;
 pub use receiver::{MAX_DIVERGENCE_RAD, Receiver};
 pub use return_mode::ReturnMode;
-pub use returned_points::Scan;
+pub use returned_points::{ReturnSurface, Scan};
 pub use scan::{IdealScan, ideal_scan, scan, scan_through, turning_scan};
 pub use spec::{BlindSector, LidarSpec, Rays};
 pub use spin::{Spin, SpinDirection};

@@ -25,6 +25,10 @@ impl Scan {
         permute(&mut self.column[start..], &order);
         permute(&mut self.actor_id[start..], &order);
         permute(&mut self.semantic[start..], &order);
+        permute(&mut self.echo[start..], &order);
+        if !self.surface.is_empty() {
+            permute(&mut self.surface[start..], &order);
+        }
         permute(&mut self.range_m[start..], &order);
     }
 }
@@ -92,6 +96,8 @@ mod tests {
             column: (0..6).collect(),
             actor_id: (10..16).collect(),
             semantic: [Road, Car, Van, Pole, Fence, Person].to_vec(),
+            echo: (1..7).collect(),
+            surface: Vec::new(),
             range_m: (20..26).map(f64::from).collect(),
             firing_times_s: Vec::new(),
         };
@@ -99,6 +105,7 @@ mod tests {
         assert_eq!(scan.column, [0, 3, 4, 5, 1, 2]);
         assert_eq!(scan.actor_id, [10, 13, 14, 15, 11, 12]);
         assert_eq!(scan.semantic, [Road, Pole, Fence, Person, Car, Van]);
+        assert_eq!(scan.echo, [1, 4, 5, 6, 2, 3]);
         assert_eq!(scan.range_m, [20.0, 23.0, 24.0, 25.0, 21.0, 22.0]);
         assert_eq!(scan.points_velo[1], point(0.1));
     }

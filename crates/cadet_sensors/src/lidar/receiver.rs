@@ -17,18 +17,19 @@ pub struct Receiver {
     pub pulse_s: f64,
     /// The full cone of a beam.
     pub divergence_rad: f64,
-    /// Power, in units of reflectance / range^2, that is detected half of the time.
-    pub threshold: f64,
+    /// Range at which a target of 10 % that faces the sensor is detected half of the time: how data sheets state
+    /// sensitivity.
+    pub detection_range_m: f64,
     /// Standard deviation of the range of a strong echo.
     pub range_noise_m: f64,
 }
 
 impl Default for Receiver {
     /// Velodyne's HDL-64E: by its data sheet pulses of 5 ns and beams of 2 mrad; the noise is that of KITTI's scans of roads
-    /// at 5 to 20 m. The threshold is fitted to the returns of KITTI's cars over range, height, and reading: at 40 to 70 m
-    /// they lose fewer beams than the data sheet's 10 % of reflectance at 50 m would tell.
+    /// at 5 to 20 m. The detection range is fitted to the returns of KITTI's cars over range, height, and reading: at 40 to
+    /// 70 m they lose fewer beams than the data sheet's 10 % of reflectance at 50 m would tell.
     fn default() -> Self {
-        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 1.6e-5, range_noise_m: 0.0078 }
+        Self { pulse_s: 5e-9, divergence_rad: 2e-3, detection_range_m: 79.0, range_noise_m: 0.0078 }
     }
 }
 
@@ -39,6 +40,13 @@ impl Receiver {
         0.5 * self.pulse_s * LIGHT_M_PER_S
     }
 
+    /// Power, in units of reflectance / range^2, that is detected half of the time.
+    #[inline(always)]
+    #[must_use]
+    pub fn threshold(&self) -> f64 {
+        0.1 / (self.detection_range_m * self.detection_range_m)
+    }
+
     /// Checks the fields, which anyone may have set.
     ///
     /// # Errors
@@ -47,7 +55,7 @@ impl Receiver {
         for (what, value, least, most) in [
             ("pulse_s", self.pulse_s, 1e-10, 1e-7),
             ("divergence", self.divergence_rad, 1e-5, MAX_DIVERGENCE_RAD),
-            ("threshold", self.threshold, 1e-9, 1.0),
+            ("detection_range_m", self.detection_range_m, 0.1, 10_000.0),
             ("range_noise_m", self.range_noise_m, 0.0, 10.0),
         ] {
             let _ = within(what, value, least..=most)?;
@@ -58,7 +66,7 @@ impl Receiver {
     /// True if an echo of `power` (reflectance / range^2) is detected; `chance` is uniform in [0, 1).
     #[inline(always)]
     pub(super) fn detects(&self, power: f64, chance: f64) -> bool {
-        let ratio = power / self.threshold;
+        let ratio = power / self.threshold();
         let cube = ratio * ratio * ratio;
         let odds = cube * cube;
         chance * (1.0 + odds) < odds
@@ -68,7 +76,7 @@ impl Receiver {
     /// the limit of detection.
     #[inline(always)]
     pub(super) fn noise_m(&self, power: f64) -> f64 {
-        self.range_noise_m * (1.0 + 0.5 / (1.0 + power / self.threshold))
+        self.range_noise_m * (1.0 + 0.5 / (1.0 + power / self.threshold()))
     }
 }
 
@@ -79,7 +87,7 @@ mod tests {
     #[test]
     fn detection_is_a_threshold() {
         let receiver = Receiver::default();
-        let is_detected = |ratio: f64, chance| receiver.detects(ratio * receiver.threshold, chance);
+        let is_detected = |ratio: f64, chance| receiver.detects(ratio * receiver.threshold(), chance);
         assert!(is_detected(2.5, 0.99) && !is_detected(0.4, 0.01));
         assert!(is_detected(1.0, 0.49) && !is_detected(1.0, 0.51) && !is_detected(0.0, 0.0));
     }
@@ -92,7 +100,7 @@ mod tests {
         for bad in [
             Receiver { pulse_s: 0.0, ..receiver },
             Receiver { divergence_rad: 0.5, ..receiver },
-            Receiver { threshold: f64::NAN, ..receiver },
+            Receiver { detection_range_m: f64::NAN, ..receiver },
             Receiver { range_noise_m: -1.0, ..receiver },
         ] {
             assert!(bad.check().is_err(), "{bad:?}");

@@ -31,6 +31,6 @@ impl RingReceiver {
     /// What an echo's power counts for detection: its peak, as far as it falls on the detector.
     #[inline]
     pub fn detected_share(&self, echo: &Echo) -> f64 {
-        echo.brightness() * self.laser.focused(echo.range_m) * self.peak_share(echo)
+        self.laser.focused(echo.range_m) * self.peak_share(echo)
     }
 }

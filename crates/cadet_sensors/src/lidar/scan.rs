@@ -4,14 +4,16 @@
 //! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
 //! (`echo_batch`).
 
+use std::sync::Arc;
+
 use super::air::{Air, Plumes, Sprayed};
 use super::casting::{Casting, StillCasting};
-use super::divergence::chosen_echo;
+use super::divergence::echoes_of;
 use super::draws::Draws;
 use super::echo::first_echo;
 use super::echo_batch::EchoBatch;
 use super::returned_points::Scan;
-use super::returns::arrival;
+use super::returns::arrivals;
 use super::spec::LidarSpec;
 use super::surfaces::SurfaceLookup;
 use super::turning::Turning;
@@ -71,11 +73,10 @@ impl IdealScan {
 /// Casts every beam of the sensor at once, all from one pose: an ideal sensor neither turns nor spreads its beams.
 ///
 /// ```
-/// use cadet_core::frames;
-/// use cadet_core::lidar::{LidarSpec, ideal_scan};
-/// use cadet_core::math::DVec3;
-/// use cadet_core::sense::PosedScene;
-/// use cadet_core::town::Town;
+/// use cadet_base::{frames, math::DVec3};
+/// use cadet_sensors::lidar::{LidarSpec, ideal_scan};
+/// use cadet_sensors::sense::PosedScene;
+/// use cadet_town::Town;
 ///
 /// let scene = PosedScene::new(&Town::flat().scenery, DVec3::ZERO);
 /// let lidar = LidarSpec::hdl64e_kitti();
@@ -143,6 +144,17 @@ fn turned(v: DVec3, [cos, sin]: [f64; 2]) -> DVec3 {
     DVec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
 }
 
+/// The air as each ring sees it: one for all lasers of one focus.
+fn airs(spec: &LidarSpec, weather: &Weather) -> Vec<Arc<Air>> {
+    let mut airs: Vec<Arc<Air>> = Vec::with_capacity(spec.rings().len());
+    for (ring, laser) in spec.laser_receivers.iter().enumerate() {
+        let known = spec.laser_receivers[..ring].iter().position(|other| other.focus_m == laser.focus_m);
+        let air = || Arc::new(Air::new(weather, spec.receiver(), laser.focus_m));
+        airs.push(known.map_or_else(air, |other| Arc::clone(&airs[other])));
+    }
+    airs
+}
+
 fn scan_by<C: Casting>(
     casting: &C,
     spec: &LidarSpec,
@@ -160,10 +172,12 @@ fn scan_by<C: Casting>(
     };
     let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
     let receiver = spec.receiver();
-    let air = Air::new(weather, receiver);
+    let airs = airs(spec, weather);
+    let pulse_m = receiver.pulse_m();
     let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
     let snow_cover = weather.snow_cover();
-    let (mut behind, mut in_front) = (SurfaceLookup::new(casting, snow_cover), SurfaceLookup::new(casting, snow_cover));
+    let surfaces = || SurfaceLookup::new(casting, snow_cover, spec.records_surfaces);
+    let (mut behind, mut in_front) = (surfaces(), surfaces());
     let mut out = Scan::of_turn(spec);
     let mut batch = EchoBatch::new();
     let mut beams = 0..;
@@ -172,6 +186,7 @@ fn scan_by<C: Casting>(
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
         let receiver = &spec.ring_receiver(ring);
+        let air = &airs[ring];
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");
@@ -182,29 +197,32 @@ fn scan_by<C: Casting>(
             let direction_velo = direction_of(*heading);
             let origin_velo = laser.origin_velo(*heading);
             let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
-            let echo = if let Some((_, quarters)) = quarters {
+            let echoes = if let Some((_, quarters)) = quarters {
                 let quarters = quarters
                     .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
-                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection_chance)
+                echoes_of(quarters, pulse_m)
             } else {
-                first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
+                let opaque = behind.at(met.opaque(beam), column, origin_velo, direction_velo);
+                [first_echo(transparent, opaque, &draws), None, None, None]
             };
-            let sprayed = if plumes.is_empty() {
-                Sprayed::NOT
-            } else {
+            let sprayed = |range_m| {
+                if plumes.is_empty() {
+                    return Sprayed::NOT;
+                }
                 let [origin, ahead] =
                     [origin_velo, origin_velo + direction_velo].map(|place| casting.place_world(column, place));
-                plumes.meet(origin, ahead - origin, echo.map_or(f64::INFINITY, |e| e.range_m), draws.air_key)
+                plumes.meet(origin, ahead - origin, range_m, receiver.laser.focus_m, draws.air_key)
             };
-            let Some(arrived) = arrival(echo, (&air, &sprayed), spec.returns, receiver, &draws) else { continue };
             let turn = spec.reporting_turns()[column];
-            let reported = [origin_velo, direction_velo].map(|v| turned(v, turn).to_array());
-            batch.push(&arrived, &draws, column, reported);
-            if batch.is_full() {
-                batch.receive(receiver, ring, &mut out);
-            }
+            arrivals(echoes, air, sprayed, (spec.returns, receiver, &draws), |arrival| {
+                let reported = [origin_velo, direction_velo].map(|v| turned(v, turn).to_array());
+                batch.push(arrival, &draws, column, reported);
+                if batch.is_full() {
+                    batch.receive(receiver, ring, spec.records_surfaces, &mut out);
+                }
+            });
         }
-        batch.receive(receiver, ring, &mut out);
+        batch.receive(receiver, ring, spec.records_surfaces, &mut out);
         if laser.left_m != 0.0 {
             out.order_by_azimuth(first_return);
         }

@@ -36,6 +36,8 @@ pub struct LidarSpec {
     pub returns: ReturnMode,
     /// How it turns.
     pub spin: Spin,
+    /// Whether a scan tells what each point's surface is ([`super::Scan::surface`]).
+    pub records_surfaces: bool,
     /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
     pub rolling: bool,
     /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
@@ -98,6 +100,7 @@ impl LidarSpec {
             divergent: None,
             returns: ReturnMode::Strongest,
             spin: Spin::default(),
+            records_surfaces: false,
             rolling: false,
             min_range_m: 1.45,
             max_range_m: 80.0,
@@ -377,7 +380,7 @@ mod tests {
             [(-1.0, 0.0, "laser gain is -1"), (1.0, -1.01, "offset is -1.01"), (1.0, f64::NAN, "offset is not finite")]
         {
             spec = LidarSpec::cadet();
-            spec.laser_receivers[7] = LaserReceiver { gain, range_offset_m, focus_m: 0.0 };
+            spec.laser_receivers[7] = LaserReceiver { gain, range_offset_m, ..LaserReceiver::default() };
             let text = spec.check().expect_err("bad").to_string();
             assert!(text.contains(what), "{text}");
         }

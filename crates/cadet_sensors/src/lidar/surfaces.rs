@@ -12,14 +12,16 @@ pub(super) struct SurfaceLookup<'a, C> {
     casting: &'a C,
     /// Share of level surfaces under snow.
     snow_cover: f64,
+    /// Whether anyone asks for normals.
+    records_surfaces: bool,
     /// Instance and face.
     last: [u32; 2],
     normal_world: DVec3,
 }
 
 impl<'a, C: Casting> SurfaceLookup<'a, C> {
-    pub(super) fn new(casting: &'a C, snow_cover: f64) -> Self {
-        Self { casting, snow_cover, last: [NO_HIT; 2], normal_world: DVec3::ZERO }
+    pub(super) fn new(casting: &'a C, snow_cover: f64, records_surfaces: bool) -> Self {
+        Self { casting, snow_cover, records_surfaces, last: [NO_HIT; 2], normal_world: DVec3::ZERO }
     }
 
     /// The surface that a beam of a column met in a direction.
@@ -61,8 +63,16 @@ impl<'a, C: Casting> SurfaceLookup<'a, C> {
             let rise = if cosine > 0.0 { -self.normal_world.z } else { self.normal_world.z };
             self.snow_cover * f64::from(snow_share(rise as f32))
         };
+        let normal_velo = if self.records_surfaces {
+            let toward = if cosine > 0.0 { -self.normal_world } else { self.normal_world };
+            let along = |axis| toward.dot(self.casting.direction_world(column, instance, axis)) as f32;
+            [DVec3::X, DVec3::Y, DVec3::Z].map(along)
+        } else {
+            [0.0; 3]
+        };
         Some(HitSurface {
             range_m,
+            normal_velo,
             cos_incidence: cosine.abs().min(1.0),
             material,
             texture_factor: texture,

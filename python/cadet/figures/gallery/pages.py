@@ -106,8 +106,7 @@ def _scan_figures(frame: Frame) -> tuple[style.Image, style.Image]:
 
 
 def _views(district_name: str, weather: str, num: int) -> Iterator[Frame]:
-    policy = ResetPolicy.kitti().with_districts(District.named(district_name))
-    policy = replace(policy, weathers=((weather, 1.0),))
+    policy = ResetPolicy.kitti().with_districts(District.named(district_name)).with_weathers(weather)
     for seed in range(num):
         yield Scene.random(seed=seed, policy=policy).capture(sensors=())
 

@@ -23,22 +23,28 @@ from cadet.formats.kitti.files.folder import (
     suffix_of,
 )
 from cadet.formats.kitti.files.point_labels import bytes_from_point_labels, point_labels
+from cadet.formats.kitti.files.range_image import bytes_from_range_image, range_image
 from cadet.formats.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
 from cadet.formats.kitti.image_sets import ImageSet
 from cadet.formats.kitti.label import text_from_labels
+from cadet.formats.point_files import POINT_FILES, columns_of_points
 from cadet.sensors.camera import Camera
 from cadet.sensors.rig import RIGHT_CAMERA, Rig
 from cadet.sensors.sample import MORE_MAPS, Sample, Wanted
 
 _MAPS: Final = ("depth", "instance", "semantic", *MORE_MAPS)
 _RIGHT_LABELS: Final = "label_3"
+_POINTS: Final = {f"points_{suffix}": encode for suffix, encode in POINT_FILES.items()}
 
 
 class KittiExporter(FilesInPlace):
     """One image, one scan, labels, a calibration and a plane for each sample; see `cadet.formats.exporter.Exporter`."""
 
     name = "kitti"
-    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, _RIGHT_LABELS, CAMERAS, "point_labels", "point_times")
+    extras: tuple[str, ...] = (
+        *(*_MAPS, RIGHT_CAMERA, _RIGHT_LABELS, CAMERAS),
+        *("point_labels", "point_times", *_POINTS, "range_image"),
+    )
     base: tuple[str, ...] = ("image_2", "velodyne", "calib", "label_2", "planes")
     needs_sequence = False
 
@@ -100,6 +106,11 @@ class KittiExporter(FilesInPlace):
             files["point_times"] = scan.time_s.astype("<f4").tobytes()
         for name in sample.rig.mounted_cameras if CAMERAS in extras else ():
             files |= {camera_kind(name, kind): data for kind, data in _of_camera(sample, name, extras).items()}
+        if any(kind in extras for kind in _POINTS):
+            columns = columns_of_points(points_velo, scan.ring, scan.time_s)
+            files |= {kind: encode(columns) for kind, encode in _POINTS.items() if kind in extras}
+        if "range_image" in extras:
+            files["range_image"] = bytes_from_range_image(range_image(scan, sample.rig.lidar))
         return files
 
     def record(self, sample: Sample) -> dict[str, Any]:

@@ -5,17 +5,41 @@ from __future__ import annotations
 from typing import Final
 
 CATEGORIES: Final = {
-    "vehicle.car": (17, "Passenger cars and vans."),
-    "vehicle.truck": (23, "Trucks, semi-trailers with their tractors among them."),
-    "vehicle.bus.rigid": (16, "Buses, and each car of a tram."),
-    "vehicle.bicycle": (14, "Bicycles with their riders."),
-    "vehicle.motorcycle": (21, "Motorcycles."),
-    "vehicle.trailer": (22, "Trailers and caravans."),
-    "human.pedestrian.adult": (2, "Adults."),
-    "human.pedestrian.child": (3, "Children."),
-    "human.pedestrian.stroller": (7, "Prams, each with who pushes it."),
+    "noise": "Returns of what is no surface: fog, rain, spray, and snow in the air.",
+    "animal": "Animals, such as dogs.",
+    "human.pedestrian.adult": "Adults.",
+    "human.pedestrian.child": "Children.",
+    "human.pedestrian.construction_worker": "People who work at a construction site.",
+    "human.pedestrian.personal_mobility": "Small electric or self-propelled vehicles, such as scooters.",
+    "human.pedestrian.police_officer": "Police officers.",
+    "human.pedestrian.stroller": "Prams, each with who pushes it.",
+    "human.pedestrian.wheelchair": "Wheelchairs.",
+    "movable_object.barrier": "Barriers that are put up to redirect traffic.",
+    "movable_object.debris": "What lies on the carriageway and is too large to be driven over.",
+    "movable_object.pushable_pullable": "What a person pushes or pulls, such as cases and rollators.",
+    "movable_object.trafficcone": "Traffic cones.",
+    "static_object.bicycle_rack": "Racks with the bicycles in them.",
+    "vehicle.bicycle": "Bicycles with their riders; of points, parked ones too.",
+    "vehicle.bus.bendy": "Articulated buses.",
+    "vehicle.bus.rigid": "Buses, and each car of a tram.",
+    "vehicle.car": "Passenger cars and vans.",
+    "vehicle.construction": "Vehicles that are made for construction.",
+    "vehicle.emergency.ambulance": "Ambulances.",
+    "vehicle.emergency.police": "Police vehicles.",
+    "vehicle.motorcycle": "Motorcycles.",
+    "vehicle.trailer": "Trailers and caravans.",
+    "vehicle.truck": "Trucks, semi-trailers with their tractors among them.",
+    "flat.driveable_surface": "Carriageways and their markings.",
+    "flat.other": "Other horizontal surfaces.",
+    "flat.sidewalk": "Sidewalks and curbs.",
+    "flat.terrain": "Grass, soil, gardens, and drives.",
+    "static.manmade": "Buildings, fences, poles, signs, and street furniture.",
+    "static.other": "Other things that stand.",
+    "static.vegetation": "Trees, hedges, and shrubs.",
+    "vehicle.ego": "The car that carries the sensors.",
 }
-"""Categories that are written, by nuScenes' own names: their indices in nuScenes-lidarseg, and descriptions."""
+"""Categories by nuScenes-lidarseg's names, in the order of its indices (nuscenes-devkit, docs/instructions_lidarseg.md
+and category.json), with descriptions of what gets them here."""
 
 _OF_TYPE: Final = {
     "Car": "vehicle.car",

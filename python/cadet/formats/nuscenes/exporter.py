@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import tee
 from typing import Any, Final
 
@@ -18,8 +18,10 @@ from cadet._util.plain_text import json_from_text
 from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError, FileFormatError
 from cadet.formats.exporter import Ending, FilesInPlace, Place, Split
+from cadet.formats.nuscenes.point_categories import point_categories
 from cadet.formats.nuscenes.scene_names import scene_names
-from cadet.formats.nuscenes.tables import Tables
+from cadet.formats.nuscenes.tables import Tables, data_token
+from cadet.formats.sequences import seen_agents
 from cadet.sensors.camera import Camera
 from cadet.sensors.pose import inverse, product, quaternion_of
 from cadet.sensors.rig import Rig
@@ -30,23 +32,40 @@ VERSION: Final = "v1.0-trainval"
 TEST_VERSION: Final = "v1.0-test"
 """The folder of test scenes' tables: what tools find in the other one and not in nuScenes' train, they take for val."""
 
+KEY_FRAME_S: Final = 0.5
+"""From one key frame to the next: nuScenes' 2 Hz."""
+LIDARSEG: Final = "lidarseg"
+
 _RECORDS: Final = "records"
 _RECORD_NAME: Final = re.compile(r"[0-9]{6}\.json")
+_SCAN: Final = ".pcd.bin"
 _JPEG_QUALITY: Final = 95
 _FULL_SCALE: Final = 255.0
-_LEAST_SHARE: Final = 0.1
-"""An object without returns is annotated if the images show at least this share of it."""
-_FARTHEST_M: Final = 80.0
-"""An object without returns is annotated up to this distance from the ego."""
 
 
+@dataclass
 class NuscenesExporter(FilesInPlace):
-    """Key frames of all cameras and LIDARs, and tables of what they show; see `cadet.formats.exporter.Exporter`."""
+    """Images and scans of all sensors, and tables of what they show; see `cadet.formats.exporter.Exporter`."""
 
-    name = "nuscenes"
-    extras: tuple[str, ...] = ()
+    samples_per_key: int = 1
+    """From one key frame to the next; those between are sweeps."""
+    name: str = "nuscenes"
+    extras: tuple[str, ...] = (LIDARSEG,)
     base: tuple[str, ...] = ()
-    needs_sequence = True
+    needs_sequence: bool = True
+
+    def at_time_step(self, time_step_s: float) -> NuscenesExporter:
+        """Return the exporter of sequences with this time from one sample to the next.
+
+        Raises:
+            CadetError: key frames would not fall on samples.
+        """
+        count = max(1, round(KEY_FRAME_S / time_step_s))
+        if time_step_s < KEY_FRAME_S and abs(count * time_step_s - KEY_FRAME_S) > 1e-6:
+            raise CadetError(
+                f"nuscenes: expected --hz up to 2, or 4, 6, 10, 12, 20, 30, or 60, got {1 / time_step_s:g}"
+            )
+        return replace(self, samples_per_key=count)
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse names of sensors that are no names of folders, and lenses that nuScenes' tables have no room for."""
@@ -70,12 +89,14 @@ class NuscenesExporter(FilesInPlace):
             CadetError: the rigs do not have the same sensors.
         """
         found = {
-            (*(f"{name}.jpg" for name in self._cameras(rig)), *(f"{name}.pcd.bin" for name in rig.lidar_names))
+            (*(f"{name}.jpg" for name in self._cameras(rig)), *(f"{name}{_SCAN}" for name in rig.lidar_names))
             for rig in rigs
         }
         if len(found) != 1:
             raise CadetError("nuscenes: expected the same sensors on all rigs of the policy")
-        return found.pop()
+        kinds = found.pop()
+        scans = (kind.partition(".")[0] for kind in kinds if kind.endswith(_SCAN))
+        return (*kinds, *(f"{name}.{LIDARSEG}" for name in scans if LIDARSEG in extras))
 
     def check_size(self, num_episodes: Mapping[Split, int]) -> None:
         """Refuse more scenes than nuScenes has names for."""
@@ -88,16 +109,25 @@ class NuscenesExporter(FilesInPlace):
                 )
 
     def path(self, place: Place, kind: str) -> str:
-        """Return a file's name: `samples/CHANNEL/ID` with its suffix, or that of the record."""
+        """Return a file's name: `samples/CHANNEL/ID` with its suffix, that of points' classes, or of the record."""
         if kind == "record":
             return f"{_RECORDS}/{place.id}.json"
         channel, _, suffix = kind.partition(".")
-        return f"samples/{channel}/{place.id}.{suffix}"
+        if suffix == LIDARSEG:
+            # As the devkit looks for it.
+            return f"{LIDARSEG}/{_version(place)}/{data_token(place, channel)}_{LIDARSEG}.bin"
+        folder = "samples" if self._is_key_frame(place) else "sweeps"
+        return f"{folder}/{channel}/{place.id}.{suffix}"
 
     def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
         """Return the images and scans by channel and suffix."""
         files = {f"{name}.jpg": _jpeg(sample.image(name)) for name in sample.image_names}
-        return files | {f"{name}.pcd.bin": _pcd(sample.scan(name)) for name in sample.scan_names}
+        for name in sample.scan_names:
+            scan = sample.scan(name)
+            files[f"{name}{_SCAN}"] = _pcd(scan)
+            if LIDARSEG in extras:
+                files[f"{name}.{LIDARSEG}"] = point_categories(scan, sample.agents).tobytes()
+        return files
 
     def record(self, sample: Sample) -> dict[str, Any]:
         """Return the ego, the sensors' calibration and the annotated objects of a sample."""
@@ -127,7 +157,7 @@ class NuscenesExporter(FilesInPlace):
             "ego_speed_mps": sample.ego_speed_mps,
             "ego": _place(product(sample.world_from_ego, shift)),
             "sensors": sensors,
-            "objects": list(_objects(sample)),
+            "objects": [_object(agent, num_points) for agent, num_points in seen_agents(sample)],
         }
 
     def record_bytes(self, record: Mapping[str, Any]) -> bytes:
@@ -149,8 +179,13 @@ class NuscenesExporter(FilesInPlace):
                 record = json_from_text(data, name)
             except FileFormatError:
                 raise CadetError(f"{name} was changed by another program during the run") from None
-            tables = of_version[TEST_VERSION if place.split == "test" else VERSION]
-            tables.add(place, record, {channel: self.path(place, kind) for channel, kind in _channels(record)})
+            paths = {channel: self.path(place, kind) for channel, kind in _channels(record)}
+            written = (kind.partition(".") for kind in record["sha256"])
+            labels = {
+                channel: self.path(place, f"{channel}.{LIDARSEG}") for channel, _, it in written if it == LIDARSEG
+            }
+            tables = of_version[_version(place)]
+            tables.add(place, record, paths, labels, is_key_frame=self._is_key_frame(place))
         files = {}
         types: Counter[str] = Counter()
         for version, tables in of_version.items():
@@ -164,28 +199,22 @@ class NuscenesExporter(FilesInPlace):
             types += tables.num_of_type
         return Ending(files, types)
 
+    def _is_key_frame(self, place: Place) -> bool:
+        return place.sample % self.samples_per_key == 0
+
     @staticmethod
     def _cameras(rig: Rig) -> list[str]:
         """Return the cameras that take images unasked."""
         return [name for index, name in enumerate(rig.camera_names) if index in {0, *rig.wanted(None)[0]}]
 
 
+def _version(place: Place) -> str:
+    return TEST_VERSION if place.split == "test" else VERSION
+
+
 def _channels(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for channel, sensor in record["sensors"].items():
-        yield channel, f"{channel}.jpg" if sensor["modality"] == "camera" else f"{channel}.pcd.bin"
-
-
-def _objects(sample: Sample) -> Iterator[dict[str, Any]]:
-    ids = sample.scan().actor_id
-    counts = np.bincount(np.maximum(ids, 0)) if len(ids) else np.zeros(1, np.int64)
-    here = sample.world_from_ego[:3, 3]
-    for agent in sample.agents:
-        num_points = int(counts[agent.id]) if agent.id < len(counts) else 0
-        x, y, z = (agent.world_from_agent[:3, 3] - here).tolist()
-        distance_m = math.sqrt(x * x + y * y + z * z)
-        is_seen = (agent.visible_share or 0.0) >= _LEAST_SHARE and distance_m <= _FARTHEST_M
-        if num_points > 0 or is_seen:
-            yield _object(agent, num_points)
+        yield channel, f"{channel}.jpg" if sensor["modality"] == "camera" else f"{channel}{_SCAN}"
 
 
 def _object(agent: Agent, num_points: int) -> dict[str, Any]:

@@ -21,6 +21,9 @@ _TABLES: Final = (
     *("attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map", "sample"),
     *("sample_annotation", "sample_data", "scene", "sensor", "visibility"),
 )
+_LIDARSEG: Final = "lidarseg"
+"""A table that a folder may have."""
+_POINT_BYTES: Final = 20
 _LINK: Final = re.compile(r"(?:first_|last_)?(\w+)_tokens?")
 _NUMBERS: Final = {"translation": 3, "rotation": 4, "size": 3}
 _UNIT_TOLERANCE: Final = 1e-3
@@ -47,16 +50,18 @@ def lint(root: Path) -> tuple[int, list[Finding]]:
     findings += lint_other_files(root, Manifest(other_hashes=named))
     num_samples = 0
     for folder in table_folders(root):
-        tables = {name: _table(root, f"{folder.name}/{name}.json", findings) for name in _TABLES}
+        names = (*_TABLES, *([_LIDARSEG] if os.path.lexists(folder / f"{_LIDARSEG}.json") else []))
+        tables = {name: _table(root, f"{folder.name}/{name}.json", findings) for name in names}
         for name, rows in tables.items():
             for number, row in enumerate(rows.values()):
                 for problem in (*_broken_links(name, row, tables), *_bad_numbers(row)):
                     message = f"row {number}: {problem}"
                     findings.append(Finding(f"{folder.name}/{name}.json", None, "table-row", message))
-        for file in (str(row.get("filename")) for row in tables["sample_data"].values()):
-            if file not in named and not (_is_inside(file) and (root / file).is_file()):
-                message = "missing, but sample_data names it"
-                findings.append(Finding(printable(file), None, "missing-file", message))
+        for name in ("sample_data", _LIDARSEG):
+            for file in (str(row.get("filename")) for row in tables.get(name, {}).values()):
+                if file not in named and not (_is_inside(file) and (root / file).is_file()):
+                    findings.append(Finding(printable(file), None, "missing-file", f"missing, but {name} names it"))
+        findings += _wrong_sizes(root, tables)
         num_samples += len(tables["sample"])
     return num_samples, findings
 
@@ -109,6 +114,18 @@ def _bad_numbers(row: Mapping[str, Any]) -> Iterator[str]:
             yield f"size: expected numbers above 0, got {value}"
         elif key == "rotation" and abs(math.hypot(*value) - 1.0) > _UNIT_TOLERANCE:
             yield f"rotation: expected a quaternion of length 1, got {value}"
+
+
+def _wrong_sizes(root: Path, tables: Mapping[str, Rows]) -> Iterator[Finding]:
+    """Find files of points' classes that do not have one for each point of their scan."""
+    for row in tables.get(_LIDARSEG, {}).values():
+        file = str(row.get("filename"))
+        scan = str(tables["sample_data"].get(str(row.get("sample_data_token")), {}).get("filename"))
+        if all(_is_inside(name) and (root / name).is_file() for name in (file, scan)):
+            number, points = (root / file).stat().st_size, (root / scan).stat().st_size // _POINT_BYTES
+            if number != points:
+                message = f"holds {number} points, {scan} has {points}"
+                yield Finding(printable(file), None, "damaged-file", message)
 
 
 def _is_inside(file: str) -> bool:

@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from hashlib import sha256
-from typing import Any, Final
+from typing import Any
 
 from cadet.formats.exporter import Place
 from cadet.formats.nuscenes.classes import ATTRIBUTES, CATEGORIES, VISIBILITY, attribute, category, visibility
 from cadet.formats.nuscenes.scene_names import scene_names
-
-_EPOCH_US: Final = 1_577_836_800_000_000
-"""1 January 2020: when the first scene begins."""
-_SCENE_US: Final = 3_600_000_000
-"""Scenes begin an hour after each other."""
+from cadet.formats.sequences import time_us
 
 Row = dict[str, Any]
 
@@ -22,6 +18,11 @@ Row = dict[str, Any]
 def token(*parts: object) -> str:
     """Return a token of 32 hexadecimal digits: a function of what it names alone."""
     return sha256("/".join(str(part) for part in parts).encode("utf-8")).hexdigest()[:32]
+
+
+def data_token(place: Place, channel: str) -> str:
+    """Return the token of what a sensor has taken."""
+    return token("sample_data", place.number, channel)
 
 
 class Tables:
@@ -34,6 +35,7 @@ class Tables:
         self._calibrated: dict[str, Row] = {}
         self._logs: dict[int, Row] = {}
         self._splits: dict[str, list[str]] = {"train": [], "val": [], "test": []}
+        self._sweeps: list[Row] = []
         self._last_data: dict[tuple[int, str], Row] = {}
         self._last_seen: dict[tuple[int, int], Row] = {}
         self._instances: dict[tuple[int, int], Row] = {}
@@ -50,27 +52,46 @@ class Tables:
         """The token of the only map."""
         return token("map")
 
-    def add(self, place: Place, record: Mapping[str, Any], files: Mapping[str, str]) -> None:
-        """Add a sample.
+    def add(
+        self,
+        place: Place,
+        record: Mapping[str, Any],
+        files: Mapping[str, str],
+        labels: Mapping[str, str],
+        *,
+        is_key_frame: bool,
+    ) -> None:
+        """Add a sample of the dataset: a key frame, which nuScenes calls a sample, or a sweep between two of them.
 
         Args:
             place: which one.
             record: what the exporter's `record` returned.
             files: each channel's file.
+            labels: the files of points' classes, by channel.
+            is_key_frame: whether it is a key frame; the first one of an episode is.
         """
-        time_us = _EPOCH_US + place.episode * _SCENE_US + round(record["time_s"] * 1e6)
-        sample = {
-            "token": token("sample", place.number),
-            "timestamp": time_us,
-            "prev": "",
-            "next": "",
-            "scene_token": token("scene", place.episode),
-        }
-        self._add_to_scene(place, record, sample)
+        stamp_us = time_us(place.episode, record["time_s"])
+        if is_key_frame:
+            sample = {
+                "token": token("sample", place.number),
+                "timestamp": stamp_us,
+                "prev": "",
+                "next": "",
+                "scene_token": token("scene", place.episode),
+            }
+            self._add_to_scene(place, record, sample)
+            for seen in record["objects"]:
+                self._add_annotation(place, sample, seen)
         for channel, sensor in record["sensors"].items():
-            self._add_data(place, sample, channel, sensor, record["ego"], files[channel])
-        for seen in record["objects"]:
-            self._add_annotation(place, sample, seen)
+            data = self._add_data(
+                place, stamp_us, channel, sensor, record["ego"], files[channel], is_key_frame=is_key_frame
+            )
+            if not is_key_frame:
+                self._sweeps.append(data)
+            if channel in labels:
+                self._rows["lidarseg"].append(
+                    {"token": data["token"], "sample_data_token": data["token"], "filename": labels[channel]}
+                )
 
     def finished(self) -> dict[str, Any]:
         """Return the content of every table."""
@@ -80,7 +101,7 @@ class Tables:
         self._pending.clear()
         categories = [
             {"token": token("category", name), "name": name, "description": text, "index": index}
-            for name, (index, text) in CATEGORIES.items()
+            for index, (name, text) in enumerate(CATEGORIES.items())
         ]
         attributes = [
             {"token": token("attribute", name), "name": name, "description": text} for name, text in ATTRIBUTES.items()
@@ -114,12 +135,16 @@ class Tables:
             "sample_annotation": self._rows["sample_annotation"],
             "map": [the_map],
             "splits": {split: names for split, names in self._splits.items() if names},
+            **({"lidarseg": self._rows["lidarseg"]} if "lidarseg" in self._rows else {}),
         }
 
     def _add_to_scene(self, place: Place, record: Mapping[str, Any], sample: Row) -> None:
         samples, scenes = self._rows["sample"], self._rows["scene"]
         samples.append(sample)
+        sweeps, self._sweeps = self._sweeps, []
         if place.sample > 0:
+            for data in sweeps:
+                data["sample_token"] = sample["token"]
             before = samples[-2]
             before["next"], sample["prev"] = sample["token"], before["token"]
             scenes[-1]["last_sample_token"] = sample["token"]
@@ -148,8 +173,16 @@ class Tables:
         )
 
     def _add_data(
-        self, place: Place, sample: Row, channel: str, sensor: Mapping[str, Any], ego: Mapping[str, Any], file: str
-    ) -> None:
+        self,
+        place: Place,
+        stamp_us: int,
+        channel: str,
+        sensor: Mapping[str, Any],
+        ego: Mapping[str, Any],
+        file: str,
+        *,
+        is_key_frame: bool,
+    ) -> Row:
         own = self._sensors.setdefault(
             channel, {"token": token("sensor", channel), "channel": channel, "modality": sensor["modality"]}
         )
@@ -162,17 +195,18 @@ class Tables:
             "camera_intrinsic": sensor["camera_intrinsic"],
         }
         self._calibrated.setdefault(calibrated["token"], calibrated)
-        name = token("sample_data", place.number, channel)
-        self._rows["ego_pose"].append({"token": name, "timestamp": sample["timestamp"], **ego})
+        name = data_token(place, channel)
+        self._rows["ego_pose"].append({"token": name, "timestamp": stamp_us, **ego})
         width, height = sensor["size"]
         data = {
             "token": name,
-            "sample_token": sample["token"],
+            # Of a sweep the last key frame's, until the next one comes.
+            "sample_token": self._rows["sample"][-1]["token"],
             "ego_pose_token": name,
             "calibrated_sensor_token": calibrated["token"],
-            "timestamp": sample["timestamp"],
+            "timestamp": stamp_us,
             "fileformat": "jpg" if sensor["modality"] == "camera" else "pcd",
-            "is_key_frame": True,
+            "is_key_frame": is_key_frame,
             "height": height,
             "width": width,
             "filename": file,
@@ -181,6 +215,7 @@ class Tables:
         }
         _chain(self._last_data, (place.episode, channel), data)
         self._rows["sample_data"].append(data)
+        return data
 
     def _add_annotation(self, place: Place, sample: Row, seen: Mapping[str, Any]) -> None:
         key = (place.episode, seen["id"])

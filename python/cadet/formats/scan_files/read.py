@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import io
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from tokenize import TokenError
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet._util.arrays import array_from_npy
 from cadet._util.user_files import read_file
 from cadet.errors import FileFormatError
 from cadet.formats.kitti.files.dialects import accept
@@ -28,11 +26,6 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "time": ("t", "time", "timestamp", "time_stamp", "offset_time", "ts"),
 }
 """What drivers call the columns; the first that a file has is meant."""
-_NO_ARRAY: Final = (
-    *(ValueError, EOFError, TypeError, SyntaxError, OverflowError, MemoryError, RecursionError, KeyError),
-    *(AttributeError, TokenError),
-)
-"""What NumPy raises, which reads a header as Python's text."""
 _MOST_RING: Final = 1 << 16
 
 
@@ -75,7 +68,7 @@ def _read(data: bytes, file: str) -> RecordedScan:
         b"ply\r\n": columns_from_ply,
     }
     if data.startswith(b"\x93NUMPY"):
-        rows = _array(data, file)
+        rows = array_from_npy(data, file)
         if rows.dtype.names is not None:
             return _of_columns({name.lower(): rows[name].reshape(-1) for name in rows.dtype.names}, file)
         if rows.ndim != 2 or rows.shape[1] < 4 or rows.dtype.kind not in "fiu":
@@ -86,17 +79,6 @@ def _read(data: bytes, file: str) -> RecordedScan:
         return _of_columns(reader(data, file), file)
     layout = layout_of(data, file)
     return _of_rows(layout.rows(data), layout.ring)
-
-
-def _array(data: bytes, file: str) -> NDArray[Any]:
-    try:
-        # Files of Python 2 are read all the same.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)
-            array: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
-    except _NO_ARRAY as error:
-        raise FileFormatError(f"cannot be read as an array: {' '.join(str(error).split())[:200]}", file) from None
-    return array
 
 
 def _of_rows(rows: NDArray[Any], ring: int | None) -> RecordedScan:

@@ -11,8 +11,9 @@ from cadet._util.sink import LocalSink, Sink, read_each
 from cadet.errors import CadetError
 from cadet.formats.exporter import Ending, Place, Split
 from cadet.formats.kitti.exporter import KittiExporter, ending
+from cadet.formats.packing_sink import PackingSink
 from cadet.formats.webdataset.member_names import member_name, parse_member_name
-from cadet.formats.webdataset.shard_sink import ShardSink
+from cadet.formats.webdataset.shard_format import ShardFormat
 from cadet.sensors.rig import Rig
 from cadet.sensors.sample import Sample, Wanted
 
@@ -68,7 +69,7 @@ class WebdatasetExporter:
         """Return the `meta` file."""
         return _KITTI.record_bytes(record)
 
-    def store(self, sink: Sink, place_of: Callable[[int], Place]) -> ShardSink:
+    def store(self, sink: Sink, place_of: Callable[[int], Place]) -> PackingSink:
         """Return what takes samples' files and holds them in shards.
 
         Raises:
@@ -76,26 +77,36 @@ class WebdatasetExporter:
         """
         if not isinstance(sink, LocalSink):
             raise CadetError(f"{sink.location}: shards are packed in a folder; copy them to a store when they are done")
-        return ShardSink(sink, lambda number: self.shard(place_of(number)))
+
+        def shard_of(member: str) -> str | None:
+            parsed = parse_member_name(member)
+            return None if parsed is None else self.shard(place_of(int(parsed[0])))
+
+        return PackingSink(sink, ShardFormat(), shard_of)
 
     def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
         """Pack the shards that an episode has filled."""
-        assert isinstance(sink, ShardSink)
+        assert isinstance(sink, PackingSink)
         for shard in dict.fromkeys(self.shard(place) for place in places):
-            sink.pack(shard, only_at=self.shard_size)
+            sink.pack(shard, lambda names: sum(map(_is_record, names)) >= self.shard_size)
 
     def written(self, sink: Sink) -> set[int]:
         """Return the numbers of the samples of which something lies in a shard or aside."""
-        assert isinstance(sink, ShardSink)
+        assert isinstance(sink, PackingSink)
         parsed = map(parse_member_name, sink.member_names())
         return {int(name[0]) for name in parsed if name is not None}
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Pack what is left, and return `ImageSets` and the number of labels."""
-        assert isinstance(sink, ShardSink)
-        for shard in sink.shards():
+        assert isinstance(sink, PackingSink)
+        for shard in sink.archives():
             sink.pack(shard)
             sink.mend(shard)
         sink.remove_staging()
         places, same = tee(places)
         return ending(places, read_each(sink, (self.path(place, "label_2") for place in same)))
+
+
+def _is_record(member: str) -> bool:
+    parsed = parse_member_name(member)
+    return parsed is not None and parsed[1] == "meta"

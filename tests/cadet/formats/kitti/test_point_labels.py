@@ -22,6 +22,7 @@ def make_scan(seen: list[tuple[int, Semantic]]) -> Scan:
         semantic=np.array([kind for _, kind in seen], np.uint8),
         range_m=zeros.astype(np.float64),
         time_s=zeros.astype(np.float32),
+        echo=np.ones(len(seen), np.uint8),
     )
 
 

@@ -21,7 +21,7 @@ def scene_of(xodr: str) -> Any:
     return _cadet.Scene.empty(
         map_name="m.xodr",
         map_xodr=xodr,
-        weather="clear_noon",
+        weather=cadet.Weather()._to_native(),
         rig=rig._to_native(),
         config=cadet.SceneConfig()._to_native(),
         assets=None,

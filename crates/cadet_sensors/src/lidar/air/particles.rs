@@ -9,8 +9,9 @@
 //! above a limit, and the number of bright ones along the beam is Poisson. That is exact and costs one random number on
 //! most beams. All others only dim what is behind them, by the mean.
 
-use super::crossover::{CLOSED_M, crossover};
+use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use crate::lidar::Receiver;
+use crate::lidar::laser_receiver::focused;
 use crate::weather::SizeDistribution;
 use cadet_base::math::{self, PI};
 use cadet_base::rng::CounterRng;
@@ -19,8 +20,8 @@ use cadet_base::rng::CounterRng;
 const DROP_REFLECTANCE: f64 = 0.328 * 0.328 / (2.328 * 2.328);
 /// Reflectance of a flake. A snow pack has 0.8, but a lone flake lets most of the light through.
 const FLAKE_REFLECTANCE: f64 = 0.3;
-/// What has less than this share of the power that is detected half of the time is left out: it is detected 1 time in 20.
-const FAINTEST: f64 = 0.6;
+/// Nothing nearer returns anything.
+pub(super) const CLOSED_M: f64 = 0.9;
 /// Step of the tables over the range.
 const STEP_M: f64 = 0.05;
 
@@ -28,12 +29,7 @@ const STEP_M: f64 = 0.05;
 #[derive(Debug, Clone)]
 pub(super) struct Particles {
     reflectance: f64,
-    /// Of the beam.
-    divergence_rad: f64,
-    /// The weakest echo that is drawn, in units of reflectance / range^2.
-    least_power: f64,
-    /// Two-way attenuation of their echo, per meter.
-    dimming_per_m: f64,
+    seen_by: SeenBy,
     /// Of the exponential distribution of diameters, 1/m.
     slope_per_m: f64,
     /// Expected number of bright ones in a beam, and the chance of none.
@@ -45,33 +41,54 @@ pub(super) struct Particles {
     bright_depth: Vec<f64>,
 }
 
+/// What a laser sees of particles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SeenBy {
+    /// Of the beam.
+    divergence_rad: f64,
+    /// Of the laser's optics.
+    focus_m: f64,
+    /// The weakest echo that is drawn, in units of reflectance / range^2.
+    least_power: f64,
+    /// Two-way attenuation of their echo, per meter.
+    dimming_per_m: f64,
+}
+
 /// A particle in a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Particle {
-    pub range_m: f64,
     /// Share of the beam's area that it covers.
     pub share: f64,
-    /// Echo, in units of reflectance / range^2.
-    pub power: f64,
+    pub echo: AirEcho,
+}
+
+impl SeenBy {
+    /// Drops of these sizes.
+    pub(super) fn drops(self, sizes: SizeDistribution) -> Particles {
+        Particles::new(sizes, DROP_REFLECTANCE, self)
+    }
+
+    /// Flakes of these sizes.
+    pub(super) fn flakes(self, sizes: SizeDistribution) -> Particles {
+        Particles::new(sizes, FLAKE_REFLECTANCE, self)
+    }
 }
 
 impl Particles {
-    /// Drops of these sizes, in air that attenuates by `alpha_per_m` one way.
-    pub(super) fn drops(sizes: SizeDistribution, alpha_per_m: f64, receiver: &Receiver) -> Self {
-        Self::new(sizes, DROP_REFLECTANCE, alpha_per_m, receiver)
+    /// What a laser sees of particles in air that attenuates by `alpha_per_m` one way.
+    pub(super) fn seen_by(receiver: &Receiver, focus_m: f64, alpha_per_m: f64) -> SeenBy {
+        SeenBy {
+            divergence_rad: receiver.divergence_rad,
+            focus_m,
+            least_power: FAINTEST_SHARE * receiver.threshold(),
+            dimming_per_m: 2.0 * alpha_per_m,
+        }
     }
 
-    /// Flakes of these sizes, in air that attenuates by `alpha_per_m` one way.
-    pub(super) fn flakes(sizes: SizeDistribution, alpha_per_m: f64, receiver: &Receiver) -> Self {
-        Self::new(sizes, FLAKE_REFLECTANCE, alpha_per_m, receiver)
-    }
-
-    fn new(sizes: SizeDistribution, reflectance: f64, alpha_per_m: f64, receiver: &Receiver) -> Self {
+    fn new(sizes: SizeDistribution, reflectance: f64, seen_by: SeenBy) -> Self {
         let mut particles = Self {
             reflectance,
-            divergence_rad: receiver.divergence_rad,
-            least_power: FAINTEST * receiver.threshold,
-            dimming_per_m: 2.0 * alpha_per_m,
+            seen_by,
             slope_per_m: sizes.slope_per_m,
             mean_bright: 0.0,
             chance_of_none: 1.0,
@@ -79,7 +96,7 @@ impl Particles {
             bright_depth: vec![0.0],
         };
         // Beyond, even a particle as wide as the beam is too weak.
-        let reach_m = (reflectance / particles.least_power).sqrt();
+        let reach_m = (reflectance / seen_by.least_power).sqrt();
         let steps = ((reach_m - CLOSED_M) / STEP_M) as usize;
         for k in 0..steps {
             let r = CLOSED_M + (k as f64 + 0.5) * STEP_M;
@@ -94,13 +111,14 @@ impl Particles {
 
     /// Share of the beam that a particle at a range must cover to be detected.
     fn least_share(&self, range_m: f64) -> f64 {
-        let full = self.reflectance * math::exp(-self.dimming_per_m * range_m) * crossover(range_m);
-        self.least_power * range_m * range_m / full.max(1e-300)
+        let seen_by = &self.seen_by;
+        let full = self.reflectance * math::exp(-seen_by.dimming_per_m * range_m) * focused(seen_by.focus_m, range_m);
+        seen_by.least_power * range_m * range_m / full.max(1e-300)
     }
 
     /// Bright particles a meter of beam at a range, and the share that each covers on average.
     fn bright_at(&self, number_per_m3: f64, range_m: f64) -> (f64, f64) {
-        let width_m = self.divergence_rad * range_m;
+        let width_m = self.seen_by.divergence_rad * range_m;
         let least = self.least_share(range_m);
         if least > 1.0 {
             return (0.0, 0.0);
@@ -127,7 +145,7 @@ impl Particles {
             below += probability;
             let at_m = self.range_before(rng.unit() * self.mean_bright);
             let size = rng.unit();
-            if let Some(particle) = self.particle(at_m, size).filter(|p| p.range_m < range_m) {
+            if let Some(particle) = self.particle(at_m, size).filter(|p| p.echo.range_m < range_m) {
                 found(particle);
             }
         }
@@ -143,14 +161,15 @@ impl Particles {
 
     /// A bright particle at a range, its size by quantile; None where none can be bright.
     fn particle(&self, range_m: f64, size: f64) -> Option<Particle> {
-        let width_m = self.divergence_rad * range_m;
+        let width_m = self.seen_by.divergence_rad * range_m;
         let least = self.least_share(range_m);
         if least > 1.0 {
             return None;
         }
         let diameter_m = width_m * least.sqrt() - math::ln(1.0 - size) / self.slope_per_m;
         let share = (diameter_m / width_m * (diameter_m / width_m)).min(1.0);
-        Some(Particle { range_m, share, power: self.least_power * (share / least) })
+        let power = self.seen_by.least_power * (share / least);
+        Some(Particle { share, echo: AirEcho { range_m, power } })
     }
 
     /// Optical depth of the share that bright particles before `range_m` cover on average.

@@ -1,8 +1,8 @@
 //! Weather on a scan that was recorded in clear air: anyone's KITTI file, or one of ours.
 
-use super::crossover::CLOSED_M;
-use super::{Air, Scatterer};
-use crate::lidar::Receiver;
+use super::Air;
+use super::particles::CLOSED_M;
+use crate::lidar::{LaserReceiver, Receiver};
 use crate::weather::Weather;
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math;
@@ -12,7 +12,7 @@ use cadet_base::rng::{CounterRng, nearly_normal};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i8)]
 pub enum Fate {
-    /// Still there: dimmer, and with rain or snow a little noisier in range.
+    /// Still there: dimmer, and a little noisier in range.
     Kept = 0,
     /// Too weak to be detected.
     Lost = 1,
@@ -38,9 +38,8 @@ const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 /// plane `z = -sensor_height_m`.
 ///
 /// A point's reflectance is taken to be its intensity, as in LISA. It was detected, so it had the least power that is detected
-/// or more; where its intensity says less, how much more is drawn (Pareto, exponent 3). Fog moves points and dims them but
-/// loses none (Hahner et al. 2021); drops, flakes and water lose those that fall below the threshold. Ranges get what the
-/// receiver's noise of the weaker echo has more than that of the echo in clear air.
+/// or more; where its intensity says less, how much more is drawn (Pareto, exponent 3). Points that fall below the threshold
+/// are lost. Ranges get what the receiver's noise of the weaker echo has more than that of the echo in clear air.
 ///
 /// # Determinism
 /// A point's fate depends on itself, on the weather and on `seed`, not on its neighbors: a scan may be cut in pieces.
@@ -57,7 +56,7 @@ pub fn weather_recorded(
     weather.check()?;
     receiver.check()?;
     let _ = finite("sensor_height_m", sensor_height_m)?;
-    let air = Air::new(weather, receiver);
+    let air = Air::new(weather, receiver, LaserReceiver::default().focus_m);
     let mut out =
         Weathered { points_velo: Vec::with_capacity(points_velo.len()), fate: Vec::with_capacity(points_velo.len()) };
     for point in points_velo {
@@ -83,7 +82,7 @@ fn check(point: &[f32; 4]) -> Result<()> {
 }
 
 fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_m: f64, seed: u64) -> (Fate, [f32; 4]) {
-    let threshold = receiver.threshold;
+    let threshold = receiver.threshold();
     let [x, y, z, intensity] = point.map(f64::from);
     let range_m = (x * x + y * y + z * z).sqrt();
     if range_m < CLOSED_M {
@@ -91,35 +90,29 @@ fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_
     }
     let is_ground = (z + sensor_height_m).abs() < GROUND_TOLERANCE_M + GROUND_TOLERANCE_SHARE * range_m;
     let wet = if is_ground { air.wet_share(intensity, -z / range_m) } else { 1.0 };
-    let beam = CounterRng::key(seed, beam_names(receiver.divergence_rad, x, y, z));
-    let power = (intensity / (range_m * range_m)).max(threshold) * wet;
-    let meeting = air.meet(range_m, power, beam);
+    let meeting = air.meet(range_m, CounterRng::key(seed, beam_names(receiver.divergence_rad, x, y, z)));
+    let share = meeting.transmittance * wet;
     let moved = |to_m: f64, intensity: f64| {
         let scale = to_m / range_m;
         [(x * scale) as f32, (y * scale) as f32, (z * scale) as f32, intensity.min(1.0) as f32]
     };
-    if let Some(air_return) = meeting.air_return {
-        let intensity = match air_return.from {
-            Scatterer::Particle => air_return.reflectance,
-            Scatterer::Fog => intensity * wet * (air_return.reflectance / (power * range_m * range_m)),
-        };
-        return (Fate::Scattered, moved(air_return.range_m, intensity));
+    let power = (intensity / (range_m * range_m)).max(threshold);
+    let in_air = meeting.echoes.into_iter().flatten().max_by(|a, b| a.power.total_cmp(&b.power));
+    if let Some(echo) = in_air.filter(|echo| echo.power > (power * share).max(threshold)) {
+        return (Fate::Scattered, moved(echo.range_m, echo.power * echo.range_m * echo.range_m));
     }
-    let left = intensity * meeting.transmittance * wet;
-    let fog_left = air.fog_transmittance(range_m);
-    let others_left = meeting.transmittance / fog_left * wet;
-    if others_left >= 1.0 {
-        return (Fate::Kept, [point[0], point[1], point[2], left as f32]);
+    if share >= 1.0 {
+        return (Fate::Kept, point);
     }
     let mut rng = CounterRng::new(CounterRng::key(seed, point_names(point)));
     let margin = 1.0 / math::cbrt(1.0 - rng.unit());
-    let before = (intensity / (range_m * range_m) * fog_left).max(threshold * margin);
-    if before * others_left < threshold {
+    let before = (intensity / (range_m * range_m)).max(threshold * margin);
+    if before * share < threshold {
         return (Fate::Lost, point);
     }
-    let [was_m, is_m] = [before, before * others_left].map(|power| receiver.noise_m(power));
+    let [was_m, is_m] = [before, before * share].map(|power| receiver.noise_m(power));
     let noise_m = (is_m * is_m - was_m * was_m).max(0.0).sqrt() * nearly_normal(rng.next_u64());
-    (Fate::Kept, moved((range_m + noise_m).max(0.0), left))
+    (Fate::Kept, moved((range_m + noise_m).max(0.0), intensity * share))
 }
 
 /// The point by its bits.
@@ -215,24 +208,31 @@ mod tests {
                 pieces.fate.extend(got.fate);
             }
             assert_eq!(whole, pieces);
-            // Without drops and flakes nothing but the place of fog's return is drawn.
             assert_ne!(whole, run(&points, air, 5), "{air:?}");
         }
     }
 
     #[test]
-    fn fog_alone_loses_nothing_and_dims_by_beer_and_lambert() {
+    fn fog_dims_by_beer_and_lambert_and_hides_what_is_far() {
         let points = cloud(4000, "fog");
         let got = run(&points, [0.03, 0.0, 0.0, 0.0], 0);
-        assert_eq!(got.points_velo.len(), points.len());
-        for ((before, after), fate) in points.iter().zip(&got.points_velo).zip(&got.fate) {
+        let mut left = got.points_velo.iter();
+        let (mut hidden, mut far) = (0, 0);
+        for (before, fate) in points.iter().zip(&got.fate) {
             let [x, y, z, i] = before.map(f64::from);
+            let range_m = (x * x + y * y + z * z).sqrt();
+            let after = if *fate == Fate::Lost { None } else { left.next() };
             if *fate == Fate::Kept {
-                assert_eq!(before[..3], after[..3]);
-                let expected = i * math::exp(-0.06 * (x * x + y * y + z * z).sqrt());
-                assert!((f64::from(after[3]) - expected).abs() < 1e-7, "{expected} {after:?}");
+                let expected = i * math::exp(-0.06 * range_m);
+                let got = f64::from(after.expect("kept")[3]);
+                assert!((got - expected).abs() < 1e-7, "{expected} {got}");
+            }
+            // Of a fifth of white, exp(-0.06 * 60) / 60^2 is a tenth of what is detected.
+            if range_m > 60.0 && i < 0.2 {
+                (far, hidden) = (far + 1, hidden + usize::from(*fate != Fate::Kept));
             }
         }
+        assert!(far > 100 && hidden * 10 > far * 9, "{hidden} of {far}");
     }
 
     #[test]

@@ -1,19 +1,14 @@
-//! What spray behind vehicles does to a beam: it dims what is behind it, and returns some of the light itself.
-//!
-//! A pulse in a cloud of drops that are much larger than a wavelength returns what is scattered straight back: extinction over
-//! the lidar ratio of water drops, 18 sr (Pinnick et al., JGR 1983), along half a pulse's length. That is as much as
-//! a diffuse surface of `pi sigma pulse / 18` returns. Spray is made of clumps that are finer than its lumps: echoes are
-//! spread exponentially about that mean.
+//! What spray behind vehicles does to a beam: it dims what is behind it, and returns some of the light itself, as fog does
+//! ([`super::aerosol`]).
 
-use super::crossover::crossover;
-use super::{Air, AirReturn, Scatterer};
+use super::aerosol::{clump, reflectance_m};
+use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use crate::lidar::Receiver;
+use crate::lidar::laser_receiver::focused;
 use crate::spray::{Plume, Spray};
-use cadet_base::math::{self, DVec3, PI};
+use cadet_base::math::{self, DVec3};
 use cadet_base::rng::CounterRng;
 
-/// Extinction over backscatter of water drops, sr.
-const LIDAR_RATIO_SR: f64 = 18.0;
 /// Steps along a beam's way through a plume: their length, and how many at least and at most.
 const STEP_M: f64 = 1.0;
 const MIN_STEPS: f64 = 2.0;
@@ -22,8 +17,6 @@ const MAX_STEPS: f64 = 10.0;
 const THIN_PER_M: f64 = 0.003;
 /// Plumes that are farther from the sensor are left out: they return nothing, and hardly anything that they hide returns.
 const REACH_M: f64 = 70.0;
-/// What has less than this share of the power that is detected half of the time is left out.
-const FAINTEST: f64 = 0.5;
 /// Makes a key of a beam's own.
 const SALT: u64 = 0x5f3a_91c4_d20b_7e65;
 
@@ -51,35 +44,12 @@ pub(in crate::lidar) struct Sprayed {
     /// Power that is left of an echo from behind.
     pub transmittance: f64,
     /// The spray's own echo.
-    pub echo: Option<SprayEcho>,
-}
-
-/// An echo of spray.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::lidar) struct SprayEcho {
-    pub range_m: f64,
-    /// Reflectance / range^2.
-    pub power: f64,
+    pub echo: Option<AirEcho>,
 }
 
 impl Sprayed {
     /// A beam that meets none.
     pub(in crate::lidar) const NOT: Self = Self { transmittance: 1.0, echo: None };
-
-    /// The air's return, or the spray's own if it is stronger than that and than the target.
-    pub(in crate::lidar) fn or_stronger(
-        &self,
-        other: Option<AirReturn>,
-        target_power: f64,
-        air: &Air,
-    ) -> Option<AirReturn> {
-        let Some(SprayEcho { range_m, power }) = self.echo else { return other };
-        let power = power * air.transmittance(range_m);
-        if power <= other.map_or(target_power, |r| r.reflectance / (r.range_m * r.range_m)) {
-            return other;
-        }
-        Some(AirReturn { range_m, reflectance: power * range_m * range_m, from: Scatterer::Particle })
-    }
 }
 
 impl<'a> Plumes<'a> {
@@ -92,11 +62,7 @@ impl<'a> Plumes<'a> {
         let distance_m = |near: &NearPlume<'_>| (near.center_world - sensor_world).length();
         let mut plumes: Vec<_> = spray.plumes().iter().map(ball).filter(|p| distance_m(p) < REACH_M).collect();
         plumes.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
-        Self {
-            plumes,
-            reflectance_m: PI * receiver.pulse_m() / LIDAR_RATIO_SR,
-            least_power: FAINTEST * receiver.threshold,
-        }
+        Self { plumes, reflectance_m: reflectance_m(receiver), least_power: FAINTEST_SHARE * receiver.threshold() }
     }
 
     #[inline]
@@ -104,12 +70,13 @@ impl<'a> Plumes<'a> {
         self.plumes.is_empty()
     }
 
-    /// What becomes of a beam up to its target, which may be infinitely far; `key` names the beam.
+    /// What becomes of a beam of a laser of that focus up to its target, which may be infinitely far; `key` names the beam.
     pub(in crate::lidar) fn meet(
         &self,
         origin_world: DVec3,
         direction_world: DVec3,
         range_m: f64,
+        focus_m: f64,
         key: u64,
     ) -> Sprayed {
         let mut met = Sprayed::NOT;
@@ -132,12 +99,12 @@ impl<'a> Plumes<'a> {
                 let at_m = f64::from(enters) + (k as f64 + rng.unit()) * step_m;
                 let extinction = f64::from(plume.extinction_per_m(from + direction * at_m as f32));
                 if extinction > THIN_PER_M {
-                    let clump = -math::quick_ln((1.0 - rng.unit()).max(1e-12));
-                    let open = self.reflectance_m * extinction * clump * crossover(at_m) / (at_m * at_m);
+                    let mean = self.reflectance_m * extinction / (at_m * at_m);
+                    let open = mean * clump(&mut rng) * focused(focus_m, at_m);
                     if open > met.echo.map_or(self.least_power, |strongest| strongest.power) {
                         let power = open * math::exp(-2.0 * depth - extinction * step_m);
                         if met.echo.is_none_or(|strongest| power > strongest.power) {
-                            met.echo = Some(SprayEcho { range_m: at_m, power });
+                            met.echo = Some(AirEcho { range_m: at_m, power });
                         }
                     }
                 }
@@ -156,7 +123,7 @@ mod tests {
     use super::*;
     use crate::spray::tests::{CAR_M, depth, smooth};
     use cadet_base::actor::ObjectClass;
-    use cadet_base::math::Vec3;
+    use cadet_base::math::{PI, Vec3};
 
     #[test]
     fn a_target_is_dimmed_by_twice_the_depth_before_it() {
@@ -167,14 +134,14 @@ mod tests {
             let direction = (at - sensor).normalize();
             let (from, end) = (sensor.as_vec3(), range_m as f32);
             let expected = math::exp(-2.0 * depth(&spray.plumes()[0], from, direction.as_vec3(), end.min(1e3)));
-            let mean =
-                (0..400).map(|key| plumes.meet(sensor, direction, range_m, key).transmittance).sum::<f64>() / 400.0;
+            let mean = (0..400).map(|key| plumes.meet(sensor, direction, range_m, 6.0, key).transmittance).sum::<f64>()
+                / 400.0;
             assert!((mean - expected).abs() < 0.01 && expected < 0.85, "{mean} {expected}");
         }
         // Before the plume, beside it, and behind the sensor there is nothing.
-        let ahead = plumes.meet(sensor, DVec3::X, 9.0, 1);
-        let aside = plumes.meet(sensor, DVec3::Y, f64::INFINITY, 1);
-        assert_eq!([ahead, aside, plumes.meet(sensor, DVec3::NEG_X, 90.0, 1)], [Sprayed::NOT; 3]);
+        let ahead = plumes.meet(sensor, DVec3::X, 9.0, 6.0, 1);
+        let aside = plumes.meet(sensor, DVec3::Y, f64::INFINITY, 6.0, 1);
+        assert_eq!([ahead, aside, plumes.meet(sensor, DVec3::NEG_X, 90.0, 6.0, 1)], [Sprayed::NOT; 3]);
     }
 
     #[test]
@@ -186,8 +153,8 @@ mod tests {
         let direction = (DVec3::new(-1.5, 0.0, 0.4) - sensor).normalize();
         let (mut near, mut far, mut most) = (0, 0, 0.0_f64);
         for key in 0..2000 {
-            let echo = plumes.meet(sensor, direction, f64::INFINITY, key).echo;
-            let Some(SprayEcho { range_m: at_m, power }) = echo else { continue };
+            let echo = plumes.meet(sensor, direction, f64::INFINITY, 6.0, key).echo;
+            let Some(AirEcho { range_m: at_m, power }) = echo else { continue };
             let behind_m = -(sensor + direction * at_m).x;
             if receiver.detects(power, 0.5) {
                 near += usize::from(behind_m < 10.0);

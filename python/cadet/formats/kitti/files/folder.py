@@ -34,6 +34,11 @@ SUFFIXES: Final = {
     "label_3": ".txt",
     "point_labels": ".label",
     "point_times": ".bin",
+    "points_ply": ".ply",
+    "points_pcd": ".pcd",
+    "points_las": ".las",
+    "points_npz": ".npz",
+    "range_image": ".npy",
 }
 """Every folder of a training set and the suffix of its files."""
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from cadet.formats.kitti.files.folder import (
     is_kind,
 )
 from cadet.formats.kitti.files.point_labels import point_labels_from_bytes, point_times_from_bytes
+from cadet.formats.kitti.files.range_image import range_image_from_bytes
 from cadet.formats.kitti.frame import Frame
 from cadet.formats.kitti.frame_files import (
     CameraFiles,
@@ -53,7 +54,11 @@ _LOOSE_RANGE_M: Final = 120.0
 _MM: Final = 0.001
 _RIGHT_IMAGE: Final = "image_3"
 _RIGHT_LABELS: Final = "label_3"
-_PER_POINT: Final = {"point_labels": point_labels_from_bytes, "point_times": point_times_from_bytes}
+_PER_POINT: Final[Mapping[str, Callable[[bytes], NDArray[Any]]]] = {
+    "point_labels": point_labels_from_bytes,
+    "point_times": point_times_from_bytes,
+    "range_image": lambda data: np.flatnonzero(range_image_from_bytes(data)),
+}
 
 
 @dataclass(frozen=True)
@@ -290,7 +295,9 @@ class _FrameLint:
         except KittiFormatError as error:
             self._add(kind, Problem(None, "damaged-file", error.reason))
             return
-        if number != len(frame.points_velo):
+        # A pixel of a range image has one of its beam's echoes.
+        fits = number <= len(frame.points_velo) if kind == "range_image" else number == len(frame.points_velo)
+        if not fits:
             message = f"holds {number} points, the scan has {len(frame.points_velo)}"
             self._add(kind, Problem(None, "damaged-file", message))
 
