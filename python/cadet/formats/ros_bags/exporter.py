@@ -43,9 +43,9 @@ class McapExporter(FilesInPlace):
                     f"cannot write the sensor {name!r} of the rig {rig.name}: ROS has letters, digits, and _"
                 )
 
-    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+    def wanted(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> Wanted:
         """Return all sensors, and how much of each agent the images show."""
-        return Wanted(sensors=None, maps=False, shares=True)
+        return Wanted(sensors=None, maps=False, labels=False, shares=True)
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
         """Return the only kind: the messages."""

@@ -119,10 +119,12 @@ def _camera_info(sample: Sample, name: str) -> Any:
     camera = sample.rig.sensor(name)
     assert isinstance(camera, Camera)
     intrinsic = np.array([[camera.fx, 0.0, camera.cx], [0.0, camera.fy, camera.cy], [0.0, 0.0, 1.0]])
-    # OpenCV's k1, k2, p1, p2, k3 is ROS's order, too.
+    # OpenCV's k1, k2, p1, p2, k3 is ROS's order, too; its equidistant model has four coefficients.
+    is_fisheye = camera.model == "fisheye"
+    model, lens = ("equidistant", np.zeros(4)) if is_fisheye else ("plumb_bob", np.array(camera.distortion))
     return new(
         "sensor_msgs/CameraInfo",
-        *(_header(sample, name), camera.height, camera.width, "plumb_bob", np.array(camera.distortion)),
+        *(_header(sample, name), camera.height, camera.width, model, lens),
         *(intrinsic.ravel(), np.eye(3).ravel(), np.hstack([intrinsic, np.zeros((3, 1))]).ravel(), 0, 0),
         new("sensor_msgs/RegionOfInterest", 0, 0, 0, 0, False),
     )

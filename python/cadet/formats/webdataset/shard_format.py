@@ -26,7 +26,7 @@ class ShardFormat:
             with contextlib.suppress(CadetError):
                 yield look(path)
 
-    def order(self, name: str) -> tuple[str, int]:
+    def order(self, name: str) -> tuple[str, str, int]:
         """Sort by frame, then by kind."""
         return member_order(name)
 
