@@ -8,7 +8,7 @@ use cadet_base::actor::ActorState;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_sensors::camera::{
-    CameraModel, Foreground, LensDrops, Moving, Precipitation, Rendered, View, Visibility, render_rolling,
+    CameraModel, Foreground, LensDrops, Metering, Moving, Precipitation, Rendered, View, Visibility, render_rolling,
     render_through, visibility_pass,
 };
 use cadet_sensors::label::{
@@ -167,7 +167,10 @@ impl Scene {
     fn finish(&mut self, request: &CaptureRequest, looked: Looked) -> Result<CapturedFrame> {
         let snapshot = Arc::clone(&self.sensed().snapshot);
         let Looked { view, seen, mut sightings } = looked;
-        let mut images = vec![self.image(0, request, &view, &seen)?];
+        // The error of the exposure is a rig's and an episode's: neither its images nor its cameras differ by it.
+        let error = self.key.stream("exposure").clipped_normal(0.0, 1.0) as f32;
+        let mut images = vec![self.image(0, request, &view, &seen, Metering::Own { error })?];
+        let metering = Metering::Rig(images[0].rendered.gain);
         let mut pixels = if request.with_pixels { self.pixels(0, &seen) } else { Vec::new() };
         // Its memory serves the next camera.
         drop(seen);
@@ -175,7 +178,7 @@ impl Scene {
             let mounted = &self.rig.cameras()[*index];
             let view = View::new(&mounted.sensor, &mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego));
             let seen = visibility_pass(&self.triangles(), &view)?;
-            images.push(self.image(*index, request, &view, &seen)?);
+            images.push(self.image(*index, request, &view, &seen, metering)?);
             if request.with_pixels {
                 for (sum, more) in pixels.iter_mut().zip(self.pixels(*index, &seen)) {
                     *sum = [sum[0] + more[0], sum[1] + more[1]];
@@ -205,7 +208,14 @@ impl Scene {
         })
     }
 
-    fn image(&mut self, index: usize, request: &CaptureRequest, view: &View, seen: &Visibility) -> Result<Image> {
+    fn image(
+        &mut self,
+        index: usize,
+        request: &CaptureRequest,
+        view: &View,
+        seen: &Visibility,
+        metering: Metering,
+    ) -> Result<Image> {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
@@ -222,6 +232,7 @@ impl Scene {
             ),
             lens_drops: LensDrops::at(&self.weather, snapshot.time_s, drops_stream),
             warp,
+            metering,
         };
         let rendered = if sensor.rolling_shutter_s() > 0.0 {
             let moving = Moving {
@@ -233,8 +244,8 @@ impl Scene {
             };
             render_rolling(&moving, sensor, &self.weather, request.with_maps, &mut stream)?
         } else {
-            let image = render_through(&posed, view, &self.weather, seen, &foreground, &mut stream);
-            Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
+            let (image, gain) = render_through(&posed, view, &self.weather, seen, &foreground, &mut stream);
+            Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)), gain }
         };
         Ok(Image { name: name.clone(), width, height, rendered })
     }

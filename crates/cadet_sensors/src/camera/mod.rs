@@ -38,6 +38,7 @@ mod visibility_pass;
 mod windows;
 
 pub use distortion::{Distortion, Warp};
+pub use exposure::{Gain, Metering};
 pub use lens_drops::LensDrops;
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;

@@ -2,7 +2,7 @@
 
 use macro_rules_attribute::apply;
 
-use super::exposure::Exposure;
+use super::exposure::{Exposure, Gain, WHITE_BALANCE};
 use super::mosaic::Demosaic;
 use cadet_base::math;
 use cadet_base::rng::Stream;
@@ -115,7 +115,9 @@ fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32
 /// (EMVA 1288).
 #[must_use]
 pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, stream: &mut Stream) -> Vec<u8> {
-    let &Exposure { veil, gains, amplification } = exposure;
+    let &Exposure { veil, gain } = exposure;
+    let Gain { values_per_radiance, amplification } = gain;
+    let gains = WHITE_BALANCE.map(|g| g * values_per_radiance);
     let seed = stream.next_u64();
     let stride = width * 3;
     let sensor = Sensor {
@@ -228,16 +230,20 @@ fn mix(mut x: u32) -> u32 {
 mod tests {
     use super::*;
 
-    fn gain(gain: f32) -> Exposure {
-        Exposure { veil: [0.0; 3], gains: [gain; 3], amplification: 1.0 }
+    /// For an image that is white-balanced already.
+    fn exposure(gain: f32, amplification: f32) -> Exposure {
+        Exposure { veil: [0.0; 3], gain: Gain { values_per_radiance: gain, amplification } }
+    }
+
+    fn unbalanced(values: Vec<f32>) -> Vec<f32> {
+        values.iter().enumerate().map(|(i, v)| v / WHITE_BALANCE[i % 3]).collect()
     }
 
     #[test]
     fn amplified_noise_grows_as_its_parts_do() {
         let (w, h) = (400, 300);
-        let rgb = vec![60.0_f32; w * h * 3];
-        let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
-        let image = expose(&rgb, w, h, &amplified, &mut Stream::from_seed("amplified", 3));
+        let rgb = unbalanced(vec![60.0; w * h * 3]);
+        let image = expose(&rgb, w, h, &exposure(1.0, 4.0), &mut Stream::from_seed("amplified", 3));
         for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -250,8 +256,8 @@ mod tests {
     #[test]
     fn noise_has_the_measured_variance_and_correlation() {
         let (w, h) = (400, 300);
-        let rgb = vec![120.0_f32; w * h * 3];
-        let image = expose(&rgb, w, h, &gain(1.0), &mut Stream::from_seed("noise", 3));
+        let rgb = unbalanced(vec![120.0; w * h * 3]);
+        let image = expose(&rgb, w, h, &exposure(1.0, 1.0), &mut Stream::from_seed("noise", 3));
         for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -279,7 +285,7 @@ mod tests {
         let _ = blur(&mut rgb, w, h, 1.0);
         rgb.truncate(w * h * 3);
         // Behind lens and color filters, the mean green of all rows: the filters for it lie alike in all columns.
-        let image = expose(&rgb, w, h, &gain(200.0), &mut Stream::from_seed("edge", 1));
+        let image = expose(&rgb, w, h, &exposure(200.0, 1.0), &mut Stream::from_seed("edge", 1));
         let row: Vec<f32> = (0..w)
             .map(|x| (0..h).map(|y| f32::from(image[(y * w + x) * 3 + 1])).sum::<f32>() / (200 * h) as f32)
             .collect();

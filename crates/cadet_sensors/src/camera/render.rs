@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use super::bloom::add_halos;
 use super::distortion::Warp;
-use super::exposure::{Exposure, WHITE_BALANCE, gain_at_night, gain_for_mean_luma, metered, night_gain};
+use super::exposure::{Gain, MeteredPixels, Metering};
 use super::lens_drops::LensDrops;
 use super::light::Light;
 use super::noise::{ROWS_BEFORE, blur, expose};
@@ -27,16 +27,9 @@ pub struct Rendered {
     pub image: Vec<u8>,
     /// Depth and identity, if asked for.
     pub maps: Option<Maps>,
+    /// What the light was amplified by.
+    pub gain: Gain,
 }
-
-/// Share of the mean radiance that lens and housing scatter over the image; see [`Light::glare_ceiling`].
-const VEILING_GLARE: f32 = 0.016;
-/// Mean luma that the exposure aims at, and its spread from frame to frame.
-const MEAN_LUMA: (f64, f64) = (92.0, 4.5);
-/// Mean luma that the exposure aims at by night, which is to stay dark, and its spread from frame to frame.
-const NIGHT_MEAN_LUMA: (f64, f64) = (27.0, 2.0);
-/// Every so many pixels one is metered: a prime number, so that no column is.
-const METERED_STEP: usize = 37;
 
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
@@ -68,18 +61,20 @@ pub struct Foreground<'a> {
     pub lens_drops: LensDrops,
     /// A lens that bends the image: it takes it from the view's, before the sensor's noise.
     pub warp: Option<&'a Warp>,
+    /// Where the camera has its gain from.
+    pub metering: Metering,
 }
 
 /// Shades what is visible, exposes it, and adds the sensor's noise: RGB, 8 bits, row-major.
 ///
 /// # Determinism
-/// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
+/// A function of its arguments; one thread. `stream` feeds the noise alone.
 #[must_use]
 pub fn render(scene: &PosedScene, view: &View, weather: &Weather, seen: &Visibility, stream: &mut Stream) -> Vec<u8> {
-    render_through(scene, view, weather, seen, &Foreground::default(), stream)
+    render_through(scene, view, weather, seen, &Foreground::default(), stream).0
 }
 
-/// Renders as [`render()`] does, through what is between scene and sensor.
+/// Renders as [`render()`] does, through what is between scene and sensor; returns the gain, too.
 #[must_use]
 pub fn render_through(
     scene: &PosedScene,
@@ -88,7 +83,7 @@ pub fn render_through(
     seen: &Visibility,
     foreground: &Foreground<'_>,
     stream: &mut Stream,
-) -> Vec<u8> {
+) -> (Vec<u8>, Gain) {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let light = radiance(scene, view, weather, seen, &mut scratch);
@@ -105,7 +100,9 @@ pub fn render_through(
     if is_night {
         add_halos(blurred, width, height);
     }
-    let exposed = exposure(blurred, sums, is_night, stream);
+    let mut metered = MeteredPixels::default();
+    metered.add(blurred, width, 0..height, 0, seen);
+    let exposed = metered.exposure(sums, width * height, is_night, foreground.metering);
     let image = match foreground.warp {
         None => expose(blurred, width, height, &exposed, stream),
         Some(warp) => {
@@ -115,22 +112,7 @@ pub fn render_through(
     };
     scratch.reuse(light);
     SCRATCH.set(scratch);
-    image
-}
-
-/// How an image is exposed. `radiance_sums` are those of [`blur`].
-pub(super) fn exposure(blurred_rgb: &[f32], radiance_sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
-    let num_pixels = (blurred_rgb.len() / 3) as f64;
-    let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
-    let (mean, deviation) = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
-    let target = stream.clipped_normal(mean, deviation) as f32;
-    let metered = metered(blurred_rgb, veil, METERED_STEP);
-    let (gain, amplification) = if is_night {
-        night_gain(gain_at_night(&metered, target))
-    } else {
-        (gain_for_mean_luma(&metered, target, 1), 1.0)
-    };
-    Exposure { veil, gains: WHITE_BALANCE.map(|g| g * gain), amplification }
+    (image, exposed.gain)
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `scratch.rgb` from the row [`ROWS_BEFORE`] on; returns the light.

@@ -7,9 +7,10 @@ use std::ops::Range;
 
 use super::bloom::add_halos;
 use super::distortion::Warp;
+use super::exposure::MeteredPixels;
 use super::model::CameraModel;
 use super::noise::{ROWS_BEFORE, blur, expose};
-use super::render::{Foreground, Rendered, Scratch, exposure, radiance};
+use super::render::{Foreground, Rendered, Scratch, radiance};
 use super::spray;
 use super::visibility_pass::{Maps, View, visibility_pass};
 use crate::sense::{PosedScene, RigidMotion};
@@ -63,6 +64,7 @@ pub fn render_rolling(
     let at_instant = View::new(camera, moving.world_from_cam);
     let mut scratch = Scratch::default();
     let (mut rgb, mut sums) = (Vec::with_capacity(camera.width * camera.height * 3), [0.0; 3]);
+    let mut metered = MeteredPixels::default();
     let (mut maps, is_night) = (with_maps.then(Maps::default), weather.is_night());
     for rows in bands(camera) {
         let time_s = row_time_s(camera, 0.5 * (rows.start + rows.end - 1) as f64);
@@ -81,6 +83,8 @@ pub fn render_rolling(
         let ceiling = light.glare_ceiling();
         let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);
         scratch.reuse(light);
+        let of_band = needed.start - drawn.start..needed.end - drawn.start;
+        metered.add(&scratch.rgb, view.width, of_band, drawn.start, &seen);
         let band = Band { rows, first: drawn.start, width: view.width, warp: moving.foreground.warp };
         let start = rgb.len();
         band.append_colors(&scratch.rgb, &mut rgb);
@@ -100,8 +104,10 @@ pub fn render_rolling(
     if is_night {
         add_halos(&mut rgb, camera.width, camera.height);
     }
-    let exposed = exposure(&rgb, sums, is_night, stream);
-    Ok(Rendered { image: expose(&rgb, camera.width, camera.height, &exposed, stream), maps })
+    let metering = moving.foreground.metering;
+    let exposed = metered.exposure(sums, camera.width * camera.height, is_night, metering);
+    let image = expose(&rgb, camera.width, camera.height, &exposed, stream);
+    Ok(Rendered { image, maps, gain: exposed.gain })
 }
 
 /// Rows of the image, taken from an image before the lens that begins at row `first`.

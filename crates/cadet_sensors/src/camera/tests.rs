@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use super::sky::Sky;
 use super::sky_visibility::SkyProbes;
-use super::{Rendered, View, render, visibility_pass};
+use super::{Foreground, Rendered, View, render_through, visibility_pass};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::frames::upright;
@@ -77,8 +77,9 @@ fn clear_sun_from(azimuth_deg: f64) -> Weather {
 fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
     let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
     let seen = visibility_pass(&posed, &view()).unwrap();
-    let image = render(&posed, &view(), weather, &seen, &mut Stream::from_seed("camera", seed));
-    Rendered { image, maps: Some(seen.maps(&posed)) }
+    let stream = &mut Stream::from_seed("camera", seed);
+    let (image, gain) = render_through(&posed, &view(), weather, &seen, &Foreground::default(), stream);
+    Rendered { image, maps: Some(seen.maps(&posed)), gain }
 }
 
 fn street() -> Vec<Instance> {
@@ -118,7 +119,7 @@ fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
 #[test]
 fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
     let (w, h) = SIZE;
-    let Rendered { image, maps } = picture(&street(), &clear_sun_from(60.0), 0);
+    let Rendered { image, maps, .. } = picture(&street(), &clear_sun_from(60.0), 0);
     let r = maps.unwrap();
     assert_eq!((r.instance.len(), image.len()), (w * h, 3 * w * h));
     let posed = PosedScene::new(&street(), DVec3::new(0.0, 0.0, EYE_HEIGHT_M));

@@ -77,6 +77,11 @@ impl Visibility {
         self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_m_at(x, y))
     }
 
+    /// True where the center of a pixel shows a vehicle, a person, or through its panes what is behind.
+    pub(super) fn shows_actor(&self, row: usize, column: usize) -> bool {
+        self.samples.0.front(2 * row, column).is_some_and(|(face, _)| self.actor_ids[face.instance as usize] > 0)
+    }
+
     /// Returns the maps as a lens shows them; without a `warp`, as the pinhole camera sees them.
     #[must_use]
     pub fn maps_through(&self, scene: &PosedScene, warp: Option<&Warp>) -> Maps {
