@@ -10,10 +10,10 @@ use super::visibility_pass::Visibility;
 /// Weights of R, G, B in the luma.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// The largest value of an image.
-const WHITE: f32 = 255.0;
+pub const WHITE: f32 = 255.0;
 const NIGHT_METER_CEILING: f32 = 110.0;
-/// Mean luma that the exposure aims at, and its spread from episode to episode.
-pub const MEAN_LUMA: [f32; 2] = [92.0, 4.5];
+/// Mean luma that the exposure aims at, and its spread from episode to episode: that of images, with darker traffic, is 92.
+pub const MEAN_LUMA: [f32; 2] = [95.0, 3.0];
 /// Mean luma that the exposure aims at by night, which is to stay dark, and its spread from episode to episode.
 pub const NIGHT_MEAN_LUMA: [f32; 2] = [27.0, 2.0];
 /// Share of the mean radiance that lens and housing scatter over the image; see [`super::light::Light::glare_ceiling`].
@@ -32,8 +32,11 @@ const MAX_GAIN: f32 = 1e6;
 const CLOSE_ENOUGH: f64 = 0.01;
 const MAX_STEPS: usize = 40;
 
-/// At night the longest exposure gives this gain; what is above amplifies the sensor's signal and its noise.
+/// The longest exposure gives this gain, which a clear noon does not need; what is above amplifies the sensor's signal and its
+/// noise. KITTI's cameras expose for 2 ms at most (Geiger et al. 2013).
 const LONGEST_EXPOSURE_GAIN: f32 = 3000.0;
+/// The same at night, in the unit of that light.
+const LONGEST_EXPOSURE_GAIN_AT_NIGHT: f32 = 3000.0;
 /// The most that the signal is amplified: 18 dB.
 const MOST_AMPLIFICATION: f32 = 8.0;
 /// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
@@ -46,6 +49,15 @@ pub struct Gain {
     pub values_per_radiance: f32,
     /// How much of it amplifies the sensor's signal and its noise: 1 where the exposure is long enough.
     pub amplification: f32,
+}
+
+impl Gain {
+    /// The gain that is wanted, but no more than the sensor has, if its longest exposure gives another.
+    #[must_use]
+    pub fn within(wanted: f32, longest_exposure_gain: f32) -> Self {
+        let gain = wanted.min(longest_exposure_gain * MOST_AMPLIFICATION);
+        Self { values_per_radiance: gain, amplification: (gain / longest_exposure_gain).max(1.0) }
+    }
 }
 
 /// Where a camera has its gain from.
@@ -113,12 +125,12 @@ impl MeteredPixels {
 
     fn gain(self, veil: [f32; 3], is_night: bool, error: f32) -> Gain {
         let pixels: Vec<MeteredPixel> = self.0.into_iter().map(|(p, weight)| (balanced(p, veil), weight)).collect();
+        let [mean, deviation] = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
+        let target = mean + deviation * error;
         if is_night {
-            let [mean, deviation] = NIGHT_MEAN_LUMA;
-            night_gain(gain_at_night(&pixels, mean + deviation * error))
+            Gain::within(gain_at_night(&pixels, target), LONGEST_EXPOSURE_GAIN_AT_NIGHT)
         } else {
-            let [mean, deviation] = MEAN_LUMA;
-            Gain { values_per_radiance: gain_for_mean_luma(&pixels, mean + deviation * error), amplification: 1.0 }
+            Gain::within(gain_for_mean_luma(&pixels, target), LONGEST_EXPOSURE_GAIN)
         }
     }
 }
@@ -170,13 +182,6 @@ fn gain_below(pixels: &[MeteredPixel], target: f32, ceiling: f32) -> f32 {
     gain
 }
 
-/// The gain at night, no more than the sensor has.
-#[must_use]
-pub fn night_gain(wanted: f32) -> Gain {
-    let gain = wanted.min(LONGEST_EXPOSURE_GAIN * MOST_AMPLIFICATION);
-    Gain { values_per_radiance: gain, amplification: (gain / LONGEST_EXPOSURE_GAIN).max(1.0) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,8 +198,11 @@ mod tests {
     }
 
     #[test]
-    fn the_gain_at_night_ends_and_amplifies_noise_above_the_longest_exposure() {
-        let of = |wanted| (night_gain(wanted).values_per_radiance, night_gain(wanted).amplification);
+    fn the_gain_ends_and_amplifies_noise_above_the_longest_exposure() {
+        let of = |wanted| {
+            let Gain { values_per_radiance, amplification } = Gain::within(wanted, 3000.0);
+            (values_per_radiance, amplification)
+        };
         assert_eq!(of(600.0), (600.0, 1.0));
         assert_eq!(of(6000.0), (6000.0, 2.0));
         assert_eq!(of(1e6), (24_000.0, 8.0));
