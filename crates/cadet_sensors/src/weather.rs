@@ -83,17 +83,6 @@ const NIGHT_SUN_RAD: f64 = -20.0 * PI / 180.0;
 /// Share of the ground that is white once snow falls.
 const SNOW_COVER: f64 = 0.75;
 
-/// Snow begins to lie where a normal rises by this, and covers so much faster than its rise.
-const SNOW_FROM_RISE: f32 = 0.4;
-const SNOW_PER_RISE: f32 = 2.0;
-
-/// What snow covers of a surface whose normal rises so steeply, by what it covers of level ones.
-#[inline(always)]
-#[must_use]
-pub fn snow_share(rise: f32) -> f32 {
-    ((rise - SNOW_FROM_RISE) * SNOW_PER_RISE).clamp(0.0, 1.0)
-}
-
 /// (name, cloudiness, wetness, rain mm/h) of the seven skies of CARLA 0.8.
 const SKIES: [(&str, f64, f64, f64); 7] = [
     ("clear", 0.1, 0.0, 0.0),
