@@ -13,4 +13,5 @@ pub mod lidar;
 pub mod rig;
 pub mod sense;
 pub mod spray;
+mod surface_cover;
 pub mod weather;

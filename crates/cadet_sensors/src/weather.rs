@@ -83,17 +83,6 @@ const NIGHT_SUN_RAD: f64 = -20.0 * PI / 180.0;
 /// Share of the ground that is white once snow falls.
 const SNOW_COVER: f64 = 0.75;
 
-/// Snow begins to lie where a normal rises by this, and covers so much faster than its rise.
-const SNOW_FROM_RISE: f32 = 0.4;
-const SNOW_PER_RISE: f32 = 2.0;
-
-/// What snow covers of a surface whose normal rises so steeply, by what it covers of level ones.
-#[inline(always)]
-#[must_use]
-pub fn snow_share(rise: f32) -> f32 {
-    ((rise - SNOW_FROM_RISE) * SNOW_PER_RISE).clamp(0.0, 1.0)
-}
-
 /// Attenuation of fog, 1/m, through which one sees so far: the meteorological optical range, at which a twentieth of the light
 /// of a lamp is left.
 #[must_use]

@@ -8,8 +8,8 @@ use cadet_base::actor::ActorState;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_sensors::camera::{
-    CameraModel, Fisheye, Foreground, LensDrops, Maps, Motions, Moving, Precipitation, Rendered, SurfaceMapKinds, View,
-    Visibility, render_fisheye, render_rolling, render_through, visibility_pass,
+    CameraModel, Fisheye, Foreground, LensDrops, Maps, Metering, Motions, Moving, Precipitation, Rendered,
+    SurfaceMapKinds, View, Visibility, render_fisheye, render_rolling, render_through, visibility_pass,
 };
 use cadet_sensors::label::{
     Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
@@ -200,6 +200,8 @@ impl Scene {
         let mut images = Vec::with_capacity(1 + request.cameras.len());
         let mut pixels = vec![[0.0; 2]; if request.with_pixels { snapshot.actors.len() } else { 0 }];
         let mut first = Some(first);
+        // The error of the exposure is a rig's and an episode's: neither its images nor its cameras differ by it.
+        let mut metering = Metering::Own { error: self.key.stream("exposure").clipped_normal(0.0, 1.0) as f32 };
         for index in std::iter::once(0).chain(request.cameras.iter().copied()) {
             // Each camera's memory serves the next one.
             let looked = first.take().map_or_else(|| self.look(index, request.with_all_sightings), Ok)?;
@@ -208,7 +210,9 @@ impl Scene {
                     *sum = [sum[0] + more[0], sum[1] + more[1]];
                 }
             }
-            images.push(self.image(index, request, looked)?);
+            let image = self.image(index, request, looked, metering)?;
+            metering = Metering::Rig(image.rendered.gain);
+            images.push(image);
         }
         let mut scans = Vec::with_capacity(1 + request.lidars.len());
         for index in std::iter::once(0).chain(request.lidars.iter().copied()) {
@@ -235,7 +239,7 @@ impl Scene {
         })
     }
 
-    fn image(&mut self, index: usize, request: &CaptureRequest, looked: Looked) -> Result<Image> {
+    fn image(&mut self, index: usize, request: &CaptureRequest, looked: Looked, metering: Metering) -> Result<Image> {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
@@ -254,6 +258,7 @@ impl Scene {
             warp,
             development: sensor.development().clone(),
             with_radiance: request.with_radiance,
+            metering,
         };
         let (camera, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
         let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);

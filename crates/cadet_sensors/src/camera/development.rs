@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use macro_rules_attribute::apply;
 
+use super::exposure::{WHITE, WHITE_BALANCE};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math;
 
@@ -19,8 +20,6 @@ const RESPONSE_STEPS: usize = 4096;
 pub const CURVE_POINTS: std::ops::RangeInclusive<usize> = 2..=1024;
 /// sRGB (IEC 61966-2-1): below this light values are proportional to it, above a power of it.
 const SRGB_LINEAR_BELOW: f64 = 0.003_130_8;
-/// The largest value of an image.
-const WHITE: f32 = 255.0;
 /// 2^23: added to a number it leaves the nearest integer in the lowest bits.
 const ROUNDER: f32 = 8_388_608.0;
 
@@ -44,6 +43,11 @@ impl Default for Development {
 }
 
 impl Development {
+    /// The gains of R, G, and B: the camera's own with the user's.
+    pub(super) fn balance(&self) -> [f32; 3] {
+        std::array::from_fn(|k| WHITE_BALANCE[k] * self.white_balance[k])
+    }
+
     /// Checks what was asked for.
     ///
     /// # Errors

@@ -1,10 +1,31 @@
 //! Auto-exposure: one gain that brings the mean luma of the clipped 8-bit image to a target.
+//!
+//! A rig has one: its first camera meters, and all expose alike, as those of a stereo pair have to. It meters what stands,
+//! of the present instant alone: no filter in time needs the images before, so that an image is a function of its instant.
+
+use std::ops::Range;
+
+use super::development::{Development, Response};
+use super::visibility_pass::Visibility;
 
 /// Weights of R, G, B in the luma.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// The largest value of an image.
-const WHITE: f32 = 255.0;
+pub const WHITE: f32 = 255.0;
 const NIGHT_METER_CEILING: f32 = 110.0;
+/// Mean luma that the exposure aims at, and its spread from episode to episode: that of images, with darker traffic, is 92.
+pub const MEAN_LUMA: [f32; 2] = [95.0, 3.0];
+/// Mean luma that the exposure aims at by night, which is to stay dark, and its spread from episode to episode.
+pub const NIGHT_MEAN_LUMA: [f32; 2] = [27.0, 2.0];
+/// Share of the mean radiance that lens and housing scatter over the image; see [`super::light::Light::glare_ceiling`].
+pub const VEILING_GLARE: f32 = 0.016;
+/// Every so many pixels one is metered: a prime number, so that no column is.
+const METERED_STEP: usize = 37;
+/// Vehicles and people have this weight, and what stands beside them in the same rows theirs: what passes a camera that stands
+/// does not make its images flicker, and one that is full of a bus is metered by the bus.
+const ACTOR_WEIGHT: f32 = 0.05;
+/// Rows that are metered together: as many as hold enough pixels.
+const STRIP_ROWS: usize = 8;
 /// A picture whose mean rises less with the gain is black; no gain is larger.
 const LEAST_SLOPE: f64 = 1e-9;
 const MAX_GAIN: f32 = 1e6;
@@ -12,32 +33,167 @@ const MAX_GAIN: f32 = 1e6;
 const CLOSE_ENOUGH: f64 = 0.01;
 const MAX_STEPS: usize = 40;
 
-/// The gain from linear radiance to 8-bit values at which the mean luma is `target_luma`, found on every `step`-th pixel;
-/// `rgb` is interleaved.
+/// The longest exposure gives this gain, which a clear noon does not need; what is above amplifies the sensor's signal and its
+/// noise. KITTI's cameras expose for 2 ms at most (Geiger et al. 2013).
+const LONGEST_EXPOSURE_GAIN: f32 = 3000.0;
+/// The same at night, in the unit of that light.
+const LONGEST_EXPOSURE_GAIN_AT_NIGHT: f32 = 3000.0;
+/// The most that the signal is amplified: 18 dB.
+const MOST_AMPLIFICATION: f32 = 8.0;
+/// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
+pub const WHITE_BALANCE: [f32; 3] = [0.93, 1.0, 1.14];
+
+/// How much an image's light is amplified, alike for all cameras of a rig.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// From linear radiance to 8-bit values.
+    pub values_per_radiance: f32,
+    /// How much of it amplifies the sensor's signal and its noise: 1 where the exposure is long enough.
+    pub amplification: f32,
+}
+
+impl Gain {
+    /// The gain that is wanted, but no more than the sensor has, if its longest exposure gives another.
+    #[must_use]
+    pub fn within(wanted: f32, longest_exposure_gain: f32) -> Self {
+        let gain = wanted.min(longest_exposure_gain * MOST_AMPLIFICATION);
+        Self { values_per_radiance: gain, amplification: (gain / longest_exposure_gain).max(1.0) }
+    }
+}
+
+/// Where a camera has its gain from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Metering {
+    /// From its own image, whose mean luma it brings to so many standard deviations above that of most.
+    Own {
+        /// Of the mean luma, in standard deviations.
+        error: f32,
+    },
+    /// From another camera of its rig.
+    Rig(Gain),
+}
+
+impl Default for Metering {
+    fn default() -> Self {
+        Self::Own { error: 0.0 }
+    }
+}
+
+/// How an image is exposed: what the lens scatters, and the gain.
+#[derive(Debug, Clone, Copy)]
+pub struct Exposure {
+    pub veil: [f32; 3],
+    pub gain: Gain,
+}
+
+impl Exposure {
+    /// The light of an image as it is exposed and developed, interleaved RGB in shares of white: what the lens let through, without
+    /// the sensor's color filters, noise, clipping, and response.
+    #[must_use]
+    pub fn light(&self, rgb: &[f32], development: &Development) -> Vec<f32> {
+        let balance = development.balance().map(|factor| factor * self.gain.values_per_radiance / WHITE);
+        rgb.iter().enumerate().map(|(i, v)| (v + self.veil[i % 3]) * balance[i % 3]).collect()
+    }
+
+    /// This exposure with a factor of the light.
+    #[must_use]
+    pub fn times(mut self, factor: f32) -> Self {
+        self.gain.values_per_radiance *= factor;
+        self
+    }
+}
+
+/// A pixel in linear RGB, and what it counts.
+pub type MeteredPixel = ([f32; 3], f32);
+
+/// The pixels that a camera meters, before the lens bends their image.
+#[derive(Debug, Default)]
+pub struct MeteredPixels(Vec<MeteredPixel>);
+
+impl MeteredPixels {
+    /// Some of the pixels of an image in linear RGB, all alike.
+    pub fn of(pixels: &[[f32; 3]]) -> Self {
+        Self(pixels.iter().step_by(METERED_STEP).map(|pixel| (*pixel, 1.0)).collect())
+    }
+
+    /// Adds some of the pixels in rows of a part of the image in linear RGB, and of what was seen in that part; it begins
+    /// `above` rows below the image's top.
+    pub fn add(&mut self, rgb: &[f32], width: usize, rows: Range<usize>, above: usize, seen: &Visibility) {
+        let pixels = rgb.as_chunks::<3>().0;
+        let number = |row: usize| ((above + row) * width).div_ceil(METERED_STEP);
+        for top in rows.clone().step_by(STRIP_ROWS) {
+            let (first, mut sum) = (self.0.len(), 0.0);
+            for number in number(top)..number((top + STRIP_ROWS).min(rows.end)) {
+                let at = number * METERED_STEP - above * width;
+                let weight = if seen.shows_actor(at / width, at % width) { ACTOR_WEIGHT } else { 1.0 };
+                sum += weight;
+                self.0.push((pixels[at], weight));
+            }
+            let strip = &mut self.0[first..];
+            let scale = strip.len() as f32 / sum;
+            strip.iter_mut().for_each(|(_, weight)| *weight *= scale);
+        }
+    }
+
+    /// How the image is exposed. `radiance_sums` are those of [`super::noise::blur`], of so many pixels.
+    #[must_use]
+    pub fn exposure(
+        self,
+        radiance_sums: [f64; 3],
+        num_pixels: usize,
+        is_night: bool,
+        metering: Metering,
+        response: &Response,
+    ) -> Exposure {
+        let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels as f64) as f32);
+        let gain = match metering {
+            Metering::Own { error } => self.gain(veil, is_night, error, response),
+            Metering::Rig(gain) => gain,
+        };
+        Exposure { veil, gain }
+    }
+
+    fn gain(self, veil: [f32; 3], is_night: bool, error: f32, response: &Response) -> Gain {
+        let pixels: Vec<MeteredPixel> = self.0.into_iter().map(|(p, weight)| (balanced(p, veil), weight)).collect();
+        let [mean, deviation] = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
+        let target = response.metered(mean + deviation * error);
+        if is_night {
+            Gain::within(gain_at_night(&pixels, target), LONGEST_EXPOSURE_GAIN_AT_NIGHT)
+        } else {
+            Gain::within(gain_for_mean_luma(&pixels, target), LONGEST_EXPOSURE_GAIN)
+        }
+    }
+}
+
+/// A pixel as the sensor will see it, but for the gain: with the veil, white-balanced.
+pub fn balanced(rgb: [f32; 3], veil: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| (rgb[k] + veil[k]) * WHITE_BALANCE[k])
+}
+
+/// The gain from linear radiance to 8-bit values at which the mean luma of the pixels is `target_luma`.
 #[must_use]
-pub fn gain_for_mean_luma(rgb: &[f32], target_luma: f32, step: usize) -> f32 {
-    gain_below(rgb, target_luma, step, WHITE)
+pub fn gain_for_mean_luma(pixels: &[MeteredPixel], target_luma: f32) -> f32 {
+    gain_below(pixels, target_luma, WHITE)
 }
 
 /// The gain from linear radiance to 8-bit values at which the mean luma is `target_luma` at night: lamps and what stands in
 /// their beams count no more than a value of 110, so that they do not darken the rest.
 #[must_use]
-pub fn gain_at_night(rgb: &[f32], target_luma: f32) -> f32 {
-    gain_below(rgb, target_luma, 1, NIGHT_METER_CEILING)
+pub fn gain_at_night(pixels: &[MeteredPixel], target_luma: f32) -> f32 {
+    gain_below(pixels, target_luma, NIGHT_METER_CEILING)
 }
 
-fn gain_below(rgb: &[f32], target: f32, step: usize, ceiling: f32) -> f32 {
-    let pixels: Vec<[f32; 3]> = rgb.chunks_exact(3).step_by(step.max(1)).map(|p| [p[0], p[1], p[2]]).collect();
+fn gain_below(pixels: &[MeteredPixel], target: f32, ceiling: f32) -> f32 {
     // Where nothing clips, the mean is proportional to the gain. Clipping bends it downwards, so that Newton's steps
     // from there come up to the root and never pass it.
     let mut gain = 0.0_f32;
     for _ in 0..MAX_STEPS {
         let (mut mean, mut slope) = ([0.0_f64; 3], [0.0_f64; 3]);
-        for pixel in &pixels {
+        for (pixel, weight) in pixels {
             for k in 0..3 {
                 let open = if pixel[k] * gain < ceiling { pixel[k] } else { 0.0 };
-                slope[k] += f64::from(open);
-                mean[k] += f64::from((pixel[k] * gain).min(ceiling));
+                slope[k] += f64::from(weight * open);
+                mean[k] += f64::from(weight * (pixel[k] * gain).min(ceiling));
             }
         }
         let luma =
@@ -56,46 +212,6 @@ fn gain_below(rgb: &[f32], target: f32, step: usize, ceiling: f32) -> f32 {
     gain
 }
 
-/// At night the longest exposure gives this gain; what is above amplifies the sensor's signal and its noise.
-const LONGEST_EXPOSURE_GAIN: f32 = 3000.0;
-/// The most that the signal is amplified: 18 dB.
-const MOST_AMPLIFICATION: f32 = 8.0;
-
-/// How an image is exposed: what the lens scatters, and gains, of R, G, and B; and how much the sensor's noise is amplified.
-#[derive(Debug, Clone, Copy)]
-pub struct Exposure {
-    pub veil: [f32; 3],
-    pub gains: [f32; 3],
-    pub amplification: f32,
-}
-
-impl Exposure {
-    /// The light of an image as it is exposed, interleaved RGB in shares of white: what the lens let through, without the sensor's
-    /// color filters, noise, clipping, and response.
-    #[must_use]
-    pub fn light(&self, rgb: &[f32]) -> Vec<f32> {
-        let Self { veil, gains, .. } = self;
-        rgb.iter().enumerate().map(|(i, v)| (v + veil[i % 3]) * (gains[i % 3] / WHITE)).collect()
-    }
-}
-
-/// The gain at night, no more than the sensor has, and how much it amplifies the noise.
-#[must_use]
-pub fn night_gain(wanted_gain: f32) -> (f32, f32) {
-    let gain = wanted_gain.min(LONGEST_EXPOSURE_GAIN * MOST_AMPLIFICATION);
-    (gain, (gain / LONGEST_EXPOSURE_GAIN).max(1.0))
-}
-
-/// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
-pub const WHITE_BALANCE: [f32; 3] = [0.93, 1.0, 1.14];
-
-/// Every `step`-th pixel as the sensor will see it, but for the gain: with the veil, white-balanced.
-#[must_use]
-pub fn metered(rgb: &[f32], veil: [f32; 3], step: usize) -> Vec<f32> {
-    let seen = |p: &[f32]| [0, 1, 2].map(|k| (p[k] + veil[k]) * WHITE_BALANCE[k]);
-    rgb.chunks_exact(3).step_by(step.max(1)).flat_map(seen).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,23 +219,28 @@ mod tests {
     #[test]
     fn the_mean_hits_the_target_with_part_of_the_image_clipped() {
         let rgb: Vec<f32> = (0..3000).map(|i| if i < 300 { 9.0 } else { 0.01 + 0.00005 * i as f32 }).collect();
-        let gain = gain_for_mean_luma(&rgb, 91.0, 1);
-        let mean: f32 =
-            rgb.chunks(3).map(|p| (0..3).map(|c| LUMA_WEIGHTS[c] * (p[c] * gain).min(255.0)).sum::<f32>()).sum::<f32>()
-                / 1000.0;
+        let pixels = rgb.as_chunks::<3>().0;
+        let alike: Vec<MeteredPixel> = pixels.iter().map(|p| (*p, 1.0)).collect();
+        let gain = gain_for_mean_luma(&alike, 91.0);
+        let luma = |p: &[f32; 3]| (0..3).map(|c| LUMA_WEIGHTS[c] * (p[c] * gain).min(255.0)).sum::<f32>();
+        let mean = pixels.iter().map(luma).sum::<f32>() / 1000.0;
         assert!((mean - 91.0).abs() < 0.5, "{mean}");
     }
 
     #[test]
-    fn the_gain_at_night_ends_and_amplifies_noise_above_the_longest_exposure() {
-        assert_eq!(night_gain(600.0), (600.0, 1.0));
-        assert_eq!(night_gain(6000.0), (6000.0, 2.0));
-        assert_eq!(night_gain(1e6), (24_000.0, 8.0));
+    fn the_gain_ends_and_amplifies_noise_above_the_longest_exposure() {
+        let of = |wanted| {
+            let Gain { values_per_radiance, amplification } = Gain::within(wanted, 3000.0);
+            (values_per_radiance, amplification)
+        };
+        assert_eq!(of(600.0), (600.0, 1.0));
+        assert_eq!(of(6000.0), (6000.0, 2.0));
+        assert_eq!(of(1e6), (24_000.0, 8.0));
     }
 
     #[test]
     fn an_all_black_image_does_not_hang_or_overflow() {
-        assert!(gain_for_mean_luma(&[0.0; 30], 91.0, 1).is_finite());
-        assert!(gain_for_mean_luma(&[], 91.0, 4).is_finite());
+        assert!(gain_for_mean_luma(&[([0.0; 3], 1.0); 10], 91.0).is_finite());
+        assert!(gain_for_mean_luma(&[], 91.0).is_finite());
     }
 }

@@ -5,6 +5,7 @@ use strum::VariantArray;
 use super::value_noise::{hash2, value_noise};
 use super::visibility_pass::ImageRays;
 use super::windows::window;
+use crate::surface_cover::absorbs_water;
 use cadet_base::geometry::LEAST_WEIGHT;
 use cadet_base::material::{Material, Pattern, Semantic};
 use cadet_base::math::{Mat3, Vec3};
@@ -116,8 +117,8 @@ impl Flags {
     pub const CONTACT: u32 = 2;
     /// Snow does not lie on it.
     pub const SHEDS_SNOW: u32 = 4;
-    /// Snow is worn by traffic.
-    pub const ROAD: u32 = 8;
+    /// Water soaks into it.
+    pub const ABSORBS: u32 = 8;
     /// Throws the light of lamps back to where it comes from.
     pub const RETRO: u32 = 16;
 }
@@ -238,7 +239,7 @@ impl ShadingFace {
             flags: flag(Flags::GROUND, is_ground)
                 | flag(Flags::CONTACT, face_normal.z > CONTACT_RISE && !is_vehicle && !is_leaf)
                 | flag(Flags::SHEDS_SNOW, transform.sheds_snow && is_vehicle)
-                | flag(Flags::ROAD, material.semantic == Semantic::Road)
+                | flag(Flags::ABSORBS, absorbs_water(material))
                 | flag(Flags::RETRO, material.lidar.retro || material.pattern == Pattern::Reflector),
         };
         (face, variant)

@@ -1,11 +1,12 @@
 //! The image of a fisheye, taken from pinhole images of a cube's sides.
 
 use super::bloom::add_halos;
+use super::exposure::MeteredPixels;
 use super::fisheye::{Fisheye, Side};
 use super::maps::{Maps, SurfaceMaps};
 use super::model::CameraModel;
-use super::noise::{ROWS_BEFORE, blur, expose};
-use super::render::{Foreground, Rendered, Scratch, exposure, radiance};
+use super::noise::{ROWS_BEFORE, blur};
+use super::render::{Foreground, Rendered, Scratch, radiance};
 use super::spray;
 use super::surface_maps::{Motions, SurfaceMapKinds};
 use super::visibility_pass::{View, visibility_pass};
@@ -67,10 +68,10 @@ pub fn render_fisheye(
             *sum += f64::from(value.min(ceiling));
         }
     }
-    let exposed = exposure(lit.as_flattened(), sums, is_night, &foreground.development, stream);
-    let image = expose(&rgb, width, height, &exposed, &foreground.development, stream);
-    let radiance = foreground.with_radiance.then(|| exposed.light(&rgb));
-    Ok(Rendered { image, maps: found.map(|(.., maps)| maps), radiance })
+    let Foreground { development, metering, .. } = foreground;
+    let exposed = MeteredPixels::of(&lit).exposure(sums, lit.len(), is_night, *metering, &development.response);
+    let rendered = foreground.develop(&rgb, (width, height), exposed, stream);
+    Ok(Rendered { maps: found.map(|(.., maps)| maps), ..rendered })
 }
 
 /// The pinhole view of a side; `optical` is the pose of the optical center.

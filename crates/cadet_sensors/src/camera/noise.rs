@@ -1,18 +1,20 @@
-//! The sensor: point spread, color filters, Poisson-Gauss noise as measured behind them, rounding to 8 bits.
+//! Lens and sensor in the order of the light: point spread; on the mosaic of color filters exposure, Poisson-Gauss noise, and
+//! clipping; then the interpolation of colors, white balance, and rounding to 8 bits.
 
 use macro_rules_attribute::apply;
 
 use super::development::Development;
-use super::exposure::Exposure;
+use super::exposure::{Exposure, Gain, WHITE, WHITE_BALANCE};
 use super::mosaic::Demosaic;
 use cadet_base::math;
 use cadet_base::rng::Stream;
 
-/// Noise variance in squared 8-bit values, for R, G, B: constant, and per value.
+/// Noise variance in squared 8-bit values of the image, for R, G, B: constant, and per value.
 const READ_OUT_VARIANCE: [f32; 3] = [0.5, 0.3, 0.7];
 const VARIANCE_PER_VALUE: [f32; 3] = [0.035, 0.018, 0.040];
-/// Neighbor tap of the noise filter: neighbors correlate with 0.35 across and down, as demosaiced noise does.
-const NEIGHBOUR: f32 = 0.187;
+/// The share of a pixel's variance that the mean pixel has once colors are interpolated: of R and B a quarter of the pixels have their
+/// own, half the mean of two, a quarter that of four; of G half have their own and half the mean of four.
+const VARIANCE_LEFT: [f32; 3] = [0.5625, 0.625, 0.5625];
 /// How far the middle of a pixel's two samples lies right of and below its center, so that one of them lies on it.
 pub const MIDDLE_PX: f32 = 0.25;
 /// Sigma of the point spread in pixels: with the pixel's own width and the color filters' the power at 0.2 to 0.45 cycles a
@@ -25,11 +27,8 @@ const TAPS: usize = 5;
 const RGB: usize = 3;
 /// Pixels by which the filters of a row reach beyond it.
 const PSF_REACH: usize = TAPS / 2;
-const NOISE_REACH: usize = 1;
 /// Sums of a row are kept apart so that their order does not depend on the registers: whole registers and whole pixels.
 const SUMS: usize = 24;
-/// Values far above white get no more noise.
-const MAX_VALUE: f32 = 2000.0;
 /// Two of a number's four bytes.
 const EVEN_BYTES: u32 = 0x00FF_00FF;
 const LOW_HALF: u32 = 0xFFFF;
@@ -107,7 +106,8 @@ fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32
     sums
 }
 
-/// Adds the veil, applies the gains, takes one color a pixel, adds the noise, and gives the response in 8 bits.
+/// Adds the veil; lets each pixel measure one color, with its noise, until it is full; interpolates the others, balances them,
+/// and gives the response in 8 bits.
 ///
 /// Where the signal is amplified, the variance of the photons' noise grows with it and that of the read-out with its square
 /// (EMVA 1288).
@@ -120,32 +120,17 @@ pub fn expose(
     development: &Development,
     stream: &mut Stream,
 ) -> Vec<u8> {
-    let &Exposure { veil, gains, amplification } = exposure;
-    let noise = development.noise * development.noise;
-    let seed = stream.next_u64();
-    let stride = width * 3;
-    let sensor = Sensor {
-        gain: (0..stride).map(|i| gains[i % 3]).collect(),
-        offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
-        variance: (0..stride).map(|i| READ_OUT_VARIANCE[i % 3] * (amplification * amplification) * noise).collect(),
-        per_value: (0..stride).map(|i| VARIANCE_PER_VALUE[i % 3] * amplification * noise).collect(),
-    };
-    // White noise with a border of one pixel; three rows of it are alive at a time.
-    let wide = stride + 2 * NOISE_REACH * RGB;
-    let mut rows = [vec![0.0_f32; wide], vec![0.0_f32; wide], vec![0.0_f32; wide]];
-    let fill = |row: usize, out: &mut [f32]| white_noise(seed, (row * wide) as u32, out);
-    fill(0, &mut rows[1]);
-    fill(1, &mut rows[2]);
-    let mut down = vec![0.0_f32; wide];
+    let stride = width * RGB;
+    let mut sensor = Sensor::new(stride, exposure, development, stream.next_u64());
     let mut image = vec![0_u8; rgb.len()];
     let mut demosaic = Demosaic::new(width);
     let mut values = vec![0.0_f32; stride];
     for (row, out) in image.chunks_exact_mut(stride.max(1)).enumerate() {
         if row == 0 {
-            measure_row(&sensor, &rgb[..stride], &mut demosaic);
+            sensor.measure(0, &rgb[..stride], &mut demosaic);
         }
         if row + 1 < height {
-            measure_row(&sensor, &rgb[(row + 1) * stride..][..stride], &mut demosaic);
+            sensor.measure(row + 1, &rgb[(row + 1) * stride..][..stride], &mut demosaic);
         } else {
             demosaic.mirror_below();
         }
@@ -153,53 +138,72 @@ pub fn expose(
             demosaic.mirror_above();
         }
         demosaic.interpolate(row, &mut values);
-        rows.rotate_left(1);
-        fill(row + 2, &mut rows[2]);
-        let [above, here, below] = &rows;
-        add_noise(&sensor, [above, here, below], &mut down, &mut values);
+        balance(&sensor.white_balance, &mut values);
         development.response.write(&values, out);
     }
     image
 }
 
-/// Per value of a row: gain, offset, and variance of the noise, constant and per value.
+/// Per value of a row: gain, offset, variance of the noise, constant and per value, and the white balance. Each pixel uses those of the
+/// color that it measures.
 struct Sensor {
-    gain: Vec<f32>,
+    gain: f32,
     offset: Vec<f32>,
     variance: Vec<f32>,
     per_value: Vec<f32>,
+    white_balance: Vec<f32>,
+    /// What a pixel measures that is full: the least that is white in all three channels.
+    full: f32,
+    seed: u64,
+    noise: Vec<f32>,
 }
 
-/// Applies veil and gains to a row, as it falls on the color filters.
-fn measure_row(s: &Sensor, input: &[f32], demosaic: &mut Demosaic) {
-    apply_gains(s, input, demosaic.next_row());
-    demosaic.close_row();
+impl Sensor {
+    fn new(stride: usize, &Exposure { veil, gain }: &Exposure, development: &Development, seed: u64) -> Self {
+        let Gain { values_per_radiance, amplification } = gain;
+        let (white_balance, noise) = (development.balance(), development.noise * development.noise);
+        let row = |of: [f32; RGB]| (0..stride).map(|i| of[i % RGB]).collect();
+        let each = |of: fn(usize) -> f32, factor: f32| std::array::from_fn(|k| of(k) * factor / VARIANCE_LEFT[k]);
+        let read_out = |k| READ_OUT_VARIANCE[k] / (WHITE_BALANCE[k] * WHITE_BALANCE[k]);
+        Self {
+            gain: values_per_radiance,
+            offset: row(veil.map(|v| v * values_per_radiance)),
+            variance: row(each(read_out, amplification * amplification * noise)),
+            per_value: row(each(|k| VARIANCE_PER_VALUE[k] / WHITE_BALANCE[k], amplification * noise)),
+            white_balance: row(white_balance),
+            full: WHITE / white_balance.into_iter().fold(f32::INFINITY, f32::min),
+            seed,
+            noise: vec![0.0; stride],
+        }
+    }
+
+    /// Takes a row as it falls on the color filters.
+    fn measure(&mut self, row: usize, input: &[f32], demosaic: &mut Demosaic) {
+        white_noise(self.seed, (row * input.len()) as u32, &mut self.noise);
+        measure(self, input, demosaic.next_row());
+        demosaic.close_row();
+    }
 }
 
 #[apply(for_wide_registers)]
-fn apply_gains(s: &Sensor, input: &[f32], out: &mut [f32]) {
+fn measure(s: &Sensor, input: &[f32], out: &mut [f32]) {
     let n = out.len();
-    let (gain, offset, input) = (&s.gain[..n], &s.offset[..n], &input[..n]);
+    let (offset, input, noise) = (&s.offset[..n], &input[..n], &s.noise[..n]);
+    let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
     for i in 0..n {
-        out[i] = (input[i] * gain[i] + offset[i]).clamp(0.0, MAX_VALUE);
+        let value = input[i] * s.gain + offset[i];
+        let sd = (variance[i] + per_value[i] * value).sqrt();
+        // Black lies above the converter's zero, so that noise does not brighten it.
+        out[i] = (value + sd * noise[i]).min(s.full);
     }
 }
 
 #[apply(for_wide_registers)]
-fn add_noise(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], values: &mut [f32]) {
-    let (n, wide) = (values.len(), down.len());
-    let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
-    // The filter keeps the variance.
-    let normal = 1.0 / (1.0 + 2.0 * NEIGHBOUR * NEIGHBOUR);
-    for i in 0..wide {
-        down[i] = (here[i] + NEIGHBOUR * (above[i] + below[i])) * normal;
-    }
-    let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
-    let (left, middle, right) = (&down[..n], &down[RGB..][..n], &down[2 * RGB..][..n]);
+fn balance(white_balance: &[f32], values: &mut [f32]) {
+    let n = values.len();
+    let white_balance = &white_balance[..n];
     for i in 0..n {
-        let value = values[i];
-        let sd = (variance[i] + per_value[i] * value).sqrt();
-        values[i] = value + sd * (middle[i] + NEIGHBOUR * (left[i] + right[i]));
+        values[i] *= white_balance[i];
     }
 }
 
@@ -231,16 +235,21 @@ fn mix(mut x: u32) -> u32 {
 mod tests {
     use super::*;
 
-    fn gain(gain: f32) -> Exposure {
-        Exposure { veil: [0.0; 3], gains: [gain; 3], amplification: 1.0 }
+    /// For an image that is white-balanced already.
+    fn exposure(gain: f32, amplification: f32) -> Exposure {
+        Exposure { veil: [0.0; 3], gain: Gain { values_per_radiance: gain, amplification } }
+    }
+
+    fn unbalanced(values: Vec<f32>) -> Vec<f32> {
+        values.iter().enumerate().map(|(i, v)| v / WHITE_BALANCE[i % 3]).collect()
     }
 
     #[test]
     fn amplified_noise_grows_as_its_parts_do() {
         let (w, h) = (400, 300);
-        let rgb = vec![60.0_f32; w * h * 3];
-        let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
-        let image = expose(&rgb, w, h, &amplified, &Development::default(), &mut Stream::from_seed("amplified", 3));
+        let rgb = unbalanced(vec![60.0; w * h * 3]);
+        let image =
+            expose(&rgb, w, h, &exposure(1.0, 4.0), &Development::default(), &mut Stream::from_seed("amplified", 3));
         for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -253,8 +262,9 @@ mod tests {
     #[test]
     fn noise_has_the_measured_variance_and_correlation() {
         let (w, h) = (400, 300);
-        let rgb = vec![120.0_f32; w * h * 3];
-        let image = expose(&rgb, w, h, &gain(1.0), &Development::default(), &mut Stream::from_seed("noise", 3));
+        let rgb = unbalanced(vec![120.0; w * h * 3]);
+        let image =
+            expose(&rgb, w, h, &exposure(1.0, 1.0), &Development::default(), &mut Stream::from_seed("noise", 3));
         for (channel, (constant, slope)) in READ_OUT_VARIANCE.iter().zip(VARIANCE_PER_VALUE).enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -266,10 +276,53 @@ mod tests {
             assert!((mean - 120.0).abs() < 0.1, "{mean}");
             // Rounding adds 1/12.
             assert!((cov(0) - want - 1.0 / 12.0).abs() < 0.12 * want, "{channel}: {} {want}", cov(0));
+            // Interpolated noise: of R and B neighbors share 3/8 of 9/16, of G 1/4 of 5/8; rounding adds to the variance alone.
+            let shared = if channel == 1 { 0.4 } else { 2.0 / 3.0 } * want / cov(0);
             for shift in [1, w] {
                 let r = cov(shift) / cov(0);
-                assert!((0.27..0.42).contains(&r), "{channel} {shift}: {r}");
+                assert!((r - shared).abs() < 0.02, "{channel} {shift}: {r} {shared}");
             }
+        }
+    }
+
+    #[test]
+    fn what_is_too_bright_is_full_before_colors_are_interpolated() {
+        let (w, h) = (20, 16);
+        // A square of twice and of a hundred times white, in the dark.
+        let [twice, much] = [2.0, 100.0].map(|radiance| {
+            let inside = |i: usize| (8..12).contains(&(i / RGB % w)) && (6..10).contains(&(i / RGB / w));
+            let rgb: Vec<f32> = (0..w * h * RGB).map(|i| if inside(i) { radiance } else { 0.0 }).collect();
+            expose(&rgb, w, h, &exposure(255.0, 1.0), &Development::default(), &mut Stream::from_seed("full", 1))
+        });
+        assert_eq!(twice, much);
+        for (i, value) in much.iter().enumerate() {
+            let (x, y) = (i / RGB % w, i / RGB / w);
+            let outside = |v: usize, from: usize| from.saturating_sub(v).max(v.saturating_sub(from + 3));
+            match outside(x, 8).max(outside(y, 6)) {
+                0 if (9..11).contains(&x) && (7..9).contains(&y) => assert_eq!(*value, 255, "{x} {y}"),
+                0 => (),
+                // No more than two of four pixels, or one of two, are within.
+                1 => assert!(
+                    f32::from(*value) <= 0.5 * WHITE / WHITE_BALANCE[0] * WHITE_BALANCE[i % RGB] + 4.0,
+                    "{x} {y}: {value}"
+                ),
+                _ => assert!(*value < 5, "{x} {y}: {value}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_pixel_has_the_noise_of_one_color_which_its_neighbors_share() {
+        let (w, h) = (64, 64);
+        let rgb = unbalanced(vec![90.0; w * h * RGB]);
+        let image =
+            expose(&rgb, w, h, &exposure(1.0, 8.0), &Development::default(), &mut Stream::from_seed("shared", 2));
+        let at = |x: usize, y: usize, k: usize| f32::from(image[(y * w + x) * RGB + k]);
+        for (x, y) in (2..60).step_by(2).flat_map(|y| (2..60).step_by(2).map(move |x| (x, y))) {
+            // Red between two red pixels, blue between four blue ones, to the roundings.
+            assert!((at(x + 1, y, 0) - 0.5 * (at(x, y, 0) + at(x + 2, y, 0))).abs() <= 1.0);
+            let corners = [(x - 1, y - 1), (x + 1, y - 1), (x - 1, y + 1), (x + 1, y + 1)].map(|(x, y)| at(x, y, 2));
+            assert!((at(x, y, 2) - 0.25 * corners.iter().sum::<f32>()).abs() <= 1.0);
         }
     }
 
@@ -282,7 +335,8 @@ mod tests {
         let _ = blur(&mut rgb, w, h, 1.0);
         rgb.truncate(w * h * 3);
         // Behind lens and color filters, the mean green of all rows: the filters for it lie alike in all columns.
-        let image = expose(&rgb, w, h, &gain(200.0), &Development::default(), &mut Stream::from_seed("edge", 1));
+        let image =
+            expose(&rgb, w, h, &exposure(200.0, 1.0), &Development::default(), &mut Stream::from_seed("edge", 1));
         let row: Vec<f32> = (0..w)
             .map(|x| (0..h).map(|y| f32::from(image[(y * w + x) * 3 + 1])).sum::<f32>() / (200 * h) as f32)
             .collect();

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::bloom::add_halos;
 use super::development::Development;
 use super::distortion::Warp;
-use super::exposure::{Exposure, WHITE_BALANCE, gain_at_night, gain_for_mean_luma, metered, night_gain};
+use super::exposure::{Exposure, Gain, MeteredPixels, Metering};
 use super::lens_drops::LensDrops;
 use super::light::Light;
 use super::maps::Maps;
@@ -31,16 +31,9 @@ pub struct Rendered {
     pub maps: Option<Maps>,
     /// Light in shares of white, interleaved RGB, if asked for.
     pub radiance: Option<Vec<f32>>,
+    /// What the light was amplified by, before the exposure's correction.
+    pub gain: Gain,
 }
-
-/// Share of the mean radiance that lens and housing scatter over the image; see [`Light::glare_ceiling`].
-const VEILING_GLARE: f32 = 0.016;
-/// Mean luma that the exposure aims at, and its spread from frame to frame.
-const MEAN_LUMA: (f64, f64) = (92.0, 4.5);
-/// Mean luma that the exposure aims at by night, which is to stay dark, and its spread from frame to frame.
-const NIGHT_MEAN_LUMA: (f64, f64) = (27.0, 2.0);
-/// Every so many pixels one is metered: a prime number, so that no column is.
-const METERED_STEP: usize = 37;
 
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
@@ -76,12 +69,33 @@ pub struct Foreground<'a> {
     pub development: Development,
     /// Whether the light itself is wanted, beside the image.
     pub with_radiance: bool,
+    /// Where the camera has its gain from.
+    pub metering: Metering,
+}
+
+impl Foreground<'_> {
+    /// Makes an image of the light that falls on the sensor; without maps.
+    pub(super) fn develop(
+        &self,
+        rgb: &[f32],
+        (width, height): (usize, usize),
+        exposed: Exposure,
+        stream: &mut Stream,
+    ) -> Rendered {
+        let (gain, exposed) = (exposed.gain, exposed.times(self.development.exposure));
+        Rendered {
+            image: expose(rgb, width, height, &exposed, &self.development, stream),
+            maps: None,
+            radiance: self.with_radiance.then(|| exposed.light(rgb, &self.development)),
+            gain,
+        }
+    }
 }
 
 /// Shades what is visible, exposes it, and adds the sensor's noise: RGB, 8 bits, row-major.
 ///
 /// # Determinism
-/// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
+/// A function of its arguments; one thread. `stream` feeds the noise alone.
 #[must_use]
 pub fn render(scene: &PosedScene, view: &View, weather: &Weather, seen: &Visibility, stream: &mut Stream) -> Vec<u8> {
     render_through(scene, view, weather, seen, &Foreground::default(), stream).image
@@ -113,12 +127,11 @@ pub fn render_through(
     if is_night {
         add_halos(blurred, width, height);
     }
-    let exposed = exposure(blurred, sums, is_night, &foreground.development, stream);
-    let mut develop = |rgb: &[f32], (width, height)| Rendered {
-        image: expose(rgb, width, height, &exposed, &foreground.development, stream),
-        maps: None,
-        radiance: foreground.with_radiance.then(|| exposed.light(rgb)),
-    };
+    let mut metered = MeteredPixels::default();
+    metered.add(blurred, width, 0..height, 0, seen);
+    let Foreground { development, metering, .. } = foreground;
+    let exposed = metered.exposure(sums, width * height, is_night, *metering, &development.response);
+    let mut develop = |rgb: &[f32], size| foreground.develop(rgb, size, exposed, stream);
     let rendered = match foreground.warp {
         None => develop(blurred, (width, height)),
         Some(warp) => develop(&warp.colors(blurred), warp.image_size()),
@@ -126,29 +139,6 @@ pub fn render_through(
     scratch.reuse(light);
     SCRATCH.set(scratch);
     rendered
-}
-
-/// How an image is exposed. `radiance_sums` are those of [`blur`].
-pub(super) fn exposure(
-    blurred_rgb: &[f32],
-    radiance_sums: [f64; 3],
-    is_night: bool,
-    development: &Development,
-    stream: &mut Stream,
-) -> Exposure {
-    let num_pixels = (blurred_rgb.len() / 3) as f64;
-    let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
-    let (mean, deviation) = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
-    let target = development.response.metered(stream.clipped_normal(mean, deviation) as f32);
-    let metered = metered(blurred_rgb, veil, METERED_STEP);
-    let (gain, amplification) = if is_night {
-        night_gain(gain_at_night(&metered, target))
-    } else {
-        (gain_for_mean_luma(&metered, target, 1), 1.0)
-    };
-    let gain = gain * development.exposure;
-    let gains = std::array::from_fn(|k| WHITE_BALANCE[k] * gain * development.white_balance[k]);
-    Exposure { veil, gains, amplification }
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `scratch.rgb` from the row [`ROWS_BEFORE`] on; returns the light.

@@ -8,10 +8,11 @@ use std::ops::Range;
 
 use super::bloom::add_halos;
 use super::distortion::Warp;
+use super::exposure::MeteredPixels;
 use super::maps::Maps;
 use super::model::CameraModel;
-use super::noise::{ROWS_BEFORE, blur, expose};
-use super::render::{Foreground, Rendered, Scratch, exposure, radiance};
+use super::noise::{ROWS_BEFORE, blur};
+use super::render::{Foreground, Rendered, Scratch, radiance};
 use super::spray;
 use super::surface_maps::{Motions, SurfaceMapKinds};
 use super::visibility_pass::{View, visibility_pass};
@@ -76,6 +77,7 @@ pub fn render_rolling(
     let at_instant = View::new(camera, moving.world_from_cam);
     let mut scratch = Scratch::default();
     let (mut rgb, mut sums) = (Vec::with_capacity(camera.width * camera.height * 3), [0.0; 3]);
+    let mut metered = MeteredPixels::default();
     let (mut maps, is_night) = (maps.map(|kinds| (kinds, Maps::default())), weather.is_night());
     for rows in bands(camera) {
         let time_s = row_time_s(camera, 0.5 * (rows.start + rows.end - 1) as f64);
@@ -88,7 +90,7 @@ pub fn render_rolling(
             let seen = visibility_pass(&scene, &view);
             seen.map(|seen| (view, scene, seen))
         };
-        let (mut gathered, mut ceiling) = (Vec::new(), f32::INFINITY);
+        let (mut gathered, mut ceiling, mut last_seen) = (Vec::new(), f32::INFINITY, None);
         for instant_s in instants(camera) {
             let (view, scene, seen) = moved(time_s + instant_s)?;
             let light = radiance(&scene, &view, weather, &seen, &mut scratch);
@@ -101,9 +103,14 @@ pub fn render_rolling(
             let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);
             scratch.reuse(light);
             gather(&mut gathered, &scratch.rgb[..view.width * view.height * 3]);
+            last_seen = Some(seen);
         }
         let share = 1.0 / instants(camera).len() as f32;
         gathered.iter_mut().for_each(|value| *value *= share);
+        let of_band = needed.start - drawn.start..needed.end - drawn.start;
+        if let Some(seen) = &last_seen {
+            metered.add(&gathered, at_instant.width, of_band, drawn.start, seen);
+        }
         let band = Band { rows, first: drawn.start, width: at_instant.width, warp: moving.foreground.warp };
         let start = rgb.len();
         band.append_colors(&gathered, &mut rgb);
@@ -130,11 +137,11 @@ pub fn render_rolling(
     if is_night {
         add_halos(&mut rgb, camera.width, camera.height);
     }
-    let Foreground { development, with_radiance, .. } = &moving.foreground;
-    let exposed = exposure(&rgb, sums, is_night, development, stream);
-    let image = expose(&rgb, camera.width, camera.height, &exposed, development, stream);
-    let radiance = with_radiance.then(|| exposed.light(&rgb));
-    Ok(Rendered { image, maps: maps.map(|(_, maps)| maps), radiance })
+    let Foreground { development, metering, .. } = &moving.foreground;
+    let num_pixels = camera.width * camera.height;
+    let exposed = metered.exposure(sums, num_pixels, is_night, *metering, &development.response);
+    let rendered = moving.foreground.develop(&rgb, (camera.width, camera.height), exposed, stream);
+    Ok(Rendered { maps: maps.map(|(_, maps)| maps), ..rendered })
 }
 
 /// Adds an image to the sum of others.

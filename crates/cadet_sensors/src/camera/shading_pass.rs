@@ -15,7 +15,7 @@ mod resolve;
 
 use macro_rules_attribute::apply;
 
-use self::base_color::{PixelOfPair, lay_snow, place_texture, snow_over, texture};
+use self::base_color::{PixelOfPair, lay_snow, place_texture, snow_over, soak, texture};
 pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
@@ -172,6 +172,9 @@ impl ShadingPass {
             } else {
                 place_texture(inputs, m, camera, variant, side, at);
                 texture(inputs, geometry, at, m, variant.pattern, color);
+            }
+            if light.wetness > 0.0 {
+                soak(inputs, geometry, m, light.wetness, color);
             }
             if light.snow_cover > 0.0 {
                 lay_snow(inputs, geometry, m, camera, light.snow_cover, side, color);

@@ -1,5 +1,6 @@
 //! Pictures of small scenes against closed forms and invariances.
 
+mod covers;
 mod fog;
 mod lamps;
 mod lattice;
@@ -21,7 +22,7 @@ use std::sync::Arc;
 
 use super::sky::Sky;
 use super::sky_visibility::SkyProbes;
-use super::{Rendered, View, render, visibility_pass};
+use super::{Foreground, Rendered, View, render_through, visibility_pass};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::frames::upright;
@@ -78,8 +79,9 @@ fn clear_sun_from(azimuth_deg: f64) -> Weather {
 fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
     let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
     let seen = visibility_pass(&posed, &view()).unwrap();
-    let image = render(&posed, &view(), weather, &seen, &mut Stream::from_seed("camera", seed));
-    Rendered { image, maps: Some(seen.maps(&posed)), radiance: None }
+    let stream = &mut Stream::from_seed("camera", seed);
+    let rendered = render_through(&posed, &view(), weather, &seen, &Foreground::default(), stream);
+    Rendered { maps: Some(seen.maps(&posed)), ..rendered }
 }
 
 fn street() -> Vec<Instance> {
@@ -178,6 +180,22 @@ fn every_weather_is_exposed_alike() {
             / (SIZE.0 * SIZE.1) as f64;
         assert!((82.0..106.0).contains(&luma), "{name}: {luma}");
     }
+}
+
+#[test]
+fn a_low_sun_is_noisier_than_noon() {
+    let [noon, dusk] = ["clear_noon", "dusk"].map(|name| {
+        // A wall that hides the sky.
+        let (near, far) = (Vec3::new(12.0, -60.0, 0.0), Vec3::new(13.0, 60.0, 40.0));
+        let scene = [ground(), cuboid(near, far, gray(Semantic::Building, 0.2), 0)];
+        let of = |seed| picture(&scene, &Weather::preset(name).unwrap(), seed).image;
+        let pairs: Vec<[f64; 2]> = of(1).into_iter().zip(of(2)).map(|(a, b)| [a, b].map(f64::from)).collect();
+        let gray = pairs.iter().filter(|[a, b]| (80.0..120.0).contains(&(0.5 * (a + b))));
+        let (count, sum) = gray.fold((0.0, 0.0), |(count, sum), [a, b]| (count + 1.0, sum + 0.5 * (a - b) * (a - b)));
+        assert!(count > 300.0, "{count}");
+        sum / count
+    });
+    assert!((2.0..8.0).contains(&noon) && dusk > 2.0 * noon, "{noon} {dusk}");
 }
 
 #[test]

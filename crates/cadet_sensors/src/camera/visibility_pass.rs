@@ -67,6 +67,11 @@ impl Visibility {
         self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_m_at(x, y))
     }
 
+    /// True where the center of a pixel shows a vehicle, a person, or through its panes what is behind.
+    pub(super) fn shows_actor(&self, row: usize, column: usize) -> bool {
+        self.samples.0.front(2 * row, column).is_some_and(|(face, _)| self.actor_ids[face.instance as usize] > 0)
+    }
+
     /// Depth, instances, and classes at the pixels' centers. `scene`: the one that was looked at.
     #[must_use]
     pub fn maps(&self, scene: &PosedScene) -> Maps {

@@ -4,7 +4,7 @@ use super::casting::{BeamHit, Casting};
 use super::echo::HitSurface;
 use super::ground_texture;
 use crate::sense::NO_HIT;
-use crate::weather::snow_share;
+use crate::surface_cover::snow_share;
 use cadet_base::math::DVec3;
 
 /// Looks surfaces up. Neighbors often meet the same face, so the last one is remembered.

@@ -1,4 +1,4 @@
-//! The base color of a batch's surfaces: texture and snow.
+//! The base color of a batch's surfaces: texture, water, and snow.
 
 use macro_rules_attribute::apply;
 
@@ -8,7 +8,7 @@ use super::super::textures::{self, PatternPoint};
 use super::super::value_noise::value_noise;
 use super::super::windows;
 use super::batch::{BatchVector, OutgoingLight, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
-use crate::weather::snow_share;
+use crate::surface_cover::{snow_share, under_film, wet_share};
 use cadet_base::material::Pattern;
 use cadet_base::math::Vec3;
 
@@ -17,9 +17,9 @@ const LEAST_SINE_SQUARED: f32 = 0.02;
 /// Drifts of snow: cells of noise per meter.
 const DRIFTS_PER_M: f32 = 0.6;
 const DRIFT_SALT: u32 = 0x5E0;
-/// What traffic leaves of the snow on roads.
-const WORN_SNOW: f32 = 0.55;
 const SNOW_ALBEDO: f32 = 0.8;
+/// Light that goes through the face of a film of water, from most directions.
+const ENTERS: f64 = 0.98;
 
 /// Which of a pair's pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,9 +141,21 @@ fn covered_share(
     // In the pixel itself: in the pair's middle, each pair would have its own drift.
     let Vec3 { x, y, .. } = point_in_pixel(inputs, camera, side.offset(), i) + camera.eye;
     let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
-    let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
     let lies = if inputs.flags[i] & Flags::SHEDS_SNOW > 0 { 0.0 } else { 1.0 };
-    snow_share(geometry.normal[2][i]) * (snow_cover * worn * (0.5 + drift)).min(1.0) * lies
+    snow_share(geometry.normal[2][i]) * (snow_cover * (0.5 + drift)).min(1.0) * lies
+}
+
+/// Darkens what water soaks into.
+#[apply(for_wide_registers)]
+pub fn soak(inputs: &SurfaceInputs, geometry: &SurfaceGeometry, m: usize, wetness: f32, out: &mut BatchVector) {
+    for i in 0..m.min(BATCH_SIZE) {
+        let absorbs = if inputs.flags[i] & Flags::ABSORBS > 0 { wetness } else { 0.0 };
+        let wet = absorbs * wet_share(geometry.normal[2][i]);
+        for channel in out.iter_mut() {
+            let dark = under_film(f64::from(channel[i]), ENTERS) as f32;
+            channel[i] *= 1.0 - wet * (1.0 - dark);
+        }
+    }
 }
 
 /// Lays snow on the left or the right pixels.

@@ -6,7 +6,7 @@ use super::super::face::{Flags, ShaderVariant};
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};
-use super::lighting::{SurfaceCoat, lamp_coat, wet_share};
+use super::lighting::{SurfaceCoat, lamp_coat};
 use cadet_base::material::Pattern;
 use cadet_base::math::Vec3;
 
@@ -69,8 +69,7 @@ pub fn add_lamp_light(
         }
         for axis in 0..3 {
             for i in 0..WIDE {
-                let wet = wet_share(geometry.normal[2][first + i], wetness);
-                irradiance[axis][first + i] += light.irradiance[axis][i] * wet;
+                irradiance[axis][first + i] += light.irradiance[axis][i];
                 mirrored[axis][first + i] = light.mirrored[axis][i];
             }
         }

@@ -23,9 +23,8 @@ const LEAF_TRANSMISSION_TINT: Vec3 = Vec3::new(0.85, 1.0, 0.50);
 /// Of the sun's light, the share that goes by the cosine, and what is scattered to all sides.
 const LEAF_DIRECT: f32 = 0.9;
 const LEAF_SCATTERED: f32 = 0.20;
-/// Surfaces whose normals rise more get wet, and lose this share of their diffuse light.
+/// Ground whose normal rises more holds a film of water.
 const WET_RISE: f32 = 0.5;
-const WET_DARKENING: f32 = 0.45;
 /// Of ground on which the film begins: stones stand out of it, and drops stir it, so that it is no mirror.
 const WET_ROUGHNESS: f32 = 0.55;
 /// A full film is so much smoother.
@@ -61,7 +60,7 @@ pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incid
     }
 }
 
-/// Diffuse irradiance: of sun and sky, on leaves of what comes through them; on wet ground what is left of it.
+/// Diffuse irradiance: of sun and sky, on leaves of what comes through them.
 #[apply(for_wide_registers)]
 pub fn diffuse(
     geometry: &SurfaceGeometry,
@@ -71,7 +70,7 @@ pub fn diffuse(
     variant: ShaderVariant,
     out: &mut BatchVector,
 ) {
-    let (sky, wetness) = (&light.sky, light.wetness);
+    let sky = &light.sky;
     if matches!(variant.pattern, Pattern::Lamp | Pattern::Window) {
         let radiance = if variant.pattern == Pattern::Lamp { light.lamp_radiance } else { 1.0 };
         out.iter_mut().for_each(|channel| channel.fill(radiance));
@@ -79,7 +78,6 @@ pub fn diffuse(
     }
     let is_leaf = variant.pattern == Pattern::Leaves;
     for i in 0..m.min(BATCH_SIZE) {
-        let normal = get(&geometry.normal, i);
         let ambient =
             get(&incident.ambient, i) * (incident.contact_occlusion[i] * if is_leaf { LEAF_AMBIENT } else { 1.0 });
         let cos_sun = geometry.cos_sun[i];
@@ -90,8 +88,7 @@ pub fn diffuse(
         } else {
             Vec3::splat(facing)
         };
-        let wet = wet_share(normal.z, wetness);
-        put(out, i, (sky.sun * direct * incident.shadow_factor[i] + ambient) * wet);
+        put(out, i, sky.sun * direct * incident.shadow_factor[i] + ambient);
     }
 }
 
@@ -131,12 +128,6 @@ pub fn lamp_coat(is_ground: bool, rise: f32, place: [f32; 2], wetness: f32, own:
     } else {
         (own, (1.0 - own.roughness) * (1.0 - own.roughness))
     }
-}
-
-/// What wetness leaves of the diffuse light of a surface that rises so much.
-#[inline(always)]
-pub fn wet_share(rise: f32, wetness: f32) -> f32 {
-    if rise > WET_RISE { 1.0 - WET_DARKENING * wetness } else { 1.0 }
 }
 
 /// What a coat or a film of water reflects, and what it leaves of the diffuse light.

@@ -1,6 +1,6 @@
 //! Blocks of 8 x 4 pixels are shaded together: nobody may see where they meet.
 
-use super::super::exposure::{LUMA_WEIGHTS, gain_for_mean_luma};
+use super::super::exposure::{LUMA_WEIGHTS, MEAN_LUMA, MeteredPixel, gain_for_mean_luma};
 use super::super::noise::blur;
 use super::super::render::{Scratch, radiance};
 use super::{View, visibility_pass};
@@ -41,9 +41,10 @@ fn luma(scene: &PosedScene, view: &View, weather: &Weather) -> Vec<f32> {
     let mut scratch = Scratch::default();
     let _ = radiance(scene, view, weather, &seen, &mut scratch);
     let _ = blur(&mut scratch.rgb, SIZE.0, SIZE.1, f32::INFINITY);
-    let rgb = &scratch.rgb[..SIZE.0 * SIZE.1 * 3];
-    let gain = gain_for_mean_luma(rgb, 91.0, 37);
-    rgb.as_chunks::<3>().0.iter().map(|p| (0..3).map(|k| (p[k] * gain).min(255.0) * LUMA_WEIGHTS[k]).sum()).collect()
+    let rgb = scratch.rgb.as_chunks::<3>().0.get(..SIZE.0 * SIZE.1).expect("an image");
+    let metered: Vec<MeteredPixel> = rgb.iter().map(|p| (*p, 1.0)).collect();
+    let gain = gain_for_mean_luma(&metered, MEAN_LUMA[0]);
+    rgb.iter().map(|p| (0..3).map(|k| (p[k] * gain).min(255.0) * LUMA_WEIGHTS[k]).sum()).collect()
 }
 
 /// Sums and numbers of the gradients across and down, by their place in a block.

@@ -128,7 +128,7 @@ fn without_spray_no_byte_changes() {
         let foreground = Foreground { spray, ..Foreground::default() };
         let mut view = view.clone();
         view.world_from_cam.translation.x = -20.0;
-        render_through(&scene, &view, weather, &seen, &foreground, &mut Stream::from_seed("camera", 0))
+        render_through(&scene, &view, weather, &seen, &foreground, &mut Stream::from_seed("camera", 0)).image
     };
     let rain = Weather::preset("hard_rain_noon").expect("known");
     assert_eq!(image(&clear, &clear, 20.0), image(&clear, &rain, 8.0));

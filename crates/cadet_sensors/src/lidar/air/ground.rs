@@ -1,11 +1,10 @@
 //! What rain and snow leave on the ground, for a laser; snow on other surfaces, too.
 
 use crate::lidar::reflection::{fresnel, reflectance};
+use crate::surface_cover::{WATER, under_film};
 use cadet_base::material::LidarMaterial;
 use cadet_base::math;
 
-/// Refractive index of water at 905 nm.
-const WATER: f64 = 1.328;
 /// Fallen snow at 905 nm.
 pub(in crate::lidar) const FALLEN_SNOW: LidarMaterial = LidarMaterial::diffuse(0.8);
 
@@ -20,13 +19,9 @@ pub(in crate::lidar) fn under_snow(bare_reflectance: f64, cos_incidence: f64, sn
 
 /// Share of the light that comes back from a diffuse surface under a film of water, against the same surface dry.
 ///
-/// At the film's face Fresnel's share is mirrored away, on the way in and on the way out (Hahner et al., CVPR 2022); what
-/// comes up below it is kept inside by total reflection, all but 1 / n^2 of it, and meets the surface again (Angstrom
-/// 1925). Water a few millimetres deep absorbs nothing to speak of at 905 nm.
+/// At the film's face Fresnel's share is mirrored away, on the way in and on the way out (Hahner et al., CVPR 2022).
 pub(super) fn under_water(reflectance: f64, cos_incidence: f64) -> f64 {
-    let enters = 1.0 - fresnel(WATER, cos_incidence);
-    let leaves = 1.0 / (WATER * WATER);
-    enters * enters * leaves / (1.0 - reflectance.clamp(0.0, 1.0) * (1.0 - leaves))
+    under_film(reflectance, 1.0 - fresnel(WATER, cos_incidence))
 }
 
 #[cfg(test)]

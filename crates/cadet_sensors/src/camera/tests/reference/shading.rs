@@ -9,6 +9,7 @@ use crate::camera::textures::{PatternPoint, albedo};
 use crate::camera::value_noise::{hash2, value_noise};
 use crate::camera::windows::{radiance, window};
 use crate::sense::PosedInstance;
+use crate::surface_cover::absorbs_water;
 use cadet_base::geometry::{LEAST_WEIGHT, Mesh};
 use cadet_base::material::{Material, Pattern, Semantic};
 use cadet_base::math::{DVec3, Vec3, expf};
@@ -173,17 +174,22 @@ impl Reference {
                 1.0
             };
         let albedo = if is_window { radiance(base, &place) } else { albedo(m.pattern, base, &place) };
+        // A film of water keeps the light that it mirrors back down, but for 1 / n^2.
+        let soaked = self.light.wetness * (2.0 * self.normal_at(s, at).z).clamp(0.0, 1.0);
+        let soaked = if absorbs_water(m) && !is_window { soaked } else { 0.0 };
+        let inside = 1.0 - 1.0 / (1.328 * 1.328);
+        let under_film = |a: f32| a * (1.0 - soaked * (1.0 - 0.98 * 0.98 * (1.0 - inside) / (1.0 - a * inside)));
+        let albedo = Vec3::from(albedo.to_array().map(under_film));
         albedo + (Vec3::splat(0.8) - albedo) * self.under_snow(s, at)
     }
 
     /// The share of a surface that snow covers.
     fn under_snow(&self, s: &Surface<'_>, at: &Point) -> f32 {
         let m = s.material;
-        let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
         let lies = if s.posed.is_without_snow(m) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
         let level = ((self.normal_at(s, at).z - 0.4) * 2.0).clamp(0.0, 1.0);
-        level * (self.light.snow_cover * worn * (0.5 + drift)).min(1.0) * lies
+        level * (self.light.snow_cover * (0.5 + drift)).min(1.0) * lies
     }
 
     /// The shading normal: between those of the corners, but not far beyond the face.
@@ -235,7 +241,6 @@ impl Reference {
         let facing = Vec3::splat(cos_sun.max(0.0));
         let direct = if s.is_leaf { (facing + through) * 0.9 + Vec3::splat(0.20) } else { facing };
         let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 } else { 1.0 };
-        let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
         let puddle = value_noise(at.world.x * 0.35, at.world.y * 0.35, 0xF11);
         let is_wet = s.is_ground && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
@@ -244,7 +249,7 @@ impl Reference {
         let (diffuse, glints) = match m.pattern {
             Pattern::Lamp => (Vec3::splat(self.light.lamp_radiance), Vec3::ZERO),
             Pattern::Window => (Vec3::ONE, Vec3::ZERO),
-            _ => ((sky.sun * direct * lit + around + lamps) * wet, glints),
+            _ => (sky.sun * direct * lit + around + lamps, glints),
         };
         let is_matt = s.is_leaf || f0 == 0.0;
         let fresnel = if is_matt { 0.0 } else { schlick(f0, (1.0 - roughness) * (1.0 - roughness)) };
