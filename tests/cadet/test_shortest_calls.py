@@ -124,6 +124,7 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "Camera.projection": lambda w: cadet.Camera.kitti().projection((0.0, 0.0, 0.0)),
     "Camera.resized": lambda w: cadet.Camera.kitti().resized(124, 38),
     "Camera.from_fov": lambda w: cadet.Camera.from_fov(99, 99, horizontal_deg=53.0),
+    "Camera.fisheye": lambda w: cadet.Camera.fisheye(99, 99),
     "Detections.from_labels": lambda w: cadet.Detections.from_labels(()),
     "District.named": lambda w: cadet.District.named("parked_rows"),
     "GroundTruth.from_labels": lambda w: cadet.GroundTruth.from_labels(()),

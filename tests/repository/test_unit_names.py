@@ -9,7 +9,7 @@ from repository.rust_modules import code_of
 
 CRATES = Path(__file__).parents[2] / "crates"
 
-UNITS = """m m2 m3 mm cm s rad deg px px2 hz mps mps2 radps cd sr per_m per_m3 per_h per_intensity steps columns rows
+UNITS = """m m2 m3 mm cm s rad deg px px2 hz mps mps2 radps cd sr ev per_m per_m3 per_h per_intensity steps columns rows
     triangles"""
 # What has no unit: signs, shares, slopes, phases, numbers by convention (KITTI's angles, an image's u and v, axes), and
 # numbers of any kind.

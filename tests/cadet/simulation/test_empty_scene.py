@@ -36,3 +36,13 @@ def test_the_empty_scene_shows_a_road_with_lines_between_lawns() -> None:
     # An overcast sky is bluer than the sun, to which the camera is balanced.
     assert paint.mean() > 2 * asphalt.mean() and np.ptp(asphalt) < 0.3 * asphalt.mean()
     assert asphalt[0] < asphalt[1] < asphalt[2]
+
+
+def test_an_ego_that_stands_from_the_start_rests_on_its_springs() -> None:
+    """A body that rapier has dropped keeps the velocity that its springs give it."""
+    scene = cadet.Scene.empty()
+    scene.step(1.0)
+    sample = scene.capture().sample
+    assert sample is not None
+    assert np.abs(sample.ego_velocity_world).max() < 0.002
+    assert np.abs(sample.world_from_ego[:3, 3]).max() < 0.001

@@ -27,7 +27,7 @@ const ROUNDER: f32 = 8_388_608.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Development {
     /// Factor of the light against what the meter gives.
-    pub exposure: f32,
+    pub gain: f32,
     /// Factor of the noise's standard deviation.
     pub noise: f32,
     /// Factors of R, G, and B beside the camera's own white balance.
@@ -38,7 +38,7 @@ pub struct Development {
 
 impl Default for Development {
     fn default() -> Self {
-        Self { exposure: 1.0, noise: 1.0, white_balance: [1.0; 3], response: Response::Linear }
+        Self { gain: 1.0, noise: 1.0, white_balance: [1.0; 3], response: Response::Linear }
     }
 }
 
@@ -63,7 +63,7 @@ impl Development {
         let (least, most) = (*WHITE_BALANCE_FACTORS.start(), *WHITE_BALANCE_FACTORS.end());
         let [r, g, b] = white_balance.map(|factor| within("white_balance", factor, least, most));
         Ok(Self {
-            exposure: math::pow(2.0, f64::from(stops)) as f32,
+            gain: math::pow(2.0, f64::from(stops)) as f32,
             noise: within("noise", noise, 0.0, MOST_NOISE)?,
             white_balance: [r?, g?, b?],
             response,
@@ -121,10 +121,10 @@ impl Response {
     /// faster than the light at first. KITTI's images have a mean of 36 % of white; a photographic meter takes 18 %, middle
     /// gray, which sRGB gives a value of 118.
     #[must_use]
-    pub fn metered(&self, mean_light: f32) -> f32 {
+    pub fn metered(&self, mean_luma: f32) -> f32 {
         match self {
-            Self::Linear => mean_light,
-            Self::Curve(_) => 0.5 * mean_light,
+            Self::Linear => mean_luma,
+            Self::Curve(_) => 0.5 * mean_luma,
         }
     }
 
@@ -188,6 +188,6 @@ mod tests {
         }
         let usual = Development::new(0.0, 1.0, [1.0; 3], Response::Linear).expect("KITTI's");
         assert_eq!(usual, Development::default());
-        assert!((Development::new(1.0, 1.0, [1.0; 3], Response::Linear).expect("a stop").exposure - 2.0).abs() < 1e-6);
+        assert!((Development::new(1.0, 1.0, [1.0; 3], Response::Linear).expect("a stop").gain - 2.0).abs() < 1e-6);
     }
 }

@@ -82,7 +82,7 @@ impl Foreground<'_> {
         exposed: Exposure,
         stream: &mut Stream,
     ) -> Rendered {
-        let (gain, exposed) = (exposed.gain, exposed.times(self.development.exposure));
+        let (gain, exposed) = (exposed.gain, exposed.times(self.development.gain));
         Rendered {
             image: expose(rgb, width, height, &exposed, &self.development, stream),
             maps: None,

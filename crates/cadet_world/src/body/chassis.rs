@@ -119,6 +119,10 @@ impl Chassis {
             accel = (-25.0 * off_m - 10.0 * velocity.dot(forward)).clamp(-6.0, 6.0);
         }
         let force = self.mass_kg * (accel + GRAVITY_MPS2 * forward.z) / 4.0;
+        // Before its first step rapier knows no mass of the body: wheels without any force would divide 0 by 0, and the body
+        // would not move any more.
+        let is_undefined = force == 0.0 && body.mass() == 0.0;
+        let force = if is_undefined { f64::from(f32::MIN_POSITIVE) } else { force };
         for (i, wheel) in self.controller.wheels_mut().iter_mut().enumerate() {
             wheel.engine_force = force as f32;
             wheel.steering = if i < 2 { self.steer_rad as f32 } else { 0.0 };
