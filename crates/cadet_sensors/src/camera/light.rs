@@ -1,5 +1,6 @@
 //! The light of a scene, and the air that it goes through.
 
+use super::exposure::WHITE_BALANCE;
 use super::night_lights::NightLights;
 use super::shadow::ShadowMaps;
 use super::sky::Sky;
@@ -22,6 +23,9 @@ pub struct Light {
     pub wetness: f32,
     /// Extinction of the air, 1/m.
     pub extinction_per_m: f32,
+    /// In-scattered radiance of fog, alike in all directions, and the share of the extinction that is fog's; by day.
+    fog: Vec3,
+    fog_share: f32,
     /// Cover of snow on level ground, 0..1.
     pub snow_cover: f32,
     /// The lamps of a night; none by day, where they are lost in the light of the sky.
@@ -52,14 +56,20 @@ impl Light {
         shadows: Option<ShadowMaps>,
         sky_probes: SkyProbes,
     ) -> Self {
+        let extinction_per_m = CLEAR_AIR_PER_M + weather.extinction_per_m() as f32;
+        // Droplets scatter all colors alike, and in thick fog light comes to them from the sky and from the ground.
+        let from_above = sky.sky_on_level + sky.sun * sky.sun_world.z.max(0.0);
+        let white = WHITE_BALANCE.map(|gain| 0.5 * (from_above.y + sky.ground.y) / gain);
         Self {
+            fog: white.into(),
+            fog_share: if night.is_some() { 0.0 } else { weather.fog_alpha_per_m as f32 / extinction_per_m },
             lamp_radiance: if night.is_some() { NIGHT_LAMP_RADIANCE } else { DAY_LAMP_RADIANCE },
             night,
             sky,
             shadows,
             sky_probes,
             wetness: weather.wetness as f32,
-            extinction_per_m: CLEAR_AIR_PER_M + weather.extinction_per_m() as f32,
+            extinction_per_m,
             snow_cover: weather.snow_cover() as f32,
         }
     }
@@ -98,7 +108,9 @@ impl Light {
     #[inline(always)]
     #[must_use]
     pub fn in_scattered(&self, view_world: Vec3) -> Vec3 {
-        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(AIR_SINE))) * AIR_BRIGHTNESS
+        let above = Vec3::new(view_world.x, view_world.y, view_world.z.max(AIR_SINE));
+        let haze = self.sky.radiance(above) * AIR_BRIGHTNESS;
+        haze + (self.fog - haze) * self.fog_share
     }
 }
 

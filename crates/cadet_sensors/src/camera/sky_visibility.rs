@@ -43,8 +43,9 @@ const DOWN_BY_ZENITH: f32 = 0.6;
 const OFF_SURFACE: f32 = 1.7;
 /// The last places between two cells, with room for rounding.
 const LAST_CELL: f32 = CELLS as f32 - 1.001;
-/// Beyond the map.
+/// Beyond the map, and how wide its rim is in which what is known turns to that, in cells.
 const UNKNOWN: SkyVisibility = [0.85; 6];
+const RIM: f32 = 12.0;
 
 /// Sky visibility per level.
 type Probes = [[f32; 8]; LEVELS_M.len()];
@@ -238,8 +239,10 @@ impl SkyProbes {
         if !(0.0..LAST_CELL).contains(&gx) || !(0.0..LAST_CELL).contains(&gy) {
             return UNKNOWN;
         }
-        let [a, b, c, d, e, f, _, _] = between(&self.floor, &self.probes, [gx, gy], point_world.z);
-        [a, b, c, d, e, f]
+        let known = between(&self.floor, &self.probes, [gx, gy], point_world.z);
+        let to_border = gx.min(gy).min(LAST_CELL - gx).min(LAST_CELL - gy);
+        let share = (to_border * (1.0 / RIM)).min(1.0);
+        std::array::from_fn(|k| UNKNOWN[k] + (known[k] - UNKNOWN[k]) * share)
     }
 }
 

@@ -1,10 +1,14 @@
 //! What the air adds before a surface is there whatever the surface is.
 
-use super::{INTRINSICS, SIZE, cuboid, gray, ground, picture};
+use super::{EYE_HEIGHT_M, INTRINSICS, SIZE, cuboid, gray, ground, picture};
+use crate::camera::light::Light;
+use crate::camera::sky::Sky;
+use crate::camera::sky_visibility::SkyProbes;
+use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Semantic};
-use cadet_base::math::Vec3;
+use cadet_base::math::{DVec3, Vec3};
 
 const AT_M: f32 = 60.0;
 
@@ -43,4 +47,38 @@ fn far_glass_in_dense_fog_is_as_bright_as_a_black_wall_beside_it() {
 fn in_clear_air_glass_reflects_the_sky_before_a_black_wall() {
     let [bare, behind_glass] = halves(&picture(&wall(0.4), &Weather::preset("cloudy_noon").unwrap(), 3).image);
     assert!(behind_glass > 1.15 * bare, "{behind_glass} beside {bare}");
+}
+
+/// Mean R, G, B of some rows of the picture's middle.
+fn colors(image: &[u8], rows: std::ops::Range<usize>) -> [f64; 3] {
+    let columns = INTRINSICS[2] as usize - 30..INTRINSICS[2] as usize + 30;
+    let places: Vec<usize> = rows.flat_map(|row| columns.clone().map(move |c| 3 * (row * SIZE.0 + c))).collect();
+    [0, 1, 2].map(|k| places.iter().map(|at| f64::from(image[at + k])).sum::<f64>() / places.len() as f64)
+}
+
+#[test]
+fn fog_is_white_and_as_bright_at_the_horizon_as_above_it() {
+    let image = picture(&[ground()], &Weather::preset("dense_fog").unwrap(), 2).image;
+    let horizon = INTRINSICS[3] as usize;
+    let [above, at, low] = [5..10, horizon - 2..horizon + 2, horizon + 3..horizon + 6].map(|rows| colors(&image, rows));
+    for color in [above, at] {
+        assert!((color[0] / color[1] - 1.0).abs() < 0.02 && (color[2] / color[1] - 1.0).abs() < 0.03, "{color:?}");
+    }
+    assert!((at[1] / above[1] - 1.0).abs() < 0.05, "{at:?} {above:?}");
+    // The road far away is fog, and darker the nearer it is.
+    let road: Vec<f64> = (horizon + 6..SIZE.1 - 4).step_by(8).map(|row| colors(&image, row..row + 4)[1]).collect();
+    assert!(road.windows(2).all(|pair| pair[1] < pair[0]) && low[1] > 0.85 * at[1], "{road:?} {low:?}");
+}
+
+#[test]
+fn black_things_far_away_have_what_sun_sky_and_ground_give_a_white_droplet() {
+    let weather = Weather { fog_alpha_per_m: 0.06, ..Weather::preset("dense_fog").unwrap() };
+    let sky = Sky::new(&weather);
+    let scene = PosedScene::new(&[ground()], DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
+    let probes = SkyProbes::new(&scene, DVec3::Z, DVec3::X, &[]);
+    let light = Light::new(&weather, (sky.clone(), None), None, probes);
+    let seen = light.through_air(Vec3::ZERO, Vec3::X, 1000.0);
+    // Overcast: no sun; half of the light comes from above and half from the ground.
+    let expected = 0.5 * (sky.sky_on_level.y + sky.ground.y);
+    assert!((seen.y / expected - 1.0).abs() < 0.03, "{seen} {expected}");
 }

@@ -59,3 +59,10 @@ fn a_wall_is_not_hidden_by_its_own_house_and_a_wide_roof_hides_nearly_all() {
     let under = open(roof, Vec3::new(40.5, 0.5, 0.0), Vec3::Z);
     assert!(under[..5].iter().all(|side| *side < 0.06), "{under:?}");
 }
+
+#[test]
+fn what_is_known_fades_into_what_is_not_at_the_maps_border() {
+    let far: Vec<f32> = (0..800).map(|k| open(None, Vec3::new(90.0 + 0.05 * k as f32, 0.5, 0.0), Vec3::Z)[4]).collect();
+    assert!((far[0] - 1.0).abs() < 1e-5 && far[799] == 0.85, "{} {}", far[0], far[799]);
+    assert!(far.windows(2).all(|pair| (-1e-3..=1e-6).contains(&(pair[1] - pair[0]))));
+}
