@@ -21,7 +21,7 @@ import cadet
 Image = NDArray[np.float64]
 
 NUM_FRAMES: Final = 100
-LEAST_SHARE: Final = 0.75
+LEAST_SHARE: Final = 0.7
 """Of generated frames that must lie in each range."""
 LUMA: Final = (0.2126, 0.7152, 0.0722)
 

@@ -230,7 +230,7 @@ def test_how_a_scan_is_taken_is_checked_and_recorded() -> None:
     ("settings", "message"),
     [
         ({"rolling": 1}, "Lidar.rolling: expected True or False, got 1"),
-        ({"returns": "loudest"}, "Lidar.returns: expected one of strongest, last, got 'loudest'"),
+        ({"returns": "loudest"}, "Lidar.returns: expected one of strongest, last, first, dual, triple, got 'loudest'"),
         ({"divergence_mrad": -1.0}, "Lidar.divergence_mrad"),
         ({"divergence_mrad": float("nan")}, "Lidar.divergence_mrad"),
         ({"divergence_mrad": 21}, "Lidar.divergence_mrad"),

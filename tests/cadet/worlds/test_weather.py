@@ -226,7 +226,7 @@ def test_bad_weather_is_refused(bad: dict[str, Any], text: str) -> None:
 
 def test_presets_have_air() -> None:
     assert air_of("clear_noon") == Air(0.0, 0.0, 0.0, 0.0)
-    assert air_of("dense_fog").fog == 0.06 and air_of("hard_rain_sunset").rain == 25.0
+    assert air_of("dense_fog").fog == pytest.approx(np.log(20) / 50) and air_of("hard_rain_sunset").rain == 25.0
     points = a_cloud()
     assert np.array_equal(apply(points, **air_of("snow")._asdict()), apply(points, snow=1.5))
     for name in weather_names():
