@@ -23,7 +23,7 @@ def blocks(image: NDArray[np.float64]) -> NDArray[np.float64]:
 def relative_gain(before: cadet.Frame, after: cadet.Frame) -> float:
     """Measure how much brighter a frame is: the median of blocks in which nothing moves and nothing is white."""
     images = [frame.image.astype(float) for frame in (before, after)]
-    stands = np.all([np.less_equal(frame.instance, 0) for frame in (before, after)], axis=0)
+    stands = np.all([np.asarray(frame.instance) <= 0 for frame in (before, after)], axis=0)
     stands &= np.all([image.max(-1) < 235.0 for image in images], axis=0)
     one, other, counts = (blocks(of) for of in (*(image.sum(-1) * stands for image in images), stands.astype(float)))
     is_counted = counts > 0.6 * counts.max()

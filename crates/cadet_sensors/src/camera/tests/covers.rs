@@ -5,7 +5,7 @@ use crate::camera::value_noise::value_noise;
 use crate::weather::Weather;
 use cadet_base::geometry::MeshBuilder;
 use cadet_base::material::{Material, Pattern, Semantic};
-use cadet_base::math::{DPose3, Vec3};
+use cadet_base::math::{self, DPose3, Vec3};
 
 /// Mean green of rows of the picture left and right of its middle, with a plate of each material over the road.
 fn halves(materials: [Material; 2], weather: &Weather) -> [f64; 2] {
@@ -60,7 +60,7 @@ fn a_wet_vault_has_no_contour() {
     let mut b = MeshBuilder::new();
     let at = |k: i32, y: f32| {
         let angle = f64::from(k) * std::f64::consts::PI / 64.0;
-        Vec3::new(9.0 - 3.0 * angle.cos() as f32, y, 3.0 * angle.sin() as f32)
+        Vec3::new(9.0 - 3.0 * math::cos(angle) as f32, y, 3.0 * math::sin(angle) as f32)
     };
     for k in 0..64 {
         b.quad(at(k, -6.0), at(k, 6.0), at(k + 1, 6.0), at(k + 1, -6.0), 0);

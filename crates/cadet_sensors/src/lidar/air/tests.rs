@@ -56,7 +56,8 @@ fn bright_particles_are_as_many_as_in_a_cone_full_of_them() {
                 let r = target_m * math::cbrt(stream.unit());
                 let d = -math::ln(1.0 - stream.unit()) / sizes.slope_per_m;
                 let share = (d / (divergence * r) * (d / (divergence * r))).min(1.0);
-                let near = if r < focus_m { (r / focus_m).powi(3) } else { 1.0 };
+                let of_focus = r / focus_m;
+                let near = if r < focus_m { of_focus * of_focus * of_focus } else { 1.0 };
                 let xi = if r < 0.9 { 0.0 } else { near };
                 let power = rho * math::exp(-2.0 * alpha * r) * xi * share / (r * r);
                 if power > least {

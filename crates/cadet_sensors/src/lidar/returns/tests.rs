@@ -222,7 +222,7 @@ fn dual_is_the_strongest_and_the_last_behind_drops_and_flakes() {
         let [strongest, last, first, dual, triple] =
             MODES.map(|mode| written([echo, None, None, None], &snow, mode, &receiver, &draws));
         let mut both = [strongest.clone(), last.clone()].concat();
-        both.sort_by(|a, b| a.0.cmp(&b.0));
+        both.sort_by_key(|point| point.0);
         both.dedup();
         assert_eq!(dual, both);
         assert!(first.iter().chain(&dual).all(|point| triple.contains(point)) && triple.len() <= 3);
