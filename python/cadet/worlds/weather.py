@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet._util.arrays import check_array
 from cadet._util.checks import Limits, check_number, check_text, is_one_of, plain_number, shown
+from cadet._util.summary import summary
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.worlds.config import SceneConfig
 from cadet.worlds.draws import Draws
@@ -74,6 +75,9 @@ class Weather:
     """The sun's height over the horizon, below 0 at night; None for one of 20 to 45 degrees, drawn by the seed."""
     sun_azimuth_deg: Annotated[_Number | None, Limits(-360, 360)] = None
     """Its direction, counter-clockwise from east; drawn by the seed if None, south in `Scene.empty`."""
+
+    def __repr__(self) -> str:
+        return summary(self, name=self.name, **self.numbers())
 
     def __post_init__(self) -> None:
         check_text("Weather", "name", self.name)

@@ -74,10 +74,13 @@ def test_a_rolling_shutter_is_stamped_with_the_middle_of_its_exposures(tmp_path:
     (tables, images), (others, rolled) = written["global"], written["rolling"]
     assert tables == others
     assert images.keys() == rolled.keys()
-    # Only the front camera's rows are of other times, and only while the car moves.
-    changed = {image for image in images if images[image] != rolled[image]}
-    assert changed
-    assert all("CAM_FRONT/" in image for image in changed), changed
+    # Only the front camera's rows are of other times; the others are exposed as it is, and differ by its gain alone.
+    for name, data in images.items():
+        one, other = (
+            cv2.imdecode(np.frombuffer(of, np.uint8), cv2.IMREAD_COLOR).astype(float) for of in (data, rolled[name])
+        )
+        difference = np.abs(one - other).mean()
+        assert difference > 1.5 if "CAM_FRONT/" in name else difference < 1.0, (name, difference)
 
 
 def matrix(row: dict[str, Any]) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 import cadet
 
+# A hundred frames take a minute and a half where other programs run, too.
+pytestmark = pytest.mark.timeout(300)
 Image = NDArray[np.float64]
 
 NUM_FRAMES: Final = 100
