@@ -76,9 +76,8 @@ def test_a_rolling_shutter_is_stamped_with_the_middle_of_its_exposures(tmp_path:
     assert images.keys() == rolled.keys()
     # Only the front camera's rows are of other times; the others are exposed as it is, and differ by its gain alone.
     for name, data in images.items():
-        one, other = (
-            cv2.imdecode(np.frombuffer(of, np.uint8), cv2.IMREAD_COLOR).astype(float) for of in (data, rolled[name])
-        )
+        encoded = [np.frombuffer(of, np.uint8) for of in (data, rolled[name])]
+        one, other = (np.asarray(cv2.imdecode(file, cv2.IMREAD_COLOR), np.float64) for file in encoded)
         difference = np.abs(one - other).mean()
         assert difference > 1.5 if "CAM_FRONT/" in name else difference < 1.0, (name, difference)
 

@@ -39,7 +39,7 @@ def test_as_many_objects_are_labeled_at_every_size(counts: dict[str, tuple[int, 
         assert counts[scale][0] == pytest.approx(full, rel=0.1), counts
     # A camera that was a quarter as large from the start has no limits to scale: it labels what 15 rows hold.
     unscaled = replace(cadet.Camera.kitti().resized(*SIZES["quarter"]), image_scale=(1.0, 1.0))
-    assert labeled(unscaled)[0] < 0.8 * full
+    assert labeled(unscaled)[0] < 0.9 * full
 
 
 def test_limits_follow_rows_and_area() -> None:
