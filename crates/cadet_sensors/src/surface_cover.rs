@@ -3,7 +3,7 @@
 use cadet_base::material::{Material, Pattern, Semantic};
 
 /// Refractive index of water, for the eye and at 905 nm.
-pub const WATER: f64 = 1.328;
+pub const WATER_INDEX: f64 = 1.328;
 /// Rain wets all of a surface whose normal rises by this, and nothing of a wall.
 const ALL_WET_RISE: f32 = 0.5;
 /// Snow begins to lie where a normal rises by this, and covers so much faster than its rise.
@@ -44,9 +44,9 @@ pub fn absorbs_water(material: &Material) -> bool {
 /// (Angstrom 1925). Water a few millimetres deep absorbs nothing to speak of.
 #[inline(always)]
 #[must_use]
-pub fn under_film(reflectance: f64, enters: f64) -> f64 {
-    let leaves = 1.0 / (WATER * WATER);
-    enters * enters * leaves / (1.0 - reflectance.clamp(0.0, 1.0) * (1.0 - leaves))
+pub fn under_film(reflectance: f64, entering_share: f64) -> f64 {
+    let leaves = 1.0 / (WATER_INDEX * WATER_INDEX);
+    entering_share * entering_share * leaves / (1.0 - reflectance.clamp(0.0, 1.0) * (1.0 - leaves))
 }
 
 #[cfg(test)]

@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use macro_rules_attribute::apply;
 
-use super::exposure::{WHITE, WHITE_BALANCE};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math;
 
+/// The largest value of an image.
+pub(super) const WHITE_VALUE: f32 = 255.0;
+/// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
+pub(super) const WHITE_BALANCE: [f32; 3] = [0.93, 1.0, 1.14];
 /// Stops by which an exposure may be corrected.
 pub const MOST_EXPOSURE_EV: f64 = 8.0;
 /// The most that the noise's standard deviation is multiplied by.
@@ -113,18 +116,18 @@ impl Response {
     }
 
     fn of(value: impl Fn(f64) -> f64) -> Self {
-        let steps = (0..=RESPONSE_STEPS).map(|i| value(i as f64 / RESPONSE_STEPS as f64) as f32 * WHITE);
+        let steps = (0..=RESPONSE_STEPS).map(|i| value(i as f64 / RESPONSE_STEPS as f64) as f32 * WHITE_VALUE);
         Self::Curve(steps.collect())
     }
 
-    /// The mean light at which the meter aims, if it aims at this one behind a linear response: half of it where values rise
-    /// faster than the light at first. KITTI's images have a mean of 36 % of white; a photographic meter takes 18 %, middle
-    /// gray, which sRGB gives a value of 118.
+    /// The mean light at which the meter aims against that behind a linear response: half of it where values rise faster than the
+    /// light at first. KITTI's images have a mean of 36 % of white; a photographic meter takes 18 %, middle gray, which sRGB
+    /// gives a value of 118.
     #[must_use]
-    pub fn metered(&self, mean_luma: f32) -> f32 {
+    pub fn aim_factor(&self) -> f32 {
         match self {
-            Self::Linear => mean_luma,
-            Self::Curve(_) => 0.5 * mean_luma,
+            Self::Linear => 1.0,
+            Self::Curve(_) => 0.5,
         }
     }
 
@@ -134,7 +137,7 @@ impl Response {
             Self::Linear => round(light, out),
             Self::Curve(values) => {
                 for (light, out) in light.iter().zip(out) {
-                    let at = light.clamp(0.0, WHITE) * (RESPONSE_STEPS as f32 / WHITE);
+                    let at = light.clamp(0.0, WHITE_VALUE) * (RESPONSE_STEPS as f32 / WHITE_VALUE);
                     let step = (at as usize).min(RESPONSE_STEPS - 1);
                     let value = values[step] + (values[step + 1] - values[step]) * (at - step as f32);
                     *out = (value + ROUNDER).to_bits() as u8;
@@ -150,7 +153,7 @@ fn round(light: &[f32], out: &mut [u8]) {
     let light = &light[..n];
     for i in 0..n {
         // Rounded to the nearest by the mantissa's last bits.
-        out[i] = (light[i].clamp(0.0, WHITE) + ROUNDER).to_bits() as u8;
+        out[i] = (light[i].clamp(0.0, WHITE_VALUE) + ROUNDER).to_bits() as u8;
     }
 }
 

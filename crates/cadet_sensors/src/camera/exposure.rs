@@ -5,20 +5,18 @@
 
 use std::ops::Range;
 
-use super::development::{Development, Response};
+use super::development::{WHITE_BALANCE, WHITE_VALUE};
 use super::visibility_pass::Visibility;
 
 /// Weights of R, G, B in the luma.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
-/// The largest value of an image.
-pub const WHITE: f32 = 255.0;
 const NIGHT_METER_CEILING: f32 = 110.0;
 /// Mean luma that the exposure aims at, and its spread from episode to episode: that of images, with darker traffic, is 92.
 pub const MEAN_LUMA: [f32; 2] = [95.0, 3.0];
 /// Mean luma that the exposure aims at by night, which is to stay dark, and its spread from episode to episode.
 pub const NIGHT_MEAN_LUMA: [f32; 2] = [27.0, 2.0];
 /// Share of the mean radiance that lens and housing scatter over the image; see [`super::light::Light::glare_ceiling`].
-pub const VEILING_GLARE: f32 = 0.016;
+pub const VEILING_GLARE_SHARE: f32 = 0.016;
 /// Every so many pixels one is metered: a prime number, so that no column is.
 const METERED_STEP: usize = 37;
 /// Vehicles and people have this weight, and what stands beside them in the same rows theirs: what passes a camera that stands
@@ -36,12 +34,10 @@ const MAX_STEPS: usize = 40;
 /// The longest exposure gives this gain, which a clear noon does not need; what is above amplifies the sensor's signal and its
 /// noise. KITTI's cameras expose for 2 ms at most (Geiger et al. 2013).
 const LONGEST_EXPOSURE_GAIN: f32 = 3000.0;
-/// The same at night, in the unit of that light.
+/// The longest exposure's gain at night, in the unit of that light.
 const LONGEST_EXPOSURE_GAIN_AT_NIGHT: f32 = 3000.0;
 /// The most that the signal is amplified: 18 dB.
 const MOST_AMPLIFICATION: f32 = 8.0;
-/// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
-pub const WHITE_BALANCE: [f32; 3] = [0.93, 1.0, 1.14];
 
 /// How much an image's light is amplified, alike for all cameras of a rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,8 +51,8 @@ pub struct Gain {
 impl Gain {
     /// The gain that is wanted, but no more than the sensor has, if its longest exposure gives another.
     #[must_use]
-    pub fn within(wanted: f32, longest_exposure_gain: f32) -> Self {
-        let gain = wanted.min(longest_exposure_gain * MOST_AMPLIFICATION);
+    pub fn within(wanted_gain: f32, longest_exposure_gain: f32) -> Self {
+        let gain = wanted_gain.min(longest_exposure_gain * MOST_AMPLIFICATION);
         Self { values_per_radiance: gain, amplification: (gain / longest_exposure_gain).max(1.0) }
     }
 }
@@ -90,8 +86,8 @@ impl Exposure {
     /// The light of an image as it is exposed and developed, interleaved RGB in shares of white: what the lens let through, without
     /// the sensor's color filters, noise, clipping, and response.
     #[must_use]
-    pub fn light(&self, rgb: &[f32], development: &Development) -> Vec<f32> {
-        let balance = development.balance().map(|factor| factor * self.gain.values_per_radiance / WHITE);
+    pub fn light(&self, rgb: &[f32], white_balance: [f32; 3]) -> Vec<f32> {
+        let balance = white_balance.map(|factor| factor * self.gain.values_per_radiance / WHITE_VALUE);
         rgb.iter().enumerate().map(|(i, v)| (v + self.veil[i % 3]) * balance[i % 3]).collect()
     }
 
@@ -135,7 +131,8 @@ impl MeteredPixels {
         }
     }
 
-    /// How the image is exposed. `radiance_sums` are those of [`super::noise::blur`], of so many pixels.
+    /// How the image is exposed. `radiance_sums` are those of [`super::noise::blur`], of so many pixels; the meter aims at so many
+    /// times the usual light.
     #[must_use]
     pub fn exposure(
         self,
@@ -143,20 +140,20 @@ impl MeteredPixels {
         num_pixels: usize,
         is_night: bool,
         metering: Metering,
-        response: &Response,
+        aim_factor: f32,
     ) -> Exposure {
-        let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels as f64) as f32);
+        let veil = radiance_sums.map(|s| (f64::from(VEILING_GLARE_SHARE) * s / num_pixels as f64) as f32);
         let gain = match metering {
-            Metering::Own { error } => self.gain(veil, is_night, error, response),
+            Metering::Own { error } => self.gain(veil, is_night, error, aim_factor),
             Metering::Rig(gain) => gain,
         };
         Exposure { veil, gain }
     }
 
-    fn gain(self, veil: [f32; 3], is_night: bool, error: f32, response: &Response) -> Gain {
+    fn gain(self, veil: [f32; 3], is_night: bool, error: f32, aim_factor: f32) -> Gain {
         let pixels: Vec<MeteredPixel> = self.0.into_iter().map(|(p, weight)| (balanced(p, veil), weight)).collect();
         let [mean, deviation] = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
-        let target = response.metered(mean + deviation * error);
+        let target = (mean + deviation * error) * aim_factor;
         if is_night {
             Gain::within(gain_at_night(&pixels, target), LONGEST_EXPOSURE_GAIN_AT_NIGHT)
         } else {
@@ -173,7 +170,7 @@ pub fn balanced(rgb: [f32; 3], veil: [f32; 3]) -> [f32; 3] {
 /// The gain from linear radiance to 8-bit values at which the mean luma of the pixels is `target_luma`.
 #[must_use]
 pub fn gain_for_mean_luma(pixels: &[MeteredPixel], target_luma: f32) -> f32 {
-    gain_below(pixels, target_luma, WHITE)
+    gain_below(pixels, target_luma, WHITE_VALUE)
 }
 
 /// The gain from linear radiance to 8-bit values at which the mean luma is `target_luma` at night: lamps and what stands in

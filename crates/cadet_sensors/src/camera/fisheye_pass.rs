@@ -69,7 +69,8 @@ pub fn render_fisheye(
         }
     }
     let Foreground { development, metering, .. } = foreground;
-    let exposed = MeteredPixels::of(&lit).exposure(sums, lit.len(), is_night, *metering, &development.response);
+    let exposed =
+        MeteredPixels::of(&lit).exposure(sums, lit.len(), is_night, *metering, development.response.aim_factor());
     let rendered = foreground.develop(&rgb, (width, height), exposed, stream);
     Ok(Rendered { maps: found.map(|(.., maps)| maps), ..rendered })
 }

@@ -1,6 +1,6 @@
 //! The light of a scene, and the air that it goes through.
 
-use super::exposure::WHITE_BALANCE;
+use super::development::WHITE_BALANCE;
 use super::night_lights::NightLights;
 use super::shadow::ShadowMaps;
 use super::sky::Sky;

@@ -3,8 +3,8 @@
 
 use macro_rules_attribute::apply;
 
-use super::development::Development;
-use super::exposure::{Exposure, Gain, WHITE, WHITE_BALANCE};
+use super::development::{Development, WHITE_BALANCE, WHITE_VALUE};
+use super::exposure::{Exposure, Gain};
 use super::mosaic::Demosaic;
 use cadet_base::math;
 use cadet_base::rng::Stream;
@@ -171,7 +171,7 @@ impl Sensor {
             variance: row(each(read_out, amplification * amplification * noise)),
             per_value: row(each(|k| VARIANCE_PER_VALUE[k] / WHITE_BALANCE[k], amplification * noise)),
             white_balance: row(white_balance),
-            full: WHITE / white_balance.into_iter().fold(f32::INFINITY, f32::min),
+            full: WHITE_VALUE / white_balance.into_iter().fold(f32::INFINITY, f32::min),
             seed,
             noise: vec![0.0; stride],
         }
@@ -303,7 +303,7 @@ mod tests {
                 0 => (),
                 // No more than two of four pixels, or one of two, are within.
                 1 => assert!(
-                    f32::from(*value) <= 0.5 * WHITE / WHITE_BALANCE[0] * WHITE_BALANCE[i % RGB] + 4.0,
+                    f32::from(*value) <= 0.5 * WHITE_VALUE / WHITE_BALANCE[0] * WHITE_BALANCE[i % RGB] + 4.0,
                     "{x} {y}: {value}"
                 ),
                 _ => assert!(*value < 5, "{x} {y}: {value}"),

@@ -86,7 +86,7 @@ impl Foreground<'_> {
         Rendered {
             image: expose(rgb, width, height, &exposed, &self.development, stream),
             maps: None,
-            radiance: self.with_radiance.then(|| exposed.light(rgb, &self.development)),
+            radiance: self.with_radiance.then(|| exposed.light(rgb, self.development.balance())),
             gain,
         }
     }
@@ -130,7 +130,7 @@ pub fn render_through(
     let mut metered = MeteredPixels::default();
     metered.add(blurred, width, 0..height, 0, seen);
     let Foreground { development, metering, .. } = foreground;
-    let exposed = metered.exposure(sums, width * height, is_night, *metering, &development.response);
+    let exposed = metered.exposure(sums, width * height, is_night, *metering, development.response.aim_factor());
     let mut develop = |rgb: &[f32], size| foreground.develop(rgb, size, exposed, stream);
     let rendered = match foreground.warp {
         None => develop(blurred, (width, height)),

@@ -139,7 +139,7 @@ pub fn render_rolling(
     }
     let Foreground { development, metering, .. } = &moving.foreground;
     let num_pixels = camera.width * camera.height;
-    let exposed = metered.exposure(sums, num_pixels, is_night, *metering, &development.response);
+    let exposed = metered.exposure(sums, num_pixels, is_night, *metering, development.response.aim_factor());
     let rendered = moving.foreground.develop(&rgb, (camera.width, camera.height), exposed, stream);
     Ok(Rendered { maps: maps.map(|(_, maps)| maps), ..rendered })
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::reference::{COLUMNS, ROWS, Rate, Reference};
 use crate::camera::exposure::{
-    MEAN_LUMA, MeteredPixel, NIGHT_MEAN_LUMA, VEILING_GLARE, balanced, gain_at_night, gain_for_mean_luma,
+    MEAN_LUMA, MeteredPixel, NIGHT_MEAN_LUMA, VEILING_GLARE_SHARE, balanced, gain_at_night, gain_for_mean_luma,
 };
 use crate::camera::kitti_like;
 use crate::camera::noise::ROWS_BEFORE;
@@ -104,7 +104,7 @@ impl Shot {
     fn agreement(&self, plain: &[Vec3]) -> (f64, BTreeMap<u8, usize>) {
         let is_night = self.weather.is_night();
         let ceiling = Vec3::splat(if is_night { 1.0 } else { 2.0 * Sky::new(&self.weather).sky_on_level.y });
-        let veil = plain.iter().map(|p| p.min(ceiling)).sum::<Vec3>() * (VEILING_GLARE / plain.len() as f32);
+        let veil = plain.iter().map(|p| p.min(ceiling)).sum::<Vec3>() * (VEILING_GLARE_SHARE / plain.len() as f32);
         let veiled = |pixels: &[Vec3]| -> Vec<MeteredPixel> {
             pixels.iter().map(|p| (balanced(p.to_array(), veil.to_array()), 1.0)).collect()
         };

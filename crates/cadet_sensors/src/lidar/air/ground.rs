@@ -1,7 +1,7 @@
 //! What rain and snow leave on the ground, for a laser; snow on other surfaces, too.
 
 use crate::lidar::reflection::{fresnel, reflectance};
-use crate::surface_cover::{WATER, under_film};
+use crate::surface_cover::{WATER_INDEX, under_film};
 use cadet_base::material::LidarMaterial;
 use cadet_base::math;
 
@@ -21,7 +21,7 @@ pub(in crate::lidar) fn under_snow(bare_reflectance: f64, cos_incidence: f64, sn
 ///
 /// At the film's face Fresnel's share is mirrored away, on the way in and on the way out (Hahner et al., CVPR 2022).
 pub(super) fn under_water(reflectance: f64, cos_incidence: f64) -> f64 {
-    under_film(reflectance, 1.0 - fresnel(WATER, cos_incidence))
+    under_film(reflectance, 1.0 - fresnel(WATER_INDEX, cos_incidence))
 }
 
 #[cfg(test)]
@@ -30,12 +30,12 @@ mod tests {
 
     #[test]
     fn fresnel_has_its_known_values() {
-        assert!((fresnel(WATER, 1.0) - (0.328_f64 / 2.328) * (0.328 / 2.328)).abs() < 1e-12);
-        assert!((fresnel(WATER, 0.0) - 1.0).abs() < 1e-12);
+        assert!((fresnel(WATER_INDEX, 1.0) - (0.328_f64 / 2.328) * (0.328 / 2.328)).abs() < 1e-12);
+        assert!((fresnel(WATER_INDEX, 0.0) - 1.0).abs() < 1e-12);
         // At Brewster's angle only half of the s-polarised light is left: ((n^2 - 1) / (n^2 + 1))^2 / 2.
-        let brewster = 1.0 / (1.0 + WATER * WATER).sqrt();
-        let s = (WATER * WATER - 1.0) / (WATER * WATER + 1.0);
-        assert!((fresnel(WATER, brewster) - s * s / 2.0).abs() < 1e-12);
+        let brewster = 1.0 / (1.0 + WATER_INDEX * WATER_INDEX).sqrt();
+        let s = (WATER_INDEX * WATER_INDEX - 1.0) / (WATER_INDEX * WATER_INDEX + 1.0);
+        assert!((fresnel(WATER_INDEX, brewster) - s * s / 2.0).abs() < 1e-12);
     }
 
     #[test]
@@ -44,6 +44,9 @@ mod tests {
         assert!((0.5..0.65).contains(&shares[0]), "{shares:?}");
         assert!(shares.windows(2).all(|w| w[1] < w[0]) && shares[3] < 0.15, "{shares:?}");
         // Light that all comes back from below is not lost.
-        assert!((under_water(1.0, 1.0) - (1.0 - fresnel(WATER, 1.0)) * (1.0 - fresnel(WATER, 1.0))).abs() < 1e-12);
+        assert!(
+            (under_water(1.0, 1.0) - (1.0 - fresnel(WATER_INDEX, 1.0)) * (1.0 - fresnel(WATER_INDEX, 1.0))).abs()
+                < 1e-12
+        );
     }
 }
