@@ -137,7 +137,7 @@ class Scene:
             map_xodr=None if road_map is None else road_map.xodr,
             weather=given._to_native(),
             rig=rig._to_native(),
-            config=given.sun_of(config).scaled(rig.camera.image_scale)._to_native(),
+            config=given._sun_of(config).scaled(rig.camera.image_scale)._to_native(),
             assets=None if own is None else own._to_native(),
         )
         if road_map is not None:

@@ -294,7 +294,7 @@ class ResetPolicy(NamedFile):
         check_number("", "attempt", attempt, 0, MAX_EPISODE, whole=True)
         episode, attempt = int(episode), int(attempt)
         weather = Draws(seed, episode, attempt, "weather").weighted(self.weathers)
-        weather = weather.drawn(Draws(seed, episode, attempt, "weather numbers"))
+        weather = weather._drawn(Draws(seed, episode, attempt, "weather numbers"))
         district = Draws(seed, episode, attempt, "district").weighted(self.districts)
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
         counts = Draws(seed, episode, attempt, "counts")
@@ -324,7 +324,7 @@ class ResetPolicy(NamedFile):
             district=district.name,
             road_map=None if map_index is None else self.maps[map_index],
             weather=weather,
-            config=weather.sun_of(config),
+            config=weather._sun_of(config),
             rig=rig,
             car_pitch_deg=round(self.car_pitch_sd_deg * load.bell(), 6),
             assets=self.assets,

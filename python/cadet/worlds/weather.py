@@ -111,7 +111,7 @@ class Weather:
             sun_elevation_deg=elevation_deg if elevation_deg < _LEAST_DRAWN_SUN_DEG else None,
         )
 
-    def drawn(self, draws: Draws) -> Weather:
+    def _drawn(self, draws: Draws) -> Weather:
         """Return the weather with a number in place of each range."""
         ranges = {name: value for name in _LIMITS if isinstance(value := getattr(self, name), tuple)}
         drawn: dict[str, Any] = {name: draws.between(*ends) for name, ends in ranges.items()}
@@ -122,7 +122,7 @@ class Weather:
         values = {name: getattr(self, name) for name in _LIMITS if getattr(self, name) != getattr(Weather, name)}
         return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
 
-    def sun_of(self, config: SceneConfig) -> SceneConfig:
+    def _sun_of(self, config: SceneConfig) -> SceneConfig:
         """Return a scene's configuration with the weather's sun, where it says more than the configuration.
 
         What is too low for `SceneConfig` is in the core's weather.
