@@ -33,9 +33,17 @@ from cadet.evaluation.analysis import Analysis, Comparison, analyze
 from cadet.figures.show import view
 from cadet.formats import kitti
 from cadet.formats.kitti import Calibration, Frame, FrameObject, Label
-from cadet.sensors.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
+from cadet.sensors.beam_table import BeamTable, Laser
 from cadet.sensors.camera import Camera
 from cadet.sensors.extrinsics import Extrinsics
+from cadet.sensors.firing import (
+    EncoderFiring,
+    ListedFiring,
+    RasterFiring,
+    RosetteFiring,
+    TableFiring,
+    UniformFiring,
+)
 from cadet.sensors.lidar import Lidar
 from cadet.sensors.mounted import MountedCamera, MountedLidar
 from cadet.sensors.pose import Pose
@@ -98,11 +106,13 @@ __all__ = [
     "Pose",
     "PropConfig",
     "Props",
+    "RasterFiring",
     "RayHits",
     "Report",
     "ResetPolicy",
     "Rig",
     "RoadMap",
+    "RosetteFiring",
     "Rules",
     "Sample",
     "Scan",
@@ -113,6 +123,7 @@ __all__ = [
     "ShapeError",
     "Simulation",
     "SuburbConfig",
+    "TableFiring",
     "UniformFiring",
     "Weather",
     "__version__",

@@ -22,12 +22,15 @@ __all__ = [
     "ListedFiring",
     "Pose",
     "PropConfig",
+    "RasterFiring",
     "Request",
     "Rig",
+    "RosetteFiring",
     "Scene",
     "SceneConfig",
     "Sighting",
     "SuburbConfig",
+    "TableFiring",
     "UniformFiring",
     "Weather",
     "__version__",
@@ -119,7 +122,37 @@ class ListedFiring:
     def __new__(cls, *, azimuths_deg: Sequence[float]) -> ListedFiring: ...
     azimuths_deg: Final[list[float]]
 
-_Firing: TypeAlias = UniformFiring | EncoderFiring | ListedFiring
+@final
+class RasterFiring:
+    """Lines from one side to the other (see `cadet.RasterFiring`)."""
+
+    def __new__(
+        cls, *, lines: int, columns: int, azimuth_span_deg: Sequence[float], elevation_span_deg: Sequence[float]
+    ) -> RasterFiring: ...
+    lines: Final[int]
+    columns: Final[int]
+    azimuth_span_deg: Final[list[float]]
+    elevation_span_deg: Final[list[float]]
+
+@final
+class RosetteFiring:
+    """What two turning prisms draw (see `cadet.RosetteFiring`)."""
+
+    def __new__(
+        cls, *, firings: int, deflections_deg: Sequence[float], prism_rates_hz: Sequence[float]
+    ) -> RosetteFiring: ...
+    firings: Final[int]
+    deflections_deg: Final[list[float]]
+    prism_rates_hz: Final[list[float]]
+
+@final
+class TableFiring:
+    """Any directions at any times (see `cadet.TableFiring`)."""
+
+    def __new__(cls, *, aims: Sequence[tuple[float, float, float]]) -> TableFiring: ...
+    aims: Final[list[tuple[float, float, float]]]
+
+_Firing: TypeAlias = UniformFiring | EncoderFiring | ListedFiring | RasterFiring | RosetteFiring | TableFiring
 
 @final
 class Laser:
@@ -200,7 +233,9 @@ class Lidar:
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
     def table(self) -> BeamTable: ...
     def span_s(self) -> list[float] | None: ...
-    def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
+    def rays(
+        self, *, time_s: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 
 @final
 class LabelConfig:

@@ -33,6 +33,7 @@ class World:
         kitti.write_frame(root, 0, self.frame)
         assets_folder(root)
         (root / "town.xodr").write_text("<OpenDRIVE/>")
+        (root / "aims.csv").write_text("time_s,azimuth_deg,elevation_deg\n0,1,2\n")
         (root / "result.pkl").write_bytes(pickle.dumps(openpcdet_frames()))
         (root / "tables").mkdir()
         write_tables(root / "tables")
@@ -84,6 +85,11 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "Laser": lambda w: cadet.Laser(elevation_deg=0.0),
     "Level": lambda w: cadet.Level("Easy", 40.0),
     "ListedFiring": lambda w: cadet.ListedFiring(azimuths_deg=(0.0, 1.0)),
+    "RasterFiring": lambda w: cadet.RasterFiring(
+        lines=2, columns=3, azimuth_span_deg=(9, 0), elevation_span_deg=(1, 0)
+    ),
+    "RosetteFiring": lambda w: cadet.RosetteFiring(firings=9, deflections_deg=(9, 9), prism_rates_hz=(100, -70)),
+    "TableFiring": lambda w: cadet.TableFiring(aims=((0, 0, 0),)),
     "MountedCamera": lambda w: cadet.MountedCamera(
         name="a", camera=cadet.Camera.from_fov(99, 99, horizontal_deg=53.0), pose=cadet.Pose()
     ),
@@ -159,6 +165,7 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "Rig.with_each_lidar": lambda w: w.rig.with_each_lidar(lambda lidar: lidar),
     "Rig.with_image_size": lambda w: w.rig.with_image_size(62, 19),
     "Rig.with_lidar": lambda w: w.rig.with_lidar(cadet.Lidar()),
+    "TableFiring.read": lambda w: cadet.TableFiring.read(w.root / "aims.csv"),
     "RoadMap.read": lambda w: cadet.RoadMap.read(w.root / "town.xodr"),
     "Scene.add": lambda w: w.scene.add("van", x_m=20.0, y_m=5.0, yaw_rad=0.0),
     "Scene.cast_rays": lambda w: w.scene.cast_rays([], []),

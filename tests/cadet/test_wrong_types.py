@@ -135,6 +135,23 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "Laser": (lambda **k: cadet.Laser(**{"elevation_deg": 0.0, **k}), fields(cadet.Laser)),
     "UniformFiring": (cadet.UniformFiring, ["columns"]),
     "ListedFiring": (cadet.ListedFiring, ["azimuths_deg"]),
+    "RasterFiring": (
+        lambda **k: cadet.RasterFiring(
+            **{"lines": 2, "columns": 2, "azimuth_span_deg": (1.0, 2.0), "elevation_span_deg": (1.0, 2.0), **k}
+        ),
+        fields(cadet.RasterFiring),
+    ),
+    "RosetteFiring": (
+        lambda **k: cadet.RosetteFiring(
+            **{"firings": 2, "deflections_deg": (1.0, 2.0), "prism_rates_hz": (1.0, 2.0), **k}
+        ),
+        fields(cadet.RosetteFiring),
+    ),
+    "TableFiring": (
+        cadet.TableFiring,
+        fields(cadet.TableFiring),
+    ),
+    "TableFiring.read": (cadet.TableFiring.read, ["path"]),
     "EncoderFiring": (
         lambda **k: cadet.EncoderFiring(**{"ticks_per_turn": 4000, "ticks_per_firing": 2.0, "firings": 100, **k}),
         fields(cadet.EncoderFiring),

@@ -334,7 +334,8 @@ impl Scene {
     pub fn ideal_scan(&mut self, lidar: Option<&LidarSpec>) -> IdealScan {
         let world_from_velo = self.world_from_velo();
         let posed = self.triangles();
-        ideal_scan(&posed, &world_from_velo, lidar.unwrap_or(self.rig.lidar()))
+        let lidar = lidar.unwrap_or(self.rig.lidar()).clone().at_time(self.time_s());
+        ideal_scan(&posed, &world_from_velo, &lidar)
     }
 
     /// Casts arbitrary rays against the present instant, by parry.
@@ -364,8 +365,6 @@ fn resolution(rig: &Rig) -> Resolution {
 }
 
 fn beams_per_turn(lidar: &LidarSpec) -> usize {
-    let azimuths_rad = lidar.azimuths_rad();
-    let (Some(first), Some(last)) = (azimuths_rad.first(), azimuths_rad.last()) else { return 1 };
-    let step_rad = (last - first).abs() / (azimuths_rad.len() - 1).max(1) as f64;
+    let step_rad = lidar.beam_step_rad();
     if step_rad > 0.0 { (TAU / step_rad).round() as usize } else { 1 }
 }

@@ -1,14 +1,17 @@
-//! A turning scan against closed forms.
+//! Scans of sensors that turn, or follow a path, while all moves: against closed forms.
 #![allow(missing_docs)]
 
 mod common;
 
 use std::sync::Arc;
 
-use cadet_core::lidar::{LidarSpec, Receiver, Scan, Spin, SpinDirection, Turning, scan, turning_scan};
+use cadet_core::lidar::{
+    Aim, Firing, LidarSpec, Raster, Receiver, Rosette, Scan, SceneInMotion, Spin, SpinDirection, ideal_scan, scan,
+    scan_in_motion,
+};
 use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{FaceTrees, PosedScene, RigidMotion};
+use cadet_core::sense::{FaceTrees, LaserRing, PosedScene, RigidMotion};
 use cadet_core::spray::Spray;
 use cadet_core::weather::Weather;
 use common::{at, cuboid, place, posed, random_scene};
@@ -32,8 +35,8 @@ fn turn(
     motion_of: impl Fn(i32) -> RigidMotion,
 ) -> Scan {
     let mut trees = FaceTrees::default();
-    let turning = Turning::new(Arc::clone(scene), &mut trees, spec, DPose3::IDENTITY, sensor, motion_of);
-    turning_scan(&turning, spec, (&clear(), &Spray::default()), &mut Stream::from_seed("scan", 0)).expect("valid")
+    let scene = SceneInMotion::new(Arc::clone(scene), &mut trees, spec, DPose3::IDENTITY, sensor, motion_of);
+    scan_in_motion(&scene, spec, (&clear(), &Spray::default()), &mut Stream::from_seed("scan", 0)).expect("valid")
 }
 
 fn moving(velocity_world: DVec3) -> RigidMotion {
@@ -198,11 +201,87 @@ fn a_box_lies_where_the_points_of_a_turn_are() {
                 |p: &DVec3| (box_pose.inverse().transform_point(*p).abs() - size_m.as_dvec3()).max_element().abs();
             points.iter().map(|(_, p)| off_m(p)).sum::<f64>() / points.len() as f64
         };
-        let seen = spec.spin.seen_pose((&pose(k), &motion(k as i32 + 1)), (&DPose3::IDENTITY, &sensor));
+        let seen = spec.seen_pose((&pose(k), &motion(k as i32 + 1)), (&DPose3::IDENTITY, &sensor));
         let (at_instant_m, off_m) = (mean_off_m(pose(k)), mean_off_m(seen));
         // Its ends are met a little before and after its middle.
         assert!(off_m < 0.03 && at_instant_m > 3.0 * off_m, "{velocity:?}: {off_m}, {at_instant_m}");
     }
+}
+
+/// Every pattern that does not spin, without noise.
+fn paths() -> [LidarSpec; 3] {
+    let raster = Raster { lines: 20, columns: 60, azimuth_rad: [0.4, -0.4], elevation_rad: [0.1, -0.1], period_s: 0.1 };
+    let rosette =
+        Rosette { firings: 2000, deflections_rad: [0.2, 0.15], prism_rates_hz: [121.6, -77.7], period_s: 0.2 };
+    let aim = |k: i32| Aim {
+        time_s: 0.04 * f64::from(k),
+        azimuth_rad: 0.1 * f64::from(k % 3),
+        elevation_rad: -0.02 * f64::from(k),
+    };
+    let table = Firing::Table((-3..=3).map(aim).collect());
+    [Firing::Raster(raster), Firing::Rosette(rosette), table].map(|firing| {
+        let lasers = [(0.02, 0.3), (-0.03, -0.2)].map(|(elevation, height_m)| LaserRing::on_axis(elevation, height_m));
+        let spec = LidarSpec::with_firing("path", lasers.to_vec(), firing).expect("valid");
+        let silent = Receiver { range_noise_m: 0.0, ..*spec.receiver() };
+        spec.with_receiver(silent).expect("valid").staggered(vec![0.05, -0.1]).expect("valid")
+    })
+}
+
+#[test]
+fn a_path_meets_a_wall_at_the_moment_of_each_firing() {
+    let scene = posed(&[place(cuboid(Vec3::new(0.5, 30.0, 30.0)), at(20.5, 0.0, 0.0), 1)]);
+    let speed_mps = 13.9;
+    for spec in paths() {
+        let rays = spec.rays();
+        // Sums of a laser's and the scanner's angles.
+        let elevation_rad = |i: usize| math::asin(rays.directions_velo[i].z);
+        assert!((elevation_rad(0) - elevation_rad(spec.num_columns()) - 0.05).abs() < 1e-12);
+        for (forward_mps, world_mps) in [(0.0, 0.0), (speed_mps, 0.0), (0.0, -speed_mps)] {
+            let scan = turn(&scene, &spec, moving(DVec3::new(forward_mps, 0.0, 0.0)), |_| {
+                moving(DVec3::new(world_mps, 0.0, 0.0))
+            });
+            assert_eq!(scan.ring.len(), spec.num_beams(), "the wall is everywhere");
+            for i in 0..scan.ring.len() {
+                let (ring, column) = (scan.ring[i] as usize, scan.column[i] as usize);
+                let beam = ring * spec.num_columns() + column;
+                let time_s = spec.firing_time_s(column);
+                let range_m = (20.0 - (forward_mps - world_mps) * time_s) / rays.directions_velo[beam].x;
+                let expected = rays.origins_velo[beam] + rays.directions_velo[beam] * range_m;
+                let [x, y, z, _] = scan.points_velo[i].map(f64::from);
+                assert!((DVec3::new(x, y, z) - expected).abs().max_element() < 1.1e-3, "{expected} at {time_s}");
+            }
+        }
+        let ideal = ideal_scan(&scene, &DPose3::IDENTITY, &spec);
+        let off_m =
+            (0..spec.num_beams()).map(|i| (f64::from(ideal.range_m[i]) - 20.0 / rays.directions_velo[i].x).abs());
+        assert!(off_m.fold(0.0, f64::max) < 1e-4);
+        assert!(spec.with_divergence(1e-3).expect_err("no neighbors").to_string().contains("divergence is 0.001"));
+    }
+    let [spec, ..] = paths();
+    let still = scan(&scene, &DPose3::IDENTITY, &spec, &clear(), &mut Stream::from_seed("scan", 0));
+    assert!(still.expect_err("no grid").to_string().contains("expected a sensor that spins"));
+}
+
+#[test]
+fn boxes_of_a_raster_stand_where_its_lines_met_them() {
+    let size_m = Vec3::new(2.0, 0.8, 0.8);
+    // Met by the last lines, below the horizon.
+    let pose = at(18.0, 1.0, -1.6);
+    let motion = RigidMotion { pivot_world: pose.translation, ..moving(DVec3::new(0.0, 9.0, 0.0)) };
+    let scene = posed(&[place(cuboid(size_m), pose, 1)]);
+    let [spec, ..] = paths();
+    let scan = turn(&scene, &spec, RigidMotion::default(), |_| motion);
+    let points: Vec<DVec3> =
+        scan.points_velo.iter().map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into())).collect();
+    assert!(points.len() > 30);
+    let seen = spec.seen_pose((&pose, &motion), (&DPose3::IDENTITY, &RigidMotion::default()));
+    let late_m = seen.translation.y - pose.translation.y;
+    let most_off_m = |box_pose: DPose3| {
+        let off = |p: &DVec3| (box_pose.inverse().transform_point(*p).abs() - size_m.as_dvec3()).max_element();
+        points.iter().map(off).fold(f64::MIN, f64::max)
+    };
+    assert!((0.1..0.45).contains(&late_m), "{late_m}");
+    assert!(most_off_m(seen) < 0.6 * most_off_m(pose), "{} {}", most_off_m(seen), most_off_m(pose));
 }
 
 #[test]
@@ -212,7 +291,7 @@ fn trees_are_kept_while_their_meshes_are() {
     let spec = LidarSpec::cadet();
     let make = |scene: &Arc<PosedScene>, trees: &mut FaceTrees| {
         let rest = RigidMotion::default();
-        let _ = Turning::new(Arc::clone(scene), trees, &spec, DPose3::IDENTITY, rest, |_| rest);
+        let _ = SceneInMotion::new(Arc::clone(scene), trees, &spec, DPose3::IDENTITY, rest, |_| rest);
         trees.forget_unused();
         trees.len()
     };

@@ -1,7 +1,9 @@
 //! A LIDAR's table: `cadet.BeamTable.to_native()`.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing as CoreFiring, LaserReceiver, LidarSpec, Receiver, Spin, SpinDirection};
+use cadet_core::lidar::{
+    Aim, BlindSector, Firing as CoreFiring, LaserReceiver, LidarSpec, Raster, Receiver, Rosette, Spin, SpinDirection,
+};
 use cadet_core::math::TAU;
 use cadet_core::sense::LaserRing;
 use pyo3::prelude::*;
@@ -57,12 +59,69 @@ impl ListedFiring {
     }
 }
 
-/// When all lasers fire.
+/// Lines from the left to the right, from the top to the bottom.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct RasterFiring {
+    lines: usize,
+    columns: usize,
+    azimuth_span_deg: [f64; 2],
+    elevation_span_deg: [f64; 2],
+}
+
+#[pymethods]
+impl RasterFiring {
+    #[new]
+    #[pyo3(signature = (*, lines, columns, azimuth_span_deg, elevation_span_deg))]
+    fn new(lines: usize, columns: usize, azimuth_span_deg: [f64; 2], elevation_span_deg: [f64; 2]) -> Self {
+        Self { lines, columns, azimuth_span_deg, elevation_span_deg }
+    }
+}
+
+/// What two turning prisms draw.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct RosetteFiring {
+    firings: usize,
+    deflections_deg: [f64; 2],
+    prism_rates_hz: [f64; 2],
+}
+
+#[pymethods]
+impl RosetteFiring {
+    #[new]
+    #[pyo3(signature = (*, firings, deflections_deg, prism_rates_hz))]
+    fn new(firings: usize, deflections_deg: [f64; 2], prism_rates_hz: [f64; 2]) -> Self {
+        Self { firings, deflections_deg, prism_rates_hz }
+    }
+}
+
+/// Any directions at any times.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct TableFiring {
+    /// Time, azimuth and elevation.
+    aims: Vec<(f64, f64, f64)>,
+}
+
+#[pymethods]
+impl TableFiring {
+    #[new]
+    #[pyo3(signature = (*, aims))]
+    fn new(aims: Vec<(f64, f64, f64)>) -> Self {
+        Self { aims }
+    }
+}
+
+/// Where all lasers point when they fire.
 #[derive(Clone, FromPyObject, IntoPyObject)]
 pub(crate) enum Firing {
     Uniform(UniformFiring),
     Encoder(EncoderFiring),
     Listed(ListedFiring),
+    Raster(RasterFiring),
+    Rosette(RosetteFiring),
+    Table(TableFiring),
 }
 
 /// One laser: a ring of the scan.
@@ -97,7 +156,7 @@ impl Laser {
     }
 }
 
-/// A spinning LIDAR.
+/// A LIDAR.
 #[pyclass(frozen, get_all, module = "cadet._cadet")]
 pub(crate) struct BeamTable {
     name: String,
@@ -192,7 +251,8 @@ impl BeamTable {
         };
         let offsets_rad = self.rings.iter().map(|laser| laser.azimuth_offset_deg.to_radians()).collect();
         let rings = self.rings.iter().map(ring).collect();
-        let mut spec = LidarSpec::with_firing(&self.name, rings, self.firing.to_core())?.staggered(offsets_rad)?;
+        let mut spec = LidarSpec::with_firing(&self.name, rings, self.firing.to_core(1.0 / self.rate_hz))?
+            .staggered(offsets_rad)?;
         (spec.min_range_m, spec.max_range_m) = (self.min_range_m, self.max_range_m);
         let receiver = Receiver {
             pulse_s: self.pulse_ns * 1e-9,
@@ -224,7 +284,8 @@ impl BeamTable {
 }
 
 impl Firing {
-    fn to_core(&self) -> CoreFiring {
+    /// The pattern of a sensor that takes a scan in `period_s`.
+    fn to_core(&self, period_s: f64) -> CoreFiring {
         match self {
             Self::Uniform(firing) => CoreFiring::Uniform { columns: firing.columns },
             Self::Encoder(firing) => CoreFiring::Encoder {
@@ -234,6 +295,27 @@ impl Firing {
                 firings: firing.firings,
             },
             Self::Listed(firing) => CoreFiring::Listed(firing.azimuths_deg.iter().map(|a| a.to_radians()).collect()),
+            Self::Raster(firing) => CoreFiring::Raster(Raster {
+                lines: firing.lines,
+                columns: firing.columns,
+                azimuth_rad: firing.azimuth_span_deg.map(f64::to_radians),
+                elevation_rad: firing.elevation_span_deg.map(f64::to_radians),
+                period_s,
+            }),
+            Self::Rosette(firing) => CoreFiring::Rosette(Rosette {
+                firings: firing.firings,
+                deflections_rad: firing.deflections_deg.map(f64::to_radians),
+                prism_rates_hz: firing.prism_rates_hz,
+                period_s,
+            }),
+            Self::Table(firing) => {
+                let aim = |(time_s, azimuth_deg, elevation_deg): &(f64, f64, f64)| Aim {
+                    time_s: *time_s,
+                    azimuth_rad: azimuth_deg.to_radians(),
+                    elevation_rad: elevation_deg.to_radians(),
+                };
+                CoreFiring::Table(firing.aims.iter().map(aim).collect())
+            }
         }
     }
 }
@@ -252,6 +334,20 @@ fn firing_of(firing: &CoreFiring) -> Firing {
         CoreFiring::Listed(azimuths_rad) => {
             Firing::Listed(ListedFiring { azimuths_deg: azimuths_rad.iter().map(|a| degrees(*a)).collect() })
         }
+        CoreFiring::Raster(raster) => Firing::Raster(RasterFiring {
+            lines: raster.lines,
+            columns: raster.columns,
+            azimuth_span_deg: raster.azimuth_rad.map(degrees),
+            elevation_span_deg: raster.elevation_rad.map(degrees),
+        }),
+        CoreFiring::Rosette(rosette) => Firing::Rosette(RosetteFiring {
+            firings: rosette.firings,
+            deflections_deg: rosette.deflections_rad.map(degrees),
+            prism_rates_hz: rosette.prism_rates_hz,
+        }),
+        CoreFiring::Table(aims) => Firing::Table(TableFiring {
+            aims: aims.iter().map(|aim| (aim.time_s, degrees(aim.azimuth_rad), degrees(aim.elevation_rad))).collect(),
+        }),
     }
 }
 

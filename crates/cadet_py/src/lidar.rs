@@ -73,7 +73,7 @@ impl Lidar {
 
     #[getter]
     fn num_columns(&self) -> usize {
-        self.spec.azimuths_rad().len()
+        self.spec.num_columns()
     }
 
     /// Every laser and number.
@@ -83,12 +83,13 @@ impl Lidar {
 
     /// When its turn begins and ends, seconds from the instant of the image; None if nothing moves meanwhile.
     fn span_s(&self) -> Option<[f64; 2]> {
-        self.spec.rolling.then(|| self.spec.spin.span_s())
+        self.spec.rolling.then(|| self.spec.span_s())
     }
 
-    /// Origins and directions in the LIDAR's frame, ring and column of every beam.
-    fn rays<'py>(&self, py: Python<'py>) -> Rays<'py> {
-        let rays = self.spec.rays();
+    /// Origins and directions in the LIDAR's frame, ring and column of every beam of the scan at a time.
+    #[pyo3(signature = (*, time_s))]
+    fn rays<'py>(&self, py: Python<'py>, time_s: f64) -> Rays<'py> {
+        let rays = self.spec.clone().at_time(time_s).rays();
         (
             arrays::vectors(py, &rays.origins_velo),
             arrays::vectors(py, &rays.directions_velo),

@@ -211,10 +211,10 @@ impl Scene {
             }
             let scan = scene.ideal_scan(spec);
             let posed = scene.triangles();
-            let spec = spec.unwrap_or(scene.rig().lidar());
+            let spec = spec.unwrap_or(scene.rig().lidar()).clone().at_time(scene.time_s());
             let (ring, column) = spec.beam_numbers();
             Ok(Scan {
-                points_velo: scan.points_velo(spec),
+                points_velo: scan.points_velo(&spec),
                 ring,
                 column,
                 semantic: scan.semantic(&posed),
@@ -222,7 +222,7 @@ impl Scene {
                 surface: Vec::new(),
                 range_m: scan.range_m.iter().map(|r| f64::from(*r)).collect(),
                 actor_id: scan.actor_id,
-                firing_times_s: vec![0.0; spec.azimuths_rad().len()],
+                firing_times_s: vec![0.0; spec.num_columns()],
             })
         })?;
         scan_to_dict(py, scan)

@@ -10,7 +10,7 @@ use cadet_core::camera::{
     WHITE_BALANCE_FACTORS,
 };
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
-use cadet_core::lidar::{MAX_COLUMNS, MAX_DIVERGENCE_RAD};
+use cadet_core::lidar::{MAX_COLUMNS, MAX_DIVERGENCE_RAD, MAX_FIRINGS};
 use cadet_core::scene::{MAX_STEP_S, SceneConfig as CoreSceneConfig};
 use cadet_core::settings::Setting;
 use cadet_core::town::{PropConfig as CorePropConfig, SuburbConfig as CoreSuburbConfig};
@@ -36,6 +36,7 @@ pub(crate) fn limits() -> BTreeMap<&'static str, (f64, f64)> {
         ("divergence_mrad", (0.0, MAX_DIVERGENCE_RAD * 1e3)),
         ("curve_points", (*CURVE_POINTS.start() as f64, *CURVE_POINTS.end() as f64)),
         ("exposure_ev", (-MOST_EXPOSURE_EV, MOST_EXPOSURE_EV)),
+        ("firings", (1.0, MAX_FIRINGS as f64)),
         ("image_side_px", (*SIDES_PX.start() as f64, *SIDES_PX.end() as f64)),
         ("lateral_m", (-MAX_LATERAL_M, MAX_LATERAL_M)),
         ("motion_blur_s", (0.0, MAX_MOTION_BLUR_S)),

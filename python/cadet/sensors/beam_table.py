@@ -1,10 +1,11 @@
-"""A LIDAR's beams in numbers: its lasers, when they fire and what they reach; as a TOML file, read and written."""
+"""A LIDAR's beams in numbers: its lasers, where they point and what they reach; as a TOML file, read and written."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -14,6 +15,7 @@ from cadet._util.plain_tables import check_keys_of, table_of_object
 from cadet._util.summary import summary
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError, FileFormatError
+from cadet.sensors.firing import FIRINGS, TURNING, Firing, as_tuples, firing_of_table, num_columns_of, pattern_of
 
 L = TypeVar("L", bound="LidarFile")
 
@@ -21,11 +23,6 @@ _MAX_BEAMS = 1 << 23
 _MAX_RINGS = 4096
 _MAX_SECTORS = 360
 _MAX_LETTERS = 1 << 22
-
-
-def _check_columns(name: str, columns: object) -> None:
-    least, most = _cadet.limits()["columns"]
-    check_number("firing", name, columns, int(least), int(most), whole=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,70 +67,6 @@ class Laser:
         make_plain(self)
 
 
-@dataclass(frozen=True, kw_only=True)
-class UniformFiring:
-    """Equal steps of azimuth, the first column forward.
-
-    Raises:
-        CadetError: a number outside its range.
-    """
-
-    columns: int
-    """Firings a turn."""
-
-    def __post_init__(self) -> None:
-        _check_columns("columns", self.columns)
-        make_plain(self)
-
-
-@dataclass(frozen=True, kw_only=True)
-class EncoderFiring:
-    """Even firings: column j at ticks_per_firing * j + phase_ticks of an encoder, its points at the nearest whole tick.
-
-    Raises:
-        CadetError: a number outside its range.
-    """
-
-    ticks_per_turn: Annotated[int, Limits(1, 1_000_000_000)]
-    """4000 for ticks of 0.09 degrees."""
-    ticks_per_firing: Annotated[float, Limits(1, 1e9)]
-    """Mean ticks from one firing to the next."""
-    firings: int
-    """Firings a turn: the last must fall before the turn's end."""
-    phase_ticks: Annotated[float, Limits(0, 1e9)] = 0.0
-    """Where the first firing falls."""
-
-    def __post_init__(self) -> None:
-        check_fields(self, "firing")
-        _check_columns("firings", self.firings)
-        make_plain(self)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ListedFiring:
-    """Any azimuths.
-
-    Raises:
-        CadetError: azimuths that do not rise within one turn.
-    """
-
-    azimuths_deg: Annotated[tuple[float, ...], Limits(0, 360)]
-    """Rising, from 0 to below 360, counter-clockwise from forward."""
-
-    def __repr__(self) -> str:
-        return summary(self, f"{len(self.azimuths_deg)} azimuths")
-
-    def __post_init__(self) -> None:
-        azimuths = self.azimuths_deg
-        if not isinstance(azimuths, tuple) or not 1 <= len(azimuths) <= 65535:
-            raise CadetError("firing.azimuths_deg: expected a list of 1 to 65535 numbers")
-        check_fields(self, "firing")
-        for before, after in zip(azimuths, (*azimuths[1:], 360.0), strict=True):
-            if after <= before:
-                raise CadetError(f"firing.azimuths_deg: expected rising numbers below 360, got {after} after {before}")
-        make_plain(self)
-
-
 _NUMBERS = tuple(f.name for f in fields(Laser) if f.name != "blind_deg")
 _PLAIN = (
     "min_range_m",
@@ -148,9 +81,6 @@ _PLAIN = (
 )
 """The fields of a table that are plain values."""
 SPINS = ("cw", "ccw")
-
-Firing = UniformFiring | EncoderFiring | ListedFiring
-_PATTERNS: dict[str, type[Firing]] = {"uniform": UniformFiring, "encoder": EncoderFiring, "listed": ListedFiring}
 
 
 class LidarFile(TomlFile):
@@ -178,18 +108,19 @@ class LidarFile(TomlFile):
 
 @dataclass(frozen=True, kw_only=True)
 class BeamTable(LidarFile):
-    """A turning LIDAR.
+    """A LIDAR: lasers that fire together, pointed by a head that spins or along a path.
 
     Raises:
-        CadetError: a number outside its range, or rings that are not in the order of their elevations.
+        CadetError: a number outside its range, rings that are not in the order of their elevations, or a number of
+            spinning LIDARs for one that does not spin.
     """
 
     name: str
     """Letters, digits, `_`, `.` and `-`."""
     rings: tuple[Laser, ...]
-    """From the highest elevation to the lowest: the order of the rings in a scan's file."""
+    """From the highest elevation to the lowest, the order of the rings in a scan's file; any if it does not spin."""
     firing: Firing
-    """When all of them fire."""
+    """Where they point when all of them fire."""
     min_range_m: Annotated[float, Limits(0, 1000)] = 1.45
     """Nearer returns are not kept."""
     max_range_m: Annotated[float, Limits(0, 10_000)] = 80.0
@@ -206,7 +137,7 @@ class BeamTable(LidarFile):
     spin: str = "cw"
     """Which way it turns, seen from above: one of `SPINS`, clockwise or counter-clockwise."""
     rate_hz: Annotated[float, Limits(1, 100)] = 10.0
-    """Turns a second."""
+    """Turns a second; scans a second of a raster and a rosette."""
     start_azimuth_deg: Annotated[float, Limits(0, 360)] = 180.0
     """Where a turn begins and ends, counter-clockwise from forward; the beam looks forward at the image's instant."""
 
@@ -227,14 +158,10 @@ class BeamTable(LidarFile):
             raise CadetError("rings: expected lasers")
         if not 1 <= len(self.rings) <= _MAX_RINGS:
             raise CadetError(f"rings: expected 1 to {_MAX_RINGS} lasers, got {len(self.rings)}")
-        if not isinstance(self.firing, (UniformFiring, EncoderFiring, ListedFiring)):
+        if not isinstance(self.firing, tuple(FIRINGS.values())):
             raise CadetError(f"firing: expected a firing pattern, got {shown(self.firing)}")
-        for number, (upper, lower) in enumerate(zip(self.rings, self.rings[1:], strict=False), start=1):
-            if lower.elevation_deg >= upper.elevation_deg:
-                raise CadetError(
-                    f"rings[{number}].elevation_deg: expected below {upper.elevation_deg:g}, that of the ring before, "
-                    f"got {lower.elevation_deg:g}"
-                )
+        if isinstance(self.firing, TURNING):
+            _check_order(self.rings)
         if len(self.rings) * self.num_columns > _MAX_BEAMS:
             raise CadetError(f"{len(self.rings)} rings of {self.num_columns} columns: more than {_MAX_BEAMS} beams")
         check_fields(self, "lidar")
@@ -244,15 +171,14 @@ class BeamTable(LidarFile):
             raise CadetError(
                 f"lidar.max_range_m: expected above min_range_m = {self.min_range_m:g}, got {self.max_range_m:g}"
             )
+        if not isinstance(self.firing, TURNING):
+            _check_path(self)
         make_plain(self)
 
     @property
     def num_columns(self) -> int:
-        """Firings a turn."""
-        firing = self.firing
-        if isinstance(firing, UniformFiring):
-            return firing.columns
-        return firing.firings if isinstance(firing, EncoderFiring) else len(firing.azimuths_deg)
+        """Firings of a scan."""
+        return num_columns_of(self.firing)
 
     @classmethod
     def _of_table(cls, table: Mapping[str, Any], folder: Path, place: str = "") -> BeamTable:
@@ -267,20 +193,20 @@ class BeamTable(LidarFile):
             owner = f"rings[{number}]"
             check_keys_of(Laser, ring, owner)
             try:
-                lasers.append(Laser(**{key: _as_tuples(value) for key, value in ring.items()}))
+                lasers.append(Laser(**{key: as_tuples(value) for key, value in ring.items()}))
             except CadetError as error:
                 raise CadetError(str(error).replace("laser.", f"{owner}.", 1)) from None
-        return cls(**{**table, "rings": tuple(lasers), "firing": _firing(table["firing"])})
+        return cls(**{**table, "rings": tuple(lasers), "firing": firing_of_table(table["firing"], folder)})
 
     def _table(self) -> dict[str, Any]:
         rings = [_ring(laser) for laser in self.rings]
-        firing = {"pattern": _pattern_of(self.firing), **table_of_object(self.firing)}
+        firing = {"pattern": pattern_of(self.firing), **table_of_object(self.firing)}
         return {"name": self.name, **{key: getattr(self, key) for key in _PLAIN}, "rings": rings, "firing": firing}
 
     @classmethod
     def _from_native(cls, table: _cadet.BeamTable) -> BeamTable:
         """Return the table of a LIDAR of the core."""
-        kind = next(kind for kind in _PATTERNS.values() if kind.__name__ == type(table.firing).__name__)
+        kind = next(kind for kind in FIRINGS.values() if kind.__name__ == type(table.firing).__name__)
         return cls(
             name=table.name,
             rings=tuple(Laser(**_values_of(Laser, laser)) for laser in table.rings),
@@ -305,35 +231,34 @@ class BeamTable(LidarFile):
             "name": self.name,
             **{key: [float(getattr(laser, key)) for laser in self.rings] for key in _NUMBERS},
             "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],
-            "firing": {"pattern": _pattern_of(self.firing), **firing},
+            "firing": {"pattern": pattern_of(self.firing), **firing},
             **{key: v if isinstance(v := getattr(self, key), str) else float(v) for key in _PLAIN},
         }
 
 
+def _check_order(rings: tuple[Laser, ...]) -> None:
+    for number, (upper, lower) in enumerate(pairwise(rings), start=1):
+        if lower.elevation_deg >= upper.elevation_deg:
+            raise CadetError(
+                f"rings[{number}].elevation_deg: expected below {upper.elevation_deg:g}, that of the ring before, "
+                f"got {lower.elevation_deg:g}"
+            )
+
+
+def _check_path(table: BeamTable) -> None:
+    """Refuse what only a LIDAR that spins has."""
+    usual = {f.name: f.default for f in fields(BeamTable)}
+    for key in ("spin", "start_azimuth_deg"):
+        if getattr(table, key) != usual[key]:
+            raise CadetError(f"lidar.{key}: expected none for a LIDAR that does not spin, got {getattr(table, key)}")
+    for number, laser in enumerate(table.rings):
+        if laser.left_m != 0.0:
+            raise CadetError(f"rings[{number}].left_m: expected 0 for a LIDAR that does not spin, got {laser.left_m:g}")
+
+
 def _values_of(cls: type[Any], native: object) -> dict[str, Any]:
     """Return what the core's object holds for the fields of a class here."""
-    return {f.name: _as_tuples(getattr(native, f.name)) for f in fields(cls)}
-
-
-def _pattern_of(firing: Firing) -> str:
-    return next(name for name, cls in _PATTERNS.items() if isinstance(firing, cls))
-
-
-def _as_tuples(value: Any) -> Any:
-    return tuple(map(_as_tuples, value)) if isinstance(value, list) else value
-
-
-def _firing(values: object) -> Firing:
-    if not isinstance(values, Mapping):
-        raise CadetError(f"firing: expected a table, got {shown(values)}")
-    if "pattern" not in values:
-        raise CadetError("firing: missing key 'pattern'")
-    if not is_one_of(values["pattern"], _PATTERNS):
-        raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {shown(values['pattern'])}")
-    cls = _PATTERNS[values["pattern"]]
-    rest = {key: _as_tuples(value) for key, value in values.items() if key != "pattern"}
-    check_keys_of(cls, rest, "firing")
-    return cls(**rest)
+    return {f.name: as_tuples(getattr(native, f.name)) for f in fields(cls)}
 
 
 def _ring(laser: Laser) -> dict[str, Any]:

@@ -118,6 +118,16 @@ class Lidar(LidarFile, NamedFile):
         return cls("os1_128", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
+    def rs_m1(cls, *, rolling: bool = False, returns: str = "strongest") -> Lidar:
+        """A sensor like RoboSense's RS-LiDAR-M1: a raster of 120 x 25 degrees in five columns, 78,750 beams."""
+        return cls("rs_m1", rolling=rolling, returns=returns)
+
+    @classmethod
+    def livox_mid40(cls, *, rolling: bool = False, returns: str = "strongest") -> Lidar:
+        """Livox's Mid-40: a rosette in a cone of 38.4 degrees, 10,000 beams that go on from scan to scan."""
+        return cls("livox_mid40", rolling=rolling, returns=returns)
+
+    @classmethod
     def custom(cls, table: BeamTable) -> Lidar:
         """A custom sensor.
 
@@ -149,13 +159,19 @@ class Lidar(LidarFile, NamedFile):
         """Return every laser and number of the sensor, presets' too."""
         return BeamTable._from_native(self._to_native().table())
 
-    def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
-        """Return every beam of a turn, in the order of an ideal scan's rows.
+    def rays(
+        self, *, time_s: float = 0.0
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
+        """Return every beam of a scan, in the order of an ideal scan's rows.
+
+        Args:
+            time_s: the scan's instant, which a rosette depends on: seconds since the scene's start.
 
         Returns:
             origins_velo (B, 3) meters, directions_velo (B, 3) of unit length, ring (B,) from the top, column (B,).
         """
-        return self._to_native().rays()
+        check_number("", "time_s", time_s, -1e9, 1e9)
+        return self._to_native().rays(time_s=float(time_s))
 
     def range_m(self) -> list[float]:
         """Return the nearest and the farthest range, meters."""

@@ -10,7 +10,7 @@ import pytest
 import cadet
 from cadet import kitti
 from cadet.evaluation.curve import Curve
-from cadet.sensors.beam_table import ListedFiring
+from cadet.sensors.firing import ListedFiring
 from evaluation_helpers import detected
 from mesh_files.obj_meshes import assets_folder
 from synthetic import make_frame

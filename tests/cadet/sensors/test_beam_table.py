@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from cadet import BeamTable, CadetError, EncoderFiring, Laser, Lidar, ListedFiring, MissingFileError, UniformFiring
 from cadet.cli import run_cadet
-from cadet.sensors.beam_table import Firing
+from cadet.sensors.firing import Firing
 from cadet.sensors.lidar import LIDAR_PRESETS
 
 TEXT = """\
@@ -109,7 +109,11 @@ def test_toml_keeps_every_bit(
         ("20.5", "-20.5", "mine.toml:9: rings[2].blind_deg: expected a number from 0 to 360, got -20.5"),
         ("[0.0, 20.5]", "[30, 20.5]", "mine.toml:9: rings[2].blind_deg: expected azimuths that rise, got 30 to 20.5"),
         ("[[0.0, 20.5], [340, 360]]", "5", "mine.toml:9: rings[2].blind_deg: expected pairs of azimuths such as"),
-        ('"encoder"', '"spiral"', "mine.toml:13: firing.pattern: expected one of uniform, encoder, listed, got"),
+        (
+            '"encoder"',
+            '"spiral"',
+            "mine.toml:13: firing.pattern: expected one of uniform, encoder, listed, raster, rosette, table, got",
+        ),
         ('pattern = "encoder"\n', "", "mine.toml: firing: missing key 'pattern'"),
         ("ticks_per_turn", "columns", "mine.toml:14: firing.columns: unknown key; known: ticks_per_turn,"),
         ("firings = 2400\n", "", "mine.toml: firing.firings: missing key"),

@@ -23,6 +23,12 @@ DATA_SHEETS = {
     "vlp16": (16, 15.0, -15.0, 289_352, 100.0, 35.4),
     "vls128": (128, 15.0, -25.0, 2_400_000, 245.0, 220.0),
 }
+# Of those that do not spin: lasers, points a second at ten scans, degrees to either side across and up, maximal range,
+# range for 10 % of reflectance.
+FIELDS = {
+    "livox_mid40": (1, 100_000, 19.2, 19.2, 260.0, 90.0),
+    "rs_m1": (5, 787_500, 60.0, 12.5, 200.0, 150.0),
+}
 # Of origins, directions, ring, and column of every beam, as the core's own code made them before they were files.
 BEAMS = {
     "hdl32e": "299a53afdd1aeba3",
@@ -34,7 +40,7 @@ BEAMS = {
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
 def test_a_file_is_a_preset(path: Path) -> None:
-    assert path.stem in LIDAR_PRESETS and path.stem in DATA_SHEETS
+    assert path.stem in LIDAR_PRESETS and path.stem in {**DATA_SHEETS, **FIELDS}
     lidar = cadet.Lidar(path.stem)
     assert lidar == cadet.Lidar.named(path.stem) and lidar.table == cadet.BeamTable.read(path)
 
@@ -47,6 +53,21 @@ def test_numbers_are_the_data_sheets(name: str) -> None:
     assert len(table.rings) == rings
     assert [elevations[0], elevations[-1]] == pytest.approx([top, bottom], abs=0.005)
     assert rings * table.num_columns * 10 == pytest.approx(points_per_s, rel=2e-3)
+    assert (table.max_range_m, table.detection_range_m) == (farthest_m, detection_m)
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_fields_of_view_are_the_data_sheets(name: str) -> None:
+    lasers, points_per_s, azimuth_deg, elevation_deg, farthest_m, detection_m = FIELDS[name]
+    lidar = cadet.Lidar(name)
+    table = lidar.beam_table()
+    _, directions, ring, _ = lidar.rays()
+    assert (ring.max() + 1, len(ring) * 10) == (lasers, points_per_s)
+    for seen_deg, most_deg in (
+        (np.degrees(np.arctan2(directions[:, 1], directions[:, 0])), azimuth_deg),
+        (np.degrees(np.arcsin(directions[:, 2])), elevation_deg),
+    ):
+        assert [seen_deg.min(), seen_deg.max()] == pytest.approx([-most_deg, most_deg], abs=0.2)
     assert (table.max_range_m, table.detection_range_m) == (farthest_m, detection_m)
 
 

@@ -14,7 +14,7 @@ use cadet_sensors::camera::{
 use cadet_sensors::label::{
     Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
 };
-use cadet_sensors::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
+use cadet_sensors::lidar::{LidarSpec, Scan, SceneInMotion, scan_in_motion, scan_through};
 use cadet_sensors::rig::{Mounted, Rig};
 use cadet_sensors::sense::RigidMotion;
 use cadet_sensors::spray::Spray;
@@ -326,12 +326,15 @@ impl Scene {
         let spec = in_its_place.unwrap_or(sensor);
         let mut stream = self.key.indexed(&stream_name("lidar", index, name), sample);
         let spray = self.spray(&snapshot, sample);
-        if !spec.rolling {
-            return scan_through(&posed, &world_from_velo, spec, (&self.weather, &spray), &mut stream);
+        let air = (&self.weather, &spray);
+        if !spec.rolling && spec.spins() {
+            return scan_through(&posed, &world_from_velo, spec, air, &mut stream);
         }
-        let (ego, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
-        let turning = Turning::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
-        let scan = turning_scan(&turning, spec, (&self.weather, &spray), &mut stream);
+        let spec = &spec.clone().at_time(snapshot.time_s);
+        let motion_of = |id| if spec.rolling { motion_of_actor(&snapshot, id) } else { RigidMotion::default() };
+        let ego = if spec.rolling { motion_of_ego(&snapshot) } else { RigidMotion::default() };
+        let scene = SceneInMotion::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
+        let scan = scan_in_motion(&scene, spec, air, &mut stream);
         self.trees.forget_unused();
         scan
     }
@@ -339,13 +342,13 @@ impl Scene {
 
 /// Every actor where its label's box stands: at the instant, or among the points of the first LIDAR's turn.
 fn as_labeled<'a>(snapshot: &'a Snapshot, rig: &Rig) -> Cow<'a, [ActorState]> {
-    let (spin, ego) = (rig.lidar().spin, snapshot.ego.world_from_ego);
-    if !rig.lidar().rolling {
+    let (lidar, ego) = (rig.lidar(), snapshot.ego.world_from_ego);
+    if !lidar.rolling {
         return Cow::Borrowed(&snapshot.actors);
     }
     let (world_from_velo, sensor) = (rig.world_from_velo(&ego), motion_of_ego(snapshot));
     let seen = |actor: &ActorState| ActorState {
-        world_from_box: spin.seen_pose((&actor.world_from_box, &motion_of(actor)), (&world_from_velo, &sensor)),
+        world_from_box: lidar.seen_pose((&actor.world_from_box, &motion_of(actor)), (&world_from_velo, &sensor)),
         ..actor.clone()
     };
     snapshot.actors.iter().map(seen).collect()

@@ -2,7 +2,8 @@
 
 use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
-use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SurfaceFilter, cast};
+use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SpinningGrid, SurfaceFilter, cast};
+use cadet_base::error::{Error, Result};
 use cadet_base::math::{DMat3, DPose3, DVec3};
 
 /// What a beam or a sub-beam met.
@@ -40,7 +41,7 @@ pub(super) struct TurnHits {
     pub first: Hits,
 }
 
-/// Finds what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
+/// Finds what beams meet: the kernel for a sensor that spins at rest, parry for one that moves meanwhile or does not spin.
 pub(super) trait Casting {
     /// The scene, as it stands at the scan's instant.
     fn scene(&self) -> &PosedScene;
@@ -63,16 +64,23 @@ pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
     spec.max_range_m + spec.rings().iter().map(|r| r.height_m.abs() + r.left_m.abs()).fold(0.0, f64::max) + 1.0
 }
 
-/// A sensor that stands still in a world that stands still.
+/// A spinning sensor that stands still in a world that stands still.
 pub(super) struct StillCasting<'a> {
     scene: &'a PosedScene,
     world_from_velo: &'a DPose3,
     rotation: DMat3,
+    grid: SpinningGrid,
 }
 
 impl<'a> StillCasting<'a> {
-    pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3) -> Self {
-        Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation) }
+    /// Refuses sensors that do not spin: the kernel casts grids alone.
+    pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3, spec: &LidarSpec) -> Result<Self> {
+        let grid = spec.grid(*world_from_velo).ok_or_else(|| Error::OutOfRange {
+            what: "firing pattern",
+            value: spec.name().to_owned(),
+            expected: "a sensor that spins, or a scan in motion".to_owned(),
+        })?;
+        Ok(Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation), grid })
     }
 
     fn in_range(&self, spec: &LidarSpec) -> impl Fn(&PosedInstance) -> bool {
@@ -87,17 +95,16 @@ impl Casting for StillCasting<'_> {
     }
 
     fn cast(&self, spec: &LidarSpec) -> TurnHits {
-        let grid = spec.grid(*self.world_from_velo);
-        let mut opaque = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-        cast(self.scene, &grid, SurfaceFilter::Opaque, self.in_range(spec), &mut opaque);
+        let mut opaque = Hits::new(spec.rings().len(), spec.num_columns());
+        cast(self.scene, &self.grid, SurfaceFilter::Opaque, self.in_range(spec), &mut opaque);
         // Only transparent surfaces in front of opaque ones matter: they alone replace them.
         let mut first = opaque.clone();
-        cast(self.scene, &grid, SurfaceFilter::Transparent, self.in_range(spec), &mut first);
+        cast(self.scene, &self.grid, SurfaceFilter::Transparent, self.in_range(spec), &mut first);
         TurnHits { opaque, first }
     }
 
     fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
-        let (rows, columns) = (2 * spec.rings().len(), spec.azimuths_rad().len());
+        let (rows, columns) = (2 * spec.rings().len(), spec.num_columns());
         let mut out = vec![[BeamHit::MISS; 4]; beams.len()];
         for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
             // The kernel keeps what is nearer: a depth below 0 switches a beam off.

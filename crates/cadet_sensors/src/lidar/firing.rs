@@ -1,12 +1,14 @@
-//! When the lasers of a turning LIDAR fire.
+//! Where a LIDAR points when its lasers fire: the azimuths of a turn, or a path of beams that do not spin.
 
+use super::scan_path::{Aim, Raster, Rosette, check_aims};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{self, TAU};
 
 /// The most columns of a turn.
 pub const MAX_COLUMNS: usize = u16::MAX as usize;
 
-/// The columns of a turn: azimuths at which every laser fires, counter-clockwise from forward.
+/// The columns of a scan: where the scanner points when every laser fires. The first three are azimuths of a turn,
+/// counter-clockwise from forward; the others do not spin.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Firing {
     /// In equal steps, the first forward.
@@ -28,9 +30,30 @@ pub enum Firing {
     },
     /// At these azimuths in radians, rising, in [0, 2 pi).
     Listed(Vec<f64>),
+    /// Line by line.
+    Raster(Raster),
+    /// As two turning prisms point it.
+    Rosette(Rosette),
+    /// At these aims, in the order of time.
+    Table(Vec<Aim>),
 }
 
 impl Firing {
+    /// Where the scanner points in the scan whose instant is `start_s`, in the order of time; None for one that spins.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] for times that fall, or what no scanner does.
+    pub(super) fn aims(&self, start_s: f64) -> Result<Option<Vec<Aim>>> {
+        let aims = match self {
+            Self::Raster(raster) => raster.aims()?,
+            Self::Rosette(rosette) => rosette.aims(start_s)?,
+            Self::Table(aims) => aims.clone(),
+            Self::Uniform { .. } | Self::Encoder { .. } | Self::Listed(_) => return Ok(None),
+        };
+        check_aims(&aims)?;
+        Ok(Some(aims))
+    }
+
     /// The columns' azimuths in radians.
     ///
     /// # Errors
@@ -61,23 +84,23 @@ impl Firing {
                 Ok((0..*firings).map(|j| ticks(j) * tick_rad).collect())
             }
             Self::Listed(azimuths_rad) => Ok(azimuths_rad.clone()),
+            Self::Raster(_) | Self::Rosette(_) | Self::Table(_) => {
+                Ok(self.aims(0.0)?.iter().flatten().map(|aim| aim.azimuth_rad).collect())
+            }
         }
     }
 
-    /// How far counter-clockwise of where it fires each column is reported, as (cosine, sine).
-    pub(super) fn reporting_turns(&self) -> Vec<[f64; 2]> {
-        match self {
-            Self::Uniform { columns } => vec![[1.0, 0.0]; *columns],
-            Self::Encoder { ticks_per_turn, ticks_per_firing, phase_ticks, firings } => {
-                let late_ticks = |j: usize| {
-                    let ticks = ticks_per_firing * j as f64 + phase_ticks;
-                    nearest_tick(ticks) - ticks
-                };
-                let tick_rad = TAU / f64::from(*ticks_per_turn);
-                (0..*firings).map(|j| late_ticks(j) * tick_rad).map(|a| [math::cos(a), math::sin(a)]).collect()
-            }
-            Self::Listed(azimuths_rad) => vec![[1.0, 0.0]; azimuths_rad.len()],
-        }
+    /// How far counter-clockwise of where it fires each of `n` columns is reported, as (cosine, sine).
+    pub(super) fn reporting_turns(&self, n: usize) -> Vec<[f64; 2]> {
+        let Self::Encoder { ticks_per_turn, ticks_per_firing, phase_ticks, .. } = self else {
+            return vec![[1.0, 0.0]; n];
+        };
+        let late_ticks = |j: usize| {
+            let ticks = ticks_per_firing * j as f64 + phase_ticks;
+            nearest_tick(ticks) - ticks
+        };
+        let tick_rad = TAU / f64::from(*ticks_per_turn);
+        (0..n).map(|j| late_ticks(j) * tick_rad).map(|a| [math::cos(a), math::sin(a)]).collect()
     }
 
     /// An offset that stands for the same beams: with equal steps, whole steps lead from column to column.
@@ -118,7 +141,7 @@ mod tests {
         };
         let encoder = firing(1.8587, 0.25, 2152);
         let azimuths = encoder.azimuths_rad().expect("one turn");
-        let turns = encoder.reporting_turns();
+        let turns = encoder.reporting_turns(2152);
         for (j, (azimuth, [cos, sin])) in azimuths.iter().zip(&turns).enumerate() {
             let tick_rad = TAU / 4000.0;
             assert!((azimuth / tick_rad - 1.8587 * j as f64 - 0.25).abs() < 1e-9);

@@ -1,6 +1,7 @@
 //! The LIDAR: sensor specifications, beams and returns.
 
 mod air;
+mod beams;
 mod casting;
 mod divergence;
 mod draws;
@@ -9,6 +10,7 @@ mod echo_batch;
 mod firing;
 mod ground_texture;
 mod hdl64e;
+mod in_motion;
 mod intensity;
 mod laser_receiver;
 mod order;
@@ -20,19 +22,21 @@ mod returned_points;
 mod returns;
 mod ring_receiver;
 mod scan;
+mod scan_path;
 mod spec;
 mod spin;
 mod surfaces;
-mod turning;
 
 pub use air::{Fate, Weathered, weather_recorded};
+pub use beams::Rays;
 pub use firing::{Firing, MAX_COLUMNS};
+pub use in_motion::SceneInMotion;
 pub use laser_receiver::LaserReceiver;
 pub use presets::PRESETS;
 pub use receiver::{MAX_DIVERGENCE_RAD, Receiver};
 pub use return_mode::ReturnMode;
 pub use returned_points::{ReturnSurface, Scan};
-pub use scan::{IdealScan, ideal_scan, scan, scan_through, turning_scan};
-pub use spec::{BlindSector, LidarSpec, Rays};
+pub use scan::{IdealScan, ideal_scan, scan, scan_in_motion, scan_through};
+pub use scan_path::{Aim, MAX_FIRINGS, Raster, Rosette};
+pub use spec::{BlindSector, LidarSpec};
 pub use spin::{Spin, SpinDirection};
-pub use turning::Turning;

@@ -1,23 +1,24 @@
-//! One turn of the LIDAR: exact, or as the sensor reports it.
+//! One scan of the LIDAR: exact, or as the sensor reports it.
 //!
-//! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
+//! A scan is made in steps: casting says what beams meet (`casting`, `in_motion`), surfaces are looked up (`surfaces`),
 //! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
 //! (`echo_batch`).
 
 use std::sync::Arc;
 
 use super::air::{Air, Plumes, Sprayed};
+use super::beams::BeamLine;
 use super::casting::{Casting, StillCasting};
 use super::divergence::echoes_of;
 use super::draws::Draws;
 use super::echo::first_echo;
 use super::echo_batch::EchoBatch;
+use super::in_motion::SceneInMotion;
 use super::returned_points::Scan;
 use super::returns::arrivals;
 use super::spec::LidarSpec;
 use super::surfaces::SurfaceLookup;
-use super::turning::Turning;
-use crate::sense::{Hits, PosedScene, SurfaceFilter, cast};
+use crate::sense::{Hits, PosedScene, RayCaster, SurfaceFilter, cast};
 use crate::spray::Spray;
 use crate::weather::Weather;
 use cadet_base::error::Result;
@@ -55,16 +56,15 @@ impl IdealScan {
     #[must_use]
     pub fn points_velo(&self, spec: &LidarSpec) -> Vec<[f32; 4]> {
         let mut points = Vec::with_capacity(self.range_m.len());
-        let columns = spec.azimuths_rad().len();
         assert_eq!(self.range_m.len(), spec.num_beams(), "as many ranges as beams");
-        for ((ring, laser), ranges_m) in spec.rings().iter().enumerate().zip(self.range_m.chunks_exact(columns)) {
-            let direction_velo = laser.directions_velo();
-            let point = |(heading, range_m): (&[f64; 2], &f32)| {
-                let range = f64::from(*range_m);
-                let p = laser.origin_velo(*heading) + direction_velo(*heading) * range;
+        for (ring, ranges_m) in self.range_m.chunks_exact(spec.num_columns()).enumerate() {
+            let beam = spec.beams(ring);
+            let point = |(column, range_m): (usize, &f32)| {
+                let BeamLine { origin_velo, direction_velo } = beam(column);
+                let p = origin_velo + direction_velo * f64::from(*range_m);
                 if *range_m < f32::INFINITY { [p.x as f32, p.y as f32, p.z as f32, 0.0] } else { [f32::NAN; 4] }
             };
-            points.extend(spec.headings(ring).iter().zip(ranges_m).map(point));
+            points.extend(ranges_m.iter().enumerate().map(point));
         }
         points
     }
@@ -73,25 +73,35 @@ impl IdealScan {
 /// Casts every beam of the sensor at once, all from one pose: an ideal sensor neither turns nor spreads its beams.
 ///
 /// ```
+/// use std::sync::Arc;
+///
 /// use cadet_base::{frames, math::DVec3};
 /// use cadet_sensors::lidar::{LidarSpec, ideal_scan};
 /// use cadet_sensors::sense::PosedScene;
 /// use cadet_town::Town;
 ///
-/// let scene = PosedScene::new(&Town::flat().scenery, DVec3::ZERO);
+/// let scene = Arc::new(PosedScene::new(&Town::flat().scenery, DVec3::ZERO));
 /// let lidar = LidarSpec::hdl64e_kitti();
 /// let world_from_velo = frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.0, 0.0);
 /// let scan = ideal_scan(&scene, &world_from_velo, &lidar);
 ///
 /// assert_eq!(scan.range_m.len(), lidar.num_beams());
 /// // The lowest laser meets the road some meters ahead, the highest one the sky.
-/// let lowest = 63 * lidar.azimuths_rad().len();
+/// let lowest = 63 * lidar.num_columns();
 /// assert!(scan.range_m[0].is_infinite() && (3.0..6.0).contains(&scan.range_m[lowest]));
 /// ```
 #[must_use]
-pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
-    let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-    cast(scene, &spec.grid(*world_from_velo), SurfaceFilter::All, |_| true, &mut hits);
+pub fn ideal_scan(scene: &Arc<PosedScene>, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
+    let mut hits = Hits::new(spec.rings().len(), spec.num_columns());
+    match spec.grid(*world_from_velo) {
+        Some(grid) => cast(scene, &grid, SurfaceFilter::All, |_| true, &mut hits),
+        None => {
+            let rays = spec.rays();
+            let beams = rays.origins_velo.iter().zip(&rays.directions_velo);
+            let beams_world = beams.map(|(o, d)| [world_from_velo.transform_point(*o), world_from_velo.rotation * *d]);
+            RayCaster::new(Arc::clone(scene)).cast_beams(beams_world, &mut hits);
+        }
+    }
     // Close together, so that looking them up costs nothing.
     let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
     let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
@@ -125,17 +135,22 @@ pub fn scan_through(
     stream: &mut Stream,
 ) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&StillCasting::new(scene, world_from_velo), spec, air, stream))
+    Ok(scan_by(&StillCasting::new(scene, world_from_velo, spec)?, spec, air, stream))
 }
 
-/// One turn as the sensor reports it while it and the world move; spray hangs in the air meanwhile. Every beam draws the same
+/// One scan as the sensor reports it while it and the world move; spray hangs in the air meanwhile. Every beam draws the same
 /// numbers as in [`scan`].
 ///
 /// # Errors
 /// What [`LidarSpec::check`] finds.
-pub fn turning_scan(turning: &Turning, spec: &LidarSpec, air: (&Weather, &Spray), stream: &mut Stream) -> Result<Scan> {
+pub fn scan_in_motion(
+    scene: &SceneInMotion,
+    spec: &LidarSpec,
+    air: (&Weather, &Spray),
+    stream: &mut Stream,
+) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&turning.firings(spec), spec, air, stream))
+    Ok(scan_by(&scene.firings(spec), spec, air, stream))
 }
 
 /// A vector turned about z, counter-clockwise.
@@ -182,20 +197,19 @@ fn scan_by<C: Casting>(
     let mut batch = EchoBatch::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
-        let direction_of = laser.directions_velo();
+        let beam_of = spec.beams(ring);
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
         let receiver = &spec.ring_receiver(ring);
         let air = &airs[ring];
-        for (column, heading) in spec.headings(ring).iter().enumerate() {
+        for (column, is_blind) in is_blind.iter().enumerate() {
             let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");
             let quarters = split_beams.next_if(|(edge, _)| *edge == beam);
-            if is_blind[column] {
+            if *is_blind {
                 continue;
             }
-            let direction_velo = direction_of(*heading);
-            let origin_velo = laser.origin_velo(*heading);
+            let BeamLine { origin_velo, direction_velo } = beam_of(column);
             let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
             let echoes = if let Some((_, quarters)) = quarters {
                 let quarters = quarters

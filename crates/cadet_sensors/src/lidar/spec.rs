@@ -8,21 +8,22 @@ use super::laser_receiver::LaserReceiver;
 use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
 use super::ring_receiver::RingReceiver;
+use super::scan_path::Aim;
 use super::spin::Spin;
 use crate::sense::{LaserRing, SpinningGrid};
-use cadet_base::error::{Error, Result, finite};
-use cadet_base::math::{DPose3, DVec3, TAU};
+use cadet_base::error::{Error, Result, finite, within};
+use cadet_base::math::{DPose3, TAU};
 
-/// A spinning LIDAR.
+/// A LIDAR: lasers that fire together, in turns or along a path.
 #[derive(Debug, Clone)]
 pub struct LidarSpec {
     name: String,
     rings: Vec<LaserRing>,
     firing: Firing,
-    azimuths_rad: Vec<f64>,
-    azimuth_offsets_rad: Vec<f64>,
+    pub(super) azimuths_rad: Vec<f64>,
+    pub(super) azimuth_offsets_rad: Vec<f64>,
     reporting_turns: Vec<[f64; 2]>,
-    grid: SpinningGrid,
+    pub(super) scanner: Scanner,
     receiver: Receiver,
     /// None for beams that meet surfaces as lines do.
     divergent: Option<Arc<DivergentBeams>>,
@@ -38,10 +39,19 @@ pub struct LidarSpec {
     pub spin: Spin,
     /// Whether a scan tells what each point's surface is ([`super::Scan::surface`]).
     pub records_surfaces: bool,
-    /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
+    /// Whether the sensor and the world move while it turns ([`super::scan_in_motion`]).
     pub rolling: bool,
     /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
     pub blind_sectors: Vec<BlindSector>,
+}
+
+/// What points the lasers.
+#[derive(Debug, Clone)]
+pub(super) enum Scanner {
+    /// A head that spins: every laser fires at the same azimuths.
+    Spinning(SpinningGrid),
+    /// Mirrors or prisms, with where they point at every firing.
+    Path(Vec<Aim>),
 }
 
 /// Azimuths at which a laser meets the car that carries it.
@@ -53,19 +63,6 @@ pub struct BlindSector {
     pub from_rad: f64,
     /// Where it ends, at most 2 pi: a sector across forward is two.
     pub to_rad: f64,
-}
-
-/// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rays {
-    /// Where each beam starts.
-    pub origins_velo: Vec<DVec3>,
-    /// Unit directions.
-    pub directions_velo: Vec<DVec3>,
-    /// Ring of each beam, 0 the first of the sensor's table.
-    pub ring: Vec<i32>,
-    /// Column of each beam.
-    pub column: Vec<i32>,
 }
 
 impl LidarSpec {
@@ -86,17 +83,23 @@ impl LidarSpec {
     /// As [`Firing::azimuths_rad`] and [`SpinningGrid::new`].
     pub fn with_firing(name: &str, rings: Vec<LaserRing>, firing: Firing) -> Result<Self> {
         let azimuths_rad = firing.azimuths_rad()?;
-        let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
+        let scanner = match firing.aims(0.0)? {
+            None => Scanner::Spinning(SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?),
+            Some(aims) => {
+                check_lasers_of_path(&rings, &aims)?;
+                Scanner::Path(aims)
+            }
+        };
         Ok(Self {
             name: name.to_owned(),
             laser_receivers: vec![LaserReceiver::default(); rings.len()],
             blind_sectors: Vec::new(),
             azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
-            reporting_turns: firing.reporting_turns(),
+            reporting_turns: firing.reporting_turns(azimuths_rad.len()),
             firing,
             azimuths_rad,
-            grid,
+            scanner,
             divergent: None,
             returns: ReturnMode::Strongest,
             spin: Spin::default(),
@@ -117,9 +120,16 @@ impl LidarSpec {
     /// As [`SpinningGrid::staggered`].
     pub fn staggered(mut self, offsets_rad: Vec<f64>) -> Result<Self> {
         self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
-        self.grid =
-            SpinningGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
+        self.regrid()?;
         self.respread()
+    }
+
+    fn regrid(&mut self) -> Result<()> {
+        if let Scanner::Spinning(grid) = &mut self.scanner {
+            let (rings, offsets_rad) = (&self.rings, &self.azimuth_offsets_rad);
+            *grid = SpinningGrid::staggered(DPose3::IDENTITY, rings, &self.azimuths_rad, offsets_rad)?;
+        }
+        Ok(())
     }
 
     fn respread(self) -> Result<Self> {
@@ -212,6 +222,11 @@ impl LidarSpec {
             self.divergent = None;
             return Ok(self);
         }
+        if let Scanner::Path(_) = self.scanner {
+            // Whether a beam meets an edge is told by its neighbors, and along a path there are none.
+            let expected = "0 for a sensor that does not spin".to_owned();
+            return Err(Error::OutOfRange { what: "divergence", value: divergence_rad.to_string(), expected });
+        }
         let receiver = Receiver { divergence_rad, ..self.receiver };
         receiver.check()?;
         self.receiver = receiver;
@@ -222,25 +237,13 @@ impl LidarSpec {
         self.divergent.as_deref()
     }
 
-    /// For every column of a ring, whether the car that carries the sensor is in the way.
-    pub(super) fn blind_columns(&self, ring: usize) -> Vec<bool> {
-        let mut blind = vec![false; self.azimuths_rad.len()];
-        let column = |rad: f64| self.azimuths_rad.partition_point(|a| a + self.azimuth_offsets_rad[ring] < rad);
-        for sector in self.blind_sectors.iter().filter(|s| s.ring == ring) {
-            blind[column(sector.from_rad)..column(sector.to_rad)].fill(true);
-        }
-        blind
-    }
-
     /// Returns this sensor with every laser in the frame's origin.
     #[must_use]
     pub fn single_origin(mut self) -> Self {
         for ring in &mut self.rings {
             (ring.height_m, ring.left_m) = (0.0, 0.0);
         }
-        self.grid =
-            SpinningGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
-                .expect("checked when the spec was made, and 0 is a height");
+        self.regrid().expect("checked when the spec was made, and 0 is a height");
         self = self.respread().expect("checked when the divergence was set, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
         self.renamed(&name)
@@ -263,17 +266,10 @@ impl LidarSpec {
         &self.rings
     }
 
-    /// When they fire: azimuths counter-clockwise from forward.
+    /// When they fire: the azimuth of each column, counter-clockwise from forward.
     #[must_use]
     pub fn azimuths_rad(&self) -> &[f64] {
         &self.azimuths_rad
-    }
-
-    /// When each column fires, in seconds from the instant of the image: 0 for all where nothing moves meanwhile.
-    #[must_use]
-    pub fn firing_times_s(&self) -> Vec<f64> {
-        let time_s = |azimuth: &f64| if self.rolling { self.spin.firing_time_s(*azimuth) } else { 0.0 };
-        self.azimuths_rad.iter().map(time_s).collect()
     }
 
     /// The pattern of [`LidarSpec::azimuths_rad`].
@@ -288,80 +284,32 @@ impl LidarSpec {
         &self.azimuth_offsets_rad
     }
 
-    /// Beams a turn.
-    #[must_use]
-    pub fn num_beams(&self) -> usize {
-        self.rings.len() * self.azimuths_rad.len()
-    }
-
-    /// The beams as a grid in the world.
-    #[must_use]
-    pub fn grid(&self, world_from_velo: DPose3) -> SpinningGrid {
-        self.grid.at(world_from_velo)
-    }
-
-    /// Unit direction of every column of a ring, without elevation: x and y.
-    #[must_use]
-    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
-        self.grid.headings(ring)
-    }
-
     /// How far counter-clockwise of where its beams go each column is reported, as (cosine, sine): an encoder's rounding.
     #[must_use]
     pub(super) fn reporting_turns(&self) -> &[[f64; 2]] {
         &self.reporting_turns
     }
+}
 
-    /// Every beam, in the order of a scan's rows.
-    #[must_use]
-    pub fn rays(&self) -> Rays {
-        let n = self.num_beams();
-        let (ring, column) = self.beam_numbers();
-        let mut rays =
-            Rays { origins_velo: Vec::with_capacity(n), directions_velo: Vec::with_capacity(n), ring, column };
-        for (ring, laser) in self.rings.iter().enumerate() {
-            let direction_velo = laser.directions_velo();
-            for heading in self.headings(ring) {
-                rays.origins_velo.push(laser.origin_velo(*heading));
-                rays.directions_velo.push(direction_velo(*heading));
-            }
-        }
-        rays
+/// A path's lasers leave one point, and tip no beam beyond 89 degrees.
+fn check_lasers_of_path(rings: &[LaserRing], aims: &[Aim]) -> Result<()> {
+    if rings.is_empty() {
+        let expected = "at least 1".to_owned();
+        return Err(Error::OutOfRange { what: "number of rings", value: "0".to_owned(), expected });
     }
-
-    /// Ring and column of every beam, in the order of a scan's rows.
-    #[must_use]
-    pub fn beam_numbers(&self) -> (Vec<i32>, Vec<i32>) {
-        let (mut rings, mut columns) = (Vec::with_capacity(self.num_beams()), Vec::with_capacity(self.num_beams()));
-        for ring in 0..self.rings.len() {
-            rings.resize(rings.len() + self.azimuths_rad.len(), ring as i32);
-            columns.extend(0..self.azimuths_rad.len() as i32);
-        }
-        (rings, columns)
+    let elevations_rad = || aims.iter().map(|aim| aim.elevation_rad);
+    let (least, most) = (elevations_rad().fold(f64::MAX, f64::min), elevations_rad().fold(f64::MIN, f64::max));
+    let limit_rad = 89.0_f64.to_radians();
+    for ring in rings {
+        let _ = within("ring elevation", ring.elevation_rad, -limit_rad - least..=limit_rad - most)?;
+        let _ = within("left_m of a laser that does not spin", ring.left_m, 0.0..=0.0)?;
     }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rays_are_ring_major_unit_and_counter_clockwise() {
-        let rays = LidarSpec::hdl64e_kitti().rays();
-        assert_eq!(rays.directions_velo.len(), 137_728);
-        let first = rays.directions_velo[0];
-        assert!(first.y.abs() < 1e-12 && first.x > 0.99);
-        for (i, d) in rays.directions_velo.iter().enumerate() {
-            assert!((d.length() - 1.0).abs() < 1e-12);
-            assert_eq!((rays.ring[i], rays.column[i]), ((i / 2152) as i32, (i % 2152) as i32));
-        }
-        assert!(rays.directions_velo[538].y > 0.99, "a quarter turn is to the left");
-        let ring_40 = rays.directions_velo[40 * 2152];
-        assert!((cadet_base::math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
-        assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, -0.026, 0.1229));
-        // Odd rings sit on the left: looking to the left, that is behind.
-        assert!((rays.origins_velo[41 * 2152 + 538] - DVec3::new(-0.026, 0.0, 0.1226)).length() < 1e-4);
-    }
 
     #[test]
     fn bad_sensors_are_refused_by_name() {

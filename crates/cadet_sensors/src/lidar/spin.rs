@@ -2,9 +2,8 @@
 
 use strum::{AsRefStr, VariantArray};
 
-use crate::sense::RigidMotion;
 use cadet_base::error::{Result, variant, within};
-use cadet_base::math::{self, DPose3, PI, TAU};
+use cadet_base::math::{PI, TAU};
 
 /// Which way a LIDAR turns, seen from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, AsRefStr, VariantArray)]
@@ -77,25 +76,6 @@ impl Spin {
     pub fn span_s(&self) -> [f64; 2] {
         let ahead = self.share(0.0);
         [-ahead / self.rate_hz, (1.0 - ahead) / self.rate_hz]
-    }
-
-    /// Where a moving body lies among the points of one turn, each of which is in the frame of its own firing: its pose in
-    /// the sensor's frame when the beam points at it, from where the sensor is at the instant 0.
-    #[must_use]
-    pub fn seen_pose(
-        &self,
-        (world_from_body, body): (&DPose3, &RigidMotion),
-        (world_from_velo, sensor): (&DPose3, &RigidMotion),
-    ) -> DPose3 {
-        let mut seen = *world_from_body;
-        // While the beam gets there, body and sensor move by less than a hundredth of their distance.
-        for _ in 0..4 {
-            let place_velo = world_from_velo.inverse().transform_point(seen.translation);
-            let time_s = self.firing_time_s(math::atan2(place_velo.y, place_velo.x));
-            let velo_from_world = (sensor.displacement(time_s) * *world_from_velo).inverse();
-            seen = *world_from_velo * velo_from_world * body.displacement(time_s) * *world_from_body;
-        }
-        seen
     }
 }
 

@@ -1,5 +1,7 @@
 //! What the beams of a grid met.
 
+use super::moving::FaceHit;
+
 /// The instance and the face of a beam that meets nothing.
 pub const NO_HIT: u32 = u32::MAX;
 
@@ -31,6 +33,13 @@ impl Hits {
         self.depth_m.fill(f32::INFINITY);
         self.instance.fill(NO_HIT);
         self.face.fill(NO_HIT);
+    }
+
+    /// Notes what a beam meets.
+    pub(crate) fn put(&mut self, at: usize, hit: &FaceHit) {
+        self.depth_m[at] = hit.range_m as f32;
+        self.instance[at] = hit.instance;
+        self.face[at] = hit.face;
     }
 
     /// Keeps the nearer hit; of two equal ones the earlier instance and face.

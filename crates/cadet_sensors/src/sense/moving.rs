@@ -109,14 +109,30 @@ impl MovingCaster {
     /// The world `time_s` after the instant.
     #[must_use]
     pub fn at(&self, time_s: f64) -> Moment<'_> {
-        Moment { caster: self, now_from_then: self.motions.iter().map(|m| m.displacement(time_s).inverse()).collect() }
+        let instant_from_moment = (0..self.motions.len()).map(|motion| self.instant_from_moment(motion, time_s));
+        Moment { caster: self, instant_from_moment: instant_from_moment.collect() }
+    }
+
+    /// A direction `time_s` after the instant as it stands to an instance's triangles where [`PosedScene`] has them.
+    #[must_use]
+    pub fn direction_at_instant(&self, instance: u32, direction_world: DVec3, time_s: f64) -> DVec3 {
+        match self.instances[instance as usize].as_ref().and_then(|f| f.motion) {
+            None => direction_world,
+            Some(motion) => self.instant_from_moment(motion, time_s).rotation * direction_world,
+        }
+    }
+
+    /// Takes what is fixed to the bodies of a motion from where it is `time_s` after the instant to where it was at it.
+    fn instant_from_moment(&self, motion: usize, time_s: f64) -> DPose3 {
+        self.motions[motion].displacement(time_s).inverse()
     }
 }
 
 /// A moving world at one moment.
 pub struct Moment<'a> {
     caster: &'a MovingCaster,
-    now_from_then: Vec<DPose3>,
+    /// By motions.
+    instant_from_moment: Vec<DPose3>,
 }
 
 impl Moment<'_> {
@@ -143,7 +159,7 @@ impl Moment<'_> {
             let (origin, direction) = match moving.motion {
                 None => (origin_world, direction_world),
                 Some(index) => {
-                    let back = &self.now_from_then[index];
+                    let back = &self.instant_from_moment[index];
                     (back.transform_point(origin_world), back.rotation * direction_world)
                 }
             };
@@ -165,15 +181,6 @@ impl Moment<'_> {
             opaque.get().filter(|o| o.instance == instance).map(|o| outward(o.range_m))
         });
         [opaque.get(), transparent.get()]
-    }
-
-    /// A direction as it stands to an instance's triangles where [`PosedScene`] has them, at the instant.
-    #[must_use]
-    pub fn direction_now(&self, instance: u32, direction_world: DVec3) -> DVec3 {
-        match self.caster.instances[instance as usize].as_ref().and_then(|f| f.motion) {
-            None => direction_world,
-            Some(index) => self.now_from_then[index].rotation * direction_world,
-        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::face_trees::FaceTrees;
+use super::hits::Hits;
 use super::motion::RigidMotion;
 use super::moving::{FaceHit, MovingCaster};
 use super::posed::PosedScene;
@@ -41,6 +42,16 @@ impl RayCaster {
     #[must_use]
     pub fn scene(&self) -> &Arc<PosedScene> {
         self.0.scene()
+    }
+
+    /// What beams meet first, of glass too: where each starts, and its unit direction.
+    pub(crate) fn cast_beams(&self, beams_world: impl Iterator<Item = [DVec3; 2]>, hits: &mut Hits) {
+        let still = self.0.at(0.0);
+        for (at, [origin_world, direction_world]) in beams_world.enumerate() {
+            if let Some(hit) = still.first(origin_world, direction_world) {
+                hits.put(at, &hit);
+            }
+        }
     }
 
     /// The first triangle, of either side and of glass too, on the ray from `origin_world` along `direction_world`,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cadet.datasets.lidar_fit.rings import Rings
 from cadet.datasets.lidar_fit.scans import Points
-from cadet.sensors.beam_table import EncoderFiring, Firing, UniformFiring
+from cadet.sensors.firing import EncoderFiring, Firing, UniformFiring
 
 _BINS: Final = 1 << 17
 _FAR_M: Final = 8.0

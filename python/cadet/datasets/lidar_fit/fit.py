@@ -20,7 +20,8 @@ from cadet.datasets.lidar_fit.offsets import fit_range_offsets
 from cadet.datasets.lidar_fit.rings import Rings, find_rings, rings_of_numbers
 from cadet.datasets.lidar_fit.scans import Points, Turn, find_scans, join, read_turn
 from cadet.errors import CadetError
-from cadet.sensors.beam_table import BeamTable, EncoderFiring, Laser, UniformFiring
+from cadet.sensors.beam_table import BeamTable, Laser
+from cadet.sensors.firing import EncoderFiring, UniformFiring
 
 _NEIGHBOURS: Final = 8
 _ZEROS_ANYWAY: Final = 0.03

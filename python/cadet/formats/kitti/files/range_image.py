@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cadet._util.arrays import array_from_npy, check_array, npy_from_array
 from cadet.errors import FileFormatError, KittiFormatError
+from cadet.sensors.firing import RasterFiring
 from cadet.sensors.lidar import Lidar
 from cadet.sensors.sample import Scan
 
@@ -24,7 +25,8 @@ def range_image(scan: Scan, lidar: Lidar) -> NDArray[np.float32]:
 
     Returns:
         (rings, columns) float32, meters from the laser: rings from the top, columns counter-clockwise from forward, as
-        `Scan.ring` and `Scan.column` count them; 0 without a return, the nearest of several.
+        `Scan.ring` and `Scan.column` count them, of a raster its lines, laser by laser; 0 without a return, the nearest
+        of several.
     """
     beams = lidar.beam_table()
     image = np.full((len(beams.rings), beams.num_columns), NO_RETURN, np.float32)
@@ -32,7 +34,7 @@ def range_image(scan: Scan, lidar: Lidar) -> NDArray[np.float32]:
     nearest_last = np.argsort(-scan.range_m, kind="stable")
     image[scan.ring[nearest_last], scan.column[nearest_last]] = scan.range_m[nearest_last]
     image[np.isinf(image)] = NO_RETURN
-    return image
+    return image.reshape(-1, beams.firing.columns) if isinstance(beams.firing, RasterFiring) else image
 
 
 def bytes_from_range_image(image: NDArray[np.float32]) -> bytes:
