@@ -217,7 +217,7 @@ mod tests {
         }
         assert!(rays.directions_velo[538].y > 0.99, "a quarter turn is to the left");
         let ring_40 = rays.directions_velo[40 * 2152];
-        assert!((cadet_base::math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
+        assert!((math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
         assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, -0.026, 0.1229));
         // Odd rings sit on the left: looking to the left, that is behind.
         assert!((rays.origins_velo[41 * 2152 + 538] - DVec3::new(-0.026, 0.0, 0.1226)).length() < 1e-4);
