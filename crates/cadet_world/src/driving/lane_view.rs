@@ -11,6 +11,11 @@ use cadet_town::{Lane, LaneId};
 const AHEAD_M: f64 = 280.0;
 const BEHIND_M: f64 = 220.0;
 const SAMPLE_M: f64 = 4.0;
+/// What is farther from a lane's middle is not in it.
+const NEAR_M: f64 = 20.0;
+/// Points of a lane that are passed over together where they are far away, and how far they reach from their middle one.
+const CHUNK: usize = 8;
+const CHUNK_REACH_M: f64 = 1.01 * SAMPLE_M * (CHUNK / 2) as f64;
 /// Distance over a lane's edge from which on a vehicle is in the lane.
 const OVER_M: f64 = 0.3;
 
@@ -102,12 +107,32 @@ impl Path {
         Self { points, behind_m }
     }
 
+    /// The point nearest to a place, the first of equal ones; None if it is farther away than `most_m`.
+    fn nearest_within(&self, p: DVec2, most_m: f64) -> Option<usize> {
+        let square_m2 = |a: &DVec3| (a.truncate() - p).length_squared();
+        let (mut nearest, mut least_m2) = (None, most_m * most_m);
+        for (points, first) in self.points.chunks(CHUNK).zip((0..).step_by(CHUNK)) {
+            // No point of a chunk is farther from its middle one than the lane is long between them.
+            let reach_m = least_m2.sqrt() + CHUNK_REACH_M;
+            if square_m2(&points[points.len() / 2]) > reach_m * reach_m {
+                continue;
+            }
+            for (point, number) in points.iter().zip(first..) {
+                let m2 = square_m2(point);
+                if m2 < least_m2 || (m2 == least_m2 && nearest.is_none()) {
+                    (nearest, least_m2) = (Some(number), m2);
+                }
+            }
+        }
+        nearest
+    }
+
     /// How far ahead a place is and how far to the left, and the direction there; `None` for what is nowhere near.
     fn place_of(&self, o: &Footprint) -> Option<(f64, f64, DVec2)> {
         let p = o.center;
-        let square_m2 = |a: &DVec3| (a.truncate() - p).length_squared();
-        let (nearest, at) = self.points.iter().enumerate().min_by(|a, b| square_m2(a.1).total_cmp(&square_m2(b.1)))?;
-        if square_m2(at) > 400.0 || !o.is_level_with(at.truncate(), at.z) {
+        let nearest = self.nearest_within(p, NEAR_M)?;
+        let at = self.points[nearest];
+        if !o.is_level_with(at.truncate(), at.z) {
             return None;
         }
         let (before, after) = (nearest.saturating_sub(1), (nearest + 1).min(self.points.len() - 1));
