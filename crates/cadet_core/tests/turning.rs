@@ -11,7 +11,7 @@ use cadet_core::lidar::{
 };
 use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{FaceTrees, LaserRing, PosedScene, RigidMotion};
+use cadet_core::sense::{FaceTrees, LaserRing, MovingCaster, PosedScene, RigidMotion};
 use cadet_core::spray::Spray;
 use cadet_core::weather::Weather;
 use common::{at, cuboid, place, posed, random_scene};
@@ -86,6 +86,51 @@ fn where_all_stands_still_a_turn_is_the_scan_of_an_instant() {
             "{differing} of {}",
             still.len()
         );
+    }
+}
+
+#[test]
+fn a_turn_through_a_moving_street_meets_what_single_rays_meet() {
+    let mut stream = Stream::from_seed("moving street", 1);
+    let speeds: Vec<[f64; 3]> = (0..200).map(|_| [-15.0, -15.0, -1.0].map(|v: f64| stream.range(v, -v))).collect();
+    for (round, direction) in
+        (0..4).zip([SpinDirection::Clockwise, SpinDirection::CounterClockwise].into_iter().cycle())
+    {
+        let scene = posed(&random_scene(&mut stream, DVec3::ZERO));
+        let mut spec = noiseless();
+        spec.spin = Spin { direction, start_rad: f64::from(round) * 1.3, ..Spin::default() };
+        let sensor =
+            RigidMotion { angular_velocity_world: DVec3::new(0.02, 0.05, 0.4), ..moving(DVec3::new(13.0, 0.5, 0.1)) };
+        let motion_of = |id: i32| {
+            let pivot_world = scene.instances.iter().find(|i| i.actor_id == id).map_or(DVec3::ZERO, |i| i.center_world);
+            let [x, y, yaw] = speeds[id as usize % speeds.len()];
+            RigidMotion { pivot_world, angular_velocity_world: DVec3::Z * yaw, ..moving(DVec3::new(x, y, 0.0)) }
+        };
+        let scan = turn(&scene, &spec, sensor, motion_of);
+        let span_s = 0.1;
+        let caster = MovingCaster::new(Arc::clone(&scene), &mut FaceTrees::default(), motion_of, span_s, |_| true);
+        let rays = spec.rays();
+        let mut by_beam = vec![None; spec.num_beams()];
+        for (i, (ring, column)) in scan.ring.iter().zip(&scan.column).enumerate() {
+            by_beam[*ring as usize * spec.num_columns() + *column as usize] = Some(scan.range_m[i]);
+        }
+        let (mut differing, mut hits) = (0, 0);
+        for column in 0..spec.num_columns() {
+            let time_s = spec.firing_time_s(column);
+            let (moment, pose) = (caster.at(time_s), sensor.displacement(time_s));
+            for ring in 0..spec.rings().len() {
+                let at = ring * spec.num_columns() + column;
+                let found =
+                    moment.cast(pose.transform_point(rays.origins_velo[at]), pose.rotation * rays.directions_velo[at]);
+                // Glass and what is too far or too dark to return are left out.
+                let (Some(range_m), Some(opaque), None) = (by_beam[at], found.opaque, found.transparent) else {
+                    continue;
+                };
+                hits += 1;
+                differing += usize::from((range_m - opaque.range_m).abs() > 1e-4);
+            }
+        }
+        assert!(hits > 10_000 && differing as f64 <= 1e-3 * f64::from(hits), "{differing} of {hits}");
     }
 }
 

@@ -44,14 +44,14 @@ impl LidarSpec {
     /// False for a sensor whose beams follow a path ([`super::Raster`], [`super::Rosette`], a table).
     #[must_use]
     pub fn spins(&self) -> bool {
-        matches!(self.scanner, Scanner::Spinning(_))
+        matches!(self.scanner, Scanner::Spinning(..))
     }
 
     /// The beams as a grid in the world; None for a sensor that does not spin.
     #[must_use]
     pub fn grid(&self, world_from_velo: DPose3) -> Option<SpinningGrid> {
         match &self.scanner {
-            Scanner::Spinning(grid) => Some(grid.at(world_from_velo)),
+            Scanner::Spinning(grid, _) => Some(grid.at(world_from_velo)),
             Scanner::Path(_) => None,
         }
     }
@@ -61,7 +61,7 @@ impl LidarSpec {
         let (laser, offset_rad) = (self.rings()[ring], self.azimuth_offsets_rad[ring]);
         let level = laser.directions_velo();
         move |column| match &self.scanner {
-            Scanner::Spinning(grid) => {
+            Scanner::Spinning(grid, _) => {
                 let heading = grid.headings(ring)[column];
                 BeamLine { origin_velo: laser.origin_velo(heading), direction_velo: level(heading) }
             }
@@ -110,7 +110,7 @@ impl LidarSpec {
         };
         let across_rad = extent(&mut self.azimuths_rad.iter().copied());
         match &self.scanner {
-            Scanner::Spinning(_) => across_rad / (self.num_columns() - 1).max(1) as f64,
+            Scanner::Spinning(..) => across_rad / (self.num_columns() - 1).max(1) as f64,
             Scanner::Path(aims) => {
                 (across_rad * extent(&mut aims.iter().map(|aim| aim.elevation_rad)) / aims.len() as f64).sqrt()
             }
@@ -134,7 +134,7 @@ impl LidarSpec {
     #[must_use]
     pub fn firing_time_s(&self, column: usize) -> f64 {
         match &self.scanner {
-            Scanner::Spinning(_) => self.spin.firing_time_s(self.azimuths_rad[column]),
+            Scanner::Spinning(..) => self.spin.firing_time_s(self.azimuths_rad[column]),
             Scanner::Path(aims) => aims[column].time_s,
         }
     }
@@ -149,7 +149,7 @@ impl LidarSpec {
     #[must_use]
     pub fn span_s(&self) -> [f64; 2] {
         match &self.scanner {
-            Scanner::Spinning(_) => self.spin.span_s(),
+            Scanner::Spinning(..) => self.spin.span_s(),
             Scanner::Path(aims) => [aims[0].time_s, aims[aims.len() - 1].time_s],
         }
     }

@@ -11,8 +11,12 @@ use std::sync::Arc;
 use super::beams::BeamLine;
 use super::casting::{BeamHit, Casting, TurnHits, reach_m};
 use super::divergence::DivergentBeams;
+use super::half_scan::HalfScan;
 use super::spec::LidarSpec;
-use crate::sense::{FaceTrees, Hits, MovingCaster, PosedScene, RigidMotion};
+use crate::sense::{
+    FaceHit, FaceTrees, Hits, MetWhileTurning, Moment, MovingCaster, PosedInstance, PosedScene, RigidMotion,
+    SurfaceFilter, SurfaceHits, cast_as_met,
+};
 use cadet_base::math::{DPose3, DVec3};
 
 /// A moving world around a moving sensor.
@@ -20,6 +24,8 @@ pub struct SceneInMotion {
     caster: MovingCaster,
     world_from_velo: DPose3,
     sensor: RigidMotion,
+    /// What is farther from the sensor is out of reach.
+    reach_m: f64,
 }
 
 impl SceneInMotion {
@@ -37,11 +43,13 @@ impl SceneInMotion {
         let sensor_m = sensor.reach_m((world_from_velo.translation - sensor.pivot_world).length(), span_s);
         // Whoever is faster than 100 m/s may be missed at the edge of the range.
         let reach_m = reach_m(spec) + sensor_m + 100.0 * span_s;
-        let keep = |i: &crate::sense::PosedInstance| {
-            (i.center_world - world_from_velo.translation).length() - i.radius_m < reach_m
-        };
-        let caster = MovingCaster::new(scene, trees, motion_of, span_s, keep);
-        Self { caster, world_from_velo, sensor }
+        let is_in_reach = |i: &PosedInstance| is_within(i, world_from_velo.translation, reach_m);
+        let caster = MovingCaster::new(scene, trees, motion_of, span_s, is_in_reach);
+        Self { caster, world_from_velo, sensor, reach_m }
+    }
+
+    fn is_in_reach(&self, instance: &PosedInstance) -> bool {
+        is_within(instance, self.world_from_velo.translation, self.reach_m)
     }
 
     /// The sensor at every column's firing.
@@ -50,13 +58,18 @@ impl SceneInMotion {
             let time_s = spec.firing_time_s(column);
             ColumnFiring { time_s, world_from_velo: self.sensor.displacement(time_s) * self.world_from_velo }
         };
-        Firings { caster: &self.caster, columns: (0..spec.num_columns()).map(at).collect() }
+        Firings { scene: self, columns: (0..spec.num_columns()).map(at).collect() }
     }
+}
+
+/// True if an instance is nearer to a place than `reach_m`.
+fn is_within(instance: &PosedInstance, place_world: DVec3, reach_m: f64) -> bool {
+    (instance.center_world - place_world).length() - instance.radius_m < reach_m
 }
 
 /// One scan, column by column.
 pub(super) struct Firings<'a> {
-    caster: &'a MovingCaster,
+    scene: &'a SceneInMotion,
     columns: Vec<ColumnFiring>,
 }
 
@@ -68,28 +81,32 @@ struct ColumnFiring {
 
 impl Casting for Firings<'_> {
     fn scene(&self) -> &PosedScene {
-        self.caster.scene()
+        self.scene.caster.scene()
     }
 
     fn cast(&self, spec: &LidarSpec) -> TurnHits {
         let (rows, columns) = (spec.rings().len(), spec.num_columns());
-        let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
+        let nearly = spec.half_scans().map(|halves| self.cast_nearly(rows, columns, &halves));
+        let mut exact = TurnHits { opaque: Hits::new(rows, columns), first: Hits::new(rows, columns) };
         let beams: Vec<_> = (0..rows).map(|ring| spec.beams(ring)).collect();
         for (column, ColumnFiring { time_s, world_from_velo }) in self.columns.iter().enumerate() {
-            let moment = self.caster.at(*time_s);
+            let moment = self.scene.caster.at(*time_s);
             for (ring, beam) in beams.iter().enumerate() {
                 let BeamLine { origin_velo, direction_velo } = beam(column);
-                let origin = world_from_velo.transform_point(origin_velo);
-                let found = moment.cast(origin, world_from_velo.rotation * direction_velo);
+                let ray_world =
+                    [world_from_velo.transform_point(origin_velo), world_from_velo.rotation * direction_velo];
                 let at = ring * columns + column;
-                for (hits, found) in [(&mut opaque, found.opaque), (&mut first, found.transparent.or(found.opaque))] {
+                let expected = nearly.as_ref().and_then(|nearly| met_as_expected(nearly, at, &moment, ray_world));
+                let found = expected.unwrap_or_else(|| moment.cast(ray_world[0], ray_world[1]));
+                let first = found.transparent.or(found.opaque);
+                for (hits, found) in [(&mut exact.opaque, found.opaque), (&mut exact.first, first)] {
                     if let Some(found) = found {
                         hits.put(at, &found);
                     }
                 }
             }
         }
-        TurnHits { opaque, first }
+        exact
     }
 
     fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
@@ -100,7 +117,7 @@ impl Casting for Firings<'_> {
         for of_column in order.chunk_by(|a, b| beams[*a] as usize % columns == beams[*b] as usize % columns) {
             let column = beams[of_column[0]] as usize % columns;
             let ColumnFiring { time_s, world_from_velo } = &self.columns[column];
-            let moment = self.caster.at(*time_s);
+            let moment = self.scene.caster.at(*time_s);
             for k in of_column {
                 let origin_velo = spec.beams(beams[*k] as usize / columns)(column).origin_velo;
                 let origin = world_from_velo.transform_point(origin_velo);
@@ -120,11 +137,51 @@ impl Casting for Firings<'_> {
     #[inline]
     fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3 {
         let ColumnFiring { time_s, world_from_velo } = &self.columns[column];
-        self.caster.direction_at_instant(instance, world_from_velo.rotation * direction_velo, *time_s)
+        self.scene.caster.direction_at_instant(instance, world_from_velo.rotation * direction_velo, *time_s)
     }
 
     #[inline]
     fn place_world(&self, column: usize, place_velo: DVec3) -> DVec3 {
         self.columns[column].world_from_velo.transform_point(place_velo)
     }
+}
+
+impl Firings<'_> {
+    /// What beams meet, found by the kernel among points that have moved to where beams meet them: right but for those that
+    /// pass an edge by less than what is left out, as points of a triangle between its corners move a little otherwise.
+    fn cast_nearly(&self, rows: usize, columns: usize, halves: &[HalfScan]) -> TurnHits {
+        let SceneInMotion { caster, world_from_velo, sensor, .. } = self.scene;
+        let mut all = TurnHits { opaque: Hits::new(rows, columns), first: Hits::new(rows, columns) };
+        for HalfScan { half, grid, columns } in halves {
+            let as_met =
+                MetWhileTurning::new(*half, caster.scene(), (world_from_velo, sensor), |index| caster.motion_of(index));
+            let grid = grid.at(*world_from_velo);
+            let cast = |filter, hits: &mut Hits| {
+                cast_as_met(caster.scene(), (&grid, &as_met), filter, |i| self.scene.is_in_reach(i), hits);
+            };
+            let mut opaque = Hits::new(rows, columns.len());
+            cast(SurfaceFilter::Opaque, &mut opaque);
+            all.opaque.put_columns(&opaque, columns);
+            // Transparent surfaces in front of opaque ones replace them.
+            cast(SurfaceFilter::Transparent, &mut opaque);
+            all.first.put_columns(&opaque, columns);
+        }
+        all
+    }
+}
+
+/// Where a ray meets the very triangles that it is expected to meet; None where it misses one.
+fn met_as_expected(nearly: &TurnHits, at: usize, moment: &Moment<'_>, ray_world: [DVec3; 2]) -> Option<SurfaceHits> {
+    let exact = |hit: BeamHit| {
+        let BeamHit { instance, face, .. } = hit;
+        Some(FaceHit { range_m: moment.range_of(ray_world, instance, face)?, instance, face })
+    };
+    let opaque = nearly.opaque(at);
+    let opaque = if opaque.is_hit() { Some(exact(opaque)?) } else { None };
+    let transparent = match nearly.transparent(at) {
+        Some(hit) => Some(exact(hit)?),
+        None => None,
+    };
+    let is_behind = opaque.zip(transparent).is_some_and(|(o, t)| o.range_m <= t.range_m);
+    (!is_behind).then_some(SurfaceHits { opaque, transparent })
 }

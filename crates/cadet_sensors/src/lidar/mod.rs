@@ -9,6 +9,7 @@ mod echo;
 mod echo_batch;
 mod firing;
 mod ground_texture;
+mod half_scan;
 mod hdl64e;
 mod in_motion;
 mod intensity;

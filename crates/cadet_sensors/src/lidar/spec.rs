@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::divergence::DivergentBeams;
 use super::firing::Firing;
+use super::half_scan::HalvesMade;
 use super::laser_receiver::LaserReceiver;
 use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
@@ -48,10 +49,16 @@ pub struct LidarSpec {
 /// What points the lasers.
 #[derive(Debug, Clone)]
 pub(super) enum Scanner {
-    /// A head that spins: every laser fires at the same azimuths.
-    Spinning(SpinningGrid),
+    /// A head that spins: every laser fires at the same azimuths. With the halves of its turn, once somebody asks.
+    Spinning(SpinningGrid, HalvesMade),
     /// Mirrors or prisms, with where they point at every firing.
     Path(Vec<Aim>),
+}
+
+impl Scanner {
+    fn spinning(grid: SpinningGrid) -> Self {
+        Self::Spinning(grid, Arc::default())
+    }
 }
 
 /// Azimuths at which a laser meets the car that carries it.
@@ -84,7 +91,7 @@ impl LidarSpec {
     pub fn with_firing(name: &str, rings: Vec<LaserRing>, firing: Firing) -> Result<Self> {
         let azimuths_rad = firing.azimuths_rad()?;
         let scanner = match firing.aims(0.0)? {
-            None => Scanner::Spinning(SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?),
+            None => Scanner::spinning(SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?),
             Some(aims) => {
                 check_lasers_of_path(&rings, &aims)?;
                 Scanner::Path(aims)
@@ -125,9 +132,10 @@ impl LidarSpec {
     }
 
     fn regrid(&mut self) -> Result<()> {
-        if let Scanner::Spinning(grid) = &mut self.scanner {
+        if self.spins() {
             let (rings, offsets_rad) = (&self.rings, &self.azimuth_offsets_rad);
-            *grid = SpinningGrid::staggered(DPose3::IDENTITY, rings, &self.azimuths_rad, offsets_rad)?;
+            let grid = SpinningGrid::staggered(DPose3::IDENTITY, rings, &self.azimuths_rad, offsets_rad)?;
+            self.scanner = Scanner::spinning(grid);
         }
         Ok(())
     }

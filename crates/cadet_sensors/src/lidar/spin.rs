@@ -56,7 +56,7 @@ impl Spin {
     }
 
     /// The share of a turn after which it is at an azimuth, in [0, 1).
-    fn share(&self, azimuth_rad: f64) -> f64 {
+    pub(super) fn share(&self, azimuth_rad: f64) -> f64 {
         let turned_rad = azimuth_rad - self.start_rad;
         let turns = match self.direction {
             SpinDirection::Clockwise => -turned_rad / TAU,

@@ -35,20 +35,21 @@ fn compact(window: &Window) -> [u32; 4] {
 }
 
 /// Finds the clusters in view of some instances, each given by its index and the bits of its material slots that are
-/// noticed.
+/// noticed. `moves_m` says how far an instance may move until it is met.
 pub(super) fn visible_clusters<G: BeamGrid>(
     scene: &PosedScene,
     grid: &G,
     to_grid: &ToGrid,
+    moves_m: impl Fn(usize) -> f32,
     instances: impl Iterator<Item = (usize, u64)>,
 ) -> Vec<VisibleCluster> {
     let mut out = Vec::with_capacity(4 * scene.instances.len());
-    let reach_m = grid.most_offset_m() as f32 + OUTSIDE_M;
     for (index, slots) in instances {
-        let instance = &scene.instances[index];
+        let (instance, moves_m) = (&scene.instances[index], moves_m(index));
+        let reach_m = grid.most_offset_m() as f32 + OUTSIDE_M + moves_m;
         let center_grid = to_grid.rotation * (instance.center_world - to_grid.origin_world);
-        let (windows, _) =
-            grid.sphere_windows(center_grid.as_vec3(), loosened(instance.radius_m as f32, center_grid.as_vec3()));
+        let radius_m = loosened(instance.radius_m as f32, center_grid.as_vec3()) + moves_m;
+        let (windows, _) = grid.sphere_windows(center_grid.as_vec3(), radius_m);
         if slots == 0 || windows.iter().all(Window::is_empty) {
             continue;
         }
@@ -69,7 +70,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
                 continue;
             }
             let center_grid = linear * cluster.center + offset;
-            let (windows, near_m) = grid.sphere_windows(center_grid, loosened(cluster.radius_m, center_grid));
+            let (windows, near_m) = grid.sphere_windows(center_grid, loosened(cluster.radius_m, center_grid) + moves_m);
             if windows.iter().any(|w| !w.is_empty()) {
                 out.push(VisibleCluster {
                     near_m,

@@ -42,6 +42,18 @@ impl Hits {
         self.face[at] = hit.face;
     }
 
+    /// Takes over the hits of a grid that has some of the columns.
+    pub(crate) fn put_columns(&mut self, part: &Self, columns: &[usize]) {
+        for row in 0..part.rows {
+            for (k, column) in columns.iter().enumerate() {
+                let (to, from) = (row * self.columns + column, row * part.columns + k);
+                self.depth_m[to] = part.depth_m[from];
+                self.instance[to] = part.instance[from];
+                self.face[to] = part.face[from];
+            }
+        }
+    }
+
     /// Keeps the nearer hit; of two equal ones the earlier instance and face.
     #[inline(always)]
     pub(super) fn keep_nearer(&mut self, at: usize, depth_m: f32, instance: u32, face: u32) {

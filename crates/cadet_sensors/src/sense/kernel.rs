@@ -2,6 +2,7 @@
 
 use macro_rules_attribute::apply;
 
+use super::as_met::{AsMet, Still};
 use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
 use super::coarse_depth::CoarseDepth;
 use super::edges::EdgePlanes;
@@ -35,16 +36,29 @@ pub fn cast<G: BeamGrid>(
     keep: impl Fn(&PosedInstance) -> bool,
     hits: &mut Hits,
 ) {
+    cast_as_met(scene, (grid, &Still), filter, keep, hits);
+}
+
+/// [`cast`] where points have moved until beams meet them.
+pub(crate) fn cast_as_met<G: BeamGrid, M: AsMet>(
+    scene: &PosedScene,
+    (grid, as_met): (&G, &M),
+    filter: SurfaceFilter,
+    keep: impl Fn(&PosedInstance) -> bool,
+    hits: &mut Hits,
+) {
     if (hits.rows, hits.columns) != (grid.rows(), grid.columns()) {
         *hits = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
     let slots: Vec<u64> = scene.instances.iter().map(|i| noticed_slots(i, filter)).collect();
     let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
-    let clusters = visible_clusters(scene, grid, &to_grid, kept.map(|((index, _), slots)| (index, *slots)));
+    let noticed = kept.map(|((index, _), slots)| (index, *slots));
+    let clusters = visible_clusters(scene, grid, &to_grid, |index| as_met.reach_m(index), noticed);
     let mut caster = Caster {
         scene,
         grid,
+        as_met,
         to_grid,
         filter,
         slots,
@@ -58,7 +72,7 @@ pub fn cast<G: BeamGrid>(
 /// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
 /// operation and none of them fused, so that the outcome is the same to the bit.
 #[apply(for_wide_registers)]
-fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[VisibleCluster]) {
+fn cast_clusters<G: BeamGrid, M: AsMet>(caster: &mut Caster<'_, G, M>, clusters: &[VisibleCluster]) {
     for item in front_to_back(clusters) {
         if !caster.is_hidden(&item.windows(), item.near_m) {
             caster.cast_cluster(&item);
@@ -66,9 +80,10 @@ fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[VisibleClu
     }
 }
 
-struct Caster<'a, G: BeamGrid> {
+struct Caster<'a, G: BeamGrid, M> {
     scene: &'a PosedScene,
     grid: &'a G,
+    as_met: &'a M,
     to_grid: ToGrid,
     filter: SurfaceFilter,
     /// The bits of the material slots that the beams notice, for each instance.
@@ -112,7 +127,7 @@ impl<F> VerticesOnGrid<F> {
     }
 }
 
-impl<G: BeamGrid> Caster<'_, G> {
+impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
     /// True if all beams of the windows have met something nearer than `near_m`.
     #[inline(always)]
     fn is_hidden(&mut self, windows: &[Window; 2], near_m: f32) -> bool {
@@ -131,7 +146,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     fn cast_cluster(&mut self, item: &VisibleCluster) {
         let instance = &self.scene.instances[item.instance as usize];
         let cluster = &instance.mesh.clusters[item.cluster as usize];
-        self.project(instance, cluster);
+        self.project(item.instance, cluster);
         let num_candidates = self.find_candidates(cluster);
         let slots = self.slots[item.instance as usize];
         // Bit 63 may stand for several slots.
@@ -169,11 +184,13 @@ impl<G: BeamGrid> Caster<'_, G> {
 
     /// Poses the vertices and finds where they fall on the grid.
     #[inline(always)]
-    fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
+    fn project(&mut self, index: u32, cluster: &Cluster) {
+        let instance = &self.scene.instances[index as usize];
         let VerticesOnGrid { x, y, z, footprints, .. } = &mut *self.scratch;
         let places = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
         for ((local, ((x, y), z)), out) in cluster.lanes.iter().zip(places).zip(footprints.chunks_exact_mut(LANES)) {
-            let points = self.to_grid.lanes(&instance.placement.pose_lanes(local));
+            let mut points = self.to_grid.lanes(&instance.placement.pose_lanes(local));
+            self.as_met.move_lanes(index as usize, &mut points);
             x.copy_from_slice(&points[0]);
             y.copy_from_slice(&points[1]);
             z.copy_from_slice(&points[2]);

@@ -1,5 +1,6 @@
 //! What a beam meets first: the posed triangles, the visibility kernel over grids of beams, and parry for single rays.
 
+mod as_met;
 mod azimuth_ticks;
 mod block_rasterization;
 mod cluster_culling;
@@ -26,12 +27,14 @@ mod spinning_table;
 mod to_grid;
 mod visibility_buffer;
 
+pub(crate) use as_met::{HalfTurn, MetWhileTurning};
 pub use depth_test::{ROW_BITS, bits_by_column};
 pub use detail::Resolution;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;
 pub use grid::{Beam, BeamGrid, Window};
 pub use hits::{Hits, NO_HIT};
+pub(crate) use kernel::cast_as_met;
 pub use kernel::{SurfaceFilter, cast};
 pub use laser_ring::LaserRing;
 pub use motion::RigidMotion;

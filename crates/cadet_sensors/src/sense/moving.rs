@@ -113,6 +113,11 @@ impl MovingCaster {
         Moment { caster: self, instant_from_moment: instant_from_moment.collect() }
     }
 
+    /// How an instance moves; None at rest, or where it was left out.
+    pub(crate) fn motion_of(&self, instance: usize) -> Option<&RigidMotion> {
+        self.instances[instance].as_ref().and_then(|i| i.motion).map(|motion| &self.motions[motion])
+    }
+
     /// A direction `time_s` after the instant as it stands to an instance's triangles where [`PosedScene`] has them.
     #[must_use]
     pub fn direction_at_instant(&self, instance: u32, direction_world: DVec3, time_s: f64) -> DVec3 {
@@ -141,6 +146,21 @@ impl Moment<'_> {
     pub fn cast(&self, origin_world: DVec3, direction_world: DVec3) -> SurfaceHits {
         let [opaque, transparent] = self.nearest(origin_world, direction_world);
         SurfaceHits { opaque, transparent: transparent.filter(|t| opaque.is_none_or(|o| t.range_m < o.range_m)) }
+    }
+
+    /// Where a ray meets a triangle; None if it passes beside.
+    pub(crate) fn range_of(
+        &self,
+        [origin_world, direction_world]: [DVec3; 2],
+        instance: u32,
+        face: u32,
+    ) -> Option<f64> {
+        let motion = self.caster.instances[instance as usize].as_ref()?.motion;
+        let back = motion.map(|index| &self.instant_from_moment[index]);
+        let (origin, direction) = back.map_or((origin_world, direction_world), |back| {
+            (back.transform_point(origin_world), back.rotation * direction_world)
+        });
+        meet(self.caster.scene.corners(instance, face).map(|p| p.as_dvec3()), origin, direction)
     }
 
     /// The first triangle on a ray, opaque or transparent.

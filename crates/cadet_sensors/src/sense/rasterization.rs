@@ -38,7 +38,7 @@ pub fn rasterize_instances(
 ) {
     buffer.reset(grid.rows(), grid.columns());
     let to_grid = ToGrid::new(grid);
-    let mut clusters = visible_clusters(scene, grid, &to_grid, instances.map(|index| (index, u64::MAX)));
+    let mut clusters = visible_clusters(scene, grid, &to_grid, |_| 0.0, instances.map(|index| (index, u64::MAX)));
     sort_by_depth(&mut clusters);
     let mut rasterizer = Rasterizer {
         scene,
