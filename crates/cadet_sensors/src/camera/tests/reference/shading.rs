@@ -244,7 +244,7 @@ impl Reference {
         let through = Vec3::new(0.85, 1.0, 0.50) * (0.75 * (-cos_sun).max(0.0));
         let facing = Vec3::splat(cos_sun.max(0.0));
         let direct = if s.is_leaf { (facing + through) * 0.9 + Vec3::splat(0.20) } else { facing };
-        let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 } else { 1.0 };
+        let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 * 0.6 } else { 1.0 };
         let puddle = value_noise(at.world.x * 0.35, at.world.y * 0.35, 0xF11);
         let is_wet = s.is_ground && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
