@@ -83,7 +83,7 @@ impl LastGain {
         }
         // Solves dx/dt = -a x^3.
         let last = self.gain.values_per_radiance;
-        let wrong = math::ln(f64::from(last / wanted_gain)) as f32;
+        let wrong = math::lnf(last / wanted_gain);
         let left = wrong / (1.0 + 2.0 * ADAPTATION_PER_S * wrong * wrong * self.age_s).sqrt();
         last * math::expf(left - wrong)
     }
@@ -282,7 +282,7 @@ mod tests {
             for _ in 0..20 {
                 gains.push(toward(gains[gains.len() - 1], wanted, 0.1));
             }
-            let missing = |gain: f32| (gain / wanted).ln().abs();
+            let missing = |gain: f32| math::lnf(gain / wanted).abs();
             assert!(gains.windows(2).all(|g| missing(g[1]) < missing(g[0])), "{gains:?}");
             assert!(missing(gains[10]) < 0.30 && missing(gains[20]) < 0.21, "{gains:?}");
             // Twice the frames are no faster.

@@ -6,7 +6,7 @@ use super::shadow_maps::{sunlit, sunlit_ground};
 use super::{EYE_HEIGHT_M, clear_sun_from, cuboid, gray, ground};
 use crate::sense::PosedScene;
 use cadet_base::material::Semantic;
-use cadet_base::math::{DVec3, Vec3};
+use cadet_base::math::{self, DVec3, Vec3};
 
 /// Shadows of a box and the direction to a sun that stands `azimuth_deg` from x, before an eye that looks along x.
 fn shadows_of_box(min: Vec3, max: Vec3, azimuth_deg: f64, elevation_deg: f64) -> (ShadowMaps, Vec3) {
@@ -34,7 +34,7 @@ fn a_boxs_shadow_begins_at_its_foot_and_ends_where_its_edge_casts_it() {
             let (low, high) = (Vec3::new(x - 2.0, 0.0, 0.0), Vec3::new(x + 2.0, 1.0, height));
             let (shadows, s) = shadows_of_box(low, high, 90.0, elevation);
             let lit = |y: f32| sunlit_ground(&shadows, Vec3::new(x, y, 0.0), s);
-            let length = height / elevation.to_radians().tan() as f32;
+            let length = height / math::tan(elevation.to_radians()) as f32;
             // Half a texel of the map, on the ground: what the far one's size permits.
             let texel_m = if x < 33.0 { 40.0 } else { 136.0 } / 1536.0;
             let half = 0.5 * texel_m / s.z;
@@ -74,7 +74,7 @@ fn edges_of_shadows_run_on_from_map_to_map() {
     let (shadows, s) = shadows_of_box(low, high, 90.0, 32.0);
     let edge = |x: f32| crossing(|along| sunlit_ground(&shadows, Vec3::new(x, -along, 0.0), s), 1.0, 6.0);
     let edges: Vec<f32> = (20..80).map(|x| edge(x as f32)).collect();
-    let expected = 2.0 / 32.0_f32.to_radians().tan();
+    let expected = 2.0 / math::tan(32.0_f64.to_radians()) as f32;
     assert!(edges.iter().all(|edge| (edge - expected).abs() < 0.09), "{expected} {edges:?}");
 }
 
