@@ -11,6 +11,7 @@ use cadet_base::actor::{BrakesFor, ObjectClass};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{DPose3, DVec3, TAU};
 use cadet_base::rng::StreamKey;
+use cadet_sensors::camera::Gain;
 use cadet_sensors::label::{LabelConfig, TakenView};
 use cadet_sensors::lidar::{IdealScan, LidarSpec, ideal_scan};
 use cadet_sensors::rig::Rig;
@@ -111,6 +112,8 @@ pub struct Scene {
     label: LabelConfig,
     /// The last view that `Scene::capture_labeled` took.
     taken: Option<TakenView>,
+    /// When the first camera took its last image, seconds, and with what gain; none once the scene was changed by hand.
+    exposed: Option<(f64, Gain)>,
     /// The triangles of the present instant; dropped whenever the world moves.
     sensed: Option<Sensed>,
     /// parry's trees, kept from instant to instant.
@@ -171,6 +174,7 @@ impl Scene {
             rig,
             label: config.label.clone().validated()?,
             taken: None,
+            exposed: None,
             sensed: None,
             trees: FaceTrees::default(),
         })
@@ -217,7 +221,7 @@ impl Scene {
         course: &Course,
         overlap: Overlap,
     ) -> Result<i32> {
-        self.sensed = None;
+        (self.sensed, self.exposed) = (None, None);
         self.world.add(class, model, course, overlap)
     }
 
@@ -226,7 +230,7 @@ impl Scene {
     /// # Errors
     /// A place that is not finite, off the ground, or where somebody stands.
     pub fn move_ego(&mut self, x: f64, y: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
-        self.sensed = None;
+        (self.sensed, self.exposed) = (None, None);
         self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw_rad)?, overlap)
     }
 

@@ -30,17 +30,42 @@ def relative_gain(before: cadet.Frame, after: cadet.Frame) -> float:
     return float(np.median(other[is_counted] / one[is_counted]))
 
 
-@pytest.mark.parametrize(("seed", "weather"), [(0, "clear_noon"), (2, "cloudy_noon"), (5, "clear_sunset")])
-def test_frames_of_a_parked_car_do_not_flicker(seed: int, weather: str) -> None:
+@pytest.mark.parametrize(
+    ("seed", "weather", "has_traffic"),
+    [
+        (0, "clear_noon", True),
+        (1, "cloudy_noon", True),
+        (2, "cloudy_noon", False),
+        (5, "clear_sunset", False),
+        (13, "cloudy_noon", True),
+    ],
+)
+def test_frames_of_a_parked_car_do_not_flicker(seed: int, weather: str, has_traffic: bool) -> None:
     scene = cadet.Scene.random(seed=seed, weather=weather)
     scene.command_ego(speed_mps=0.0)
     scene.step(4.0)
     frames = []
-    for _ in range(6):
+    for _ in range(24 if has_traffic else 6):
         scene.step(0.1)
         frames.append(scene.capture())
+    shares = [np.mean(np.asarray(frame.instance) > 0) for frame in frames]
+    assert (max(shares) - min(shares) > 0.09) == has_traffic, shares
     changes = [abs(relative_gain(a, b) - 1.0) for a, b in pairwise(frames)]
     assert max(changes) < 0.005, changes
+
+
+def test_a_camera_that_has_not_looked_for_a_second_meters_anew() -> None:
+    frames = []
+    for before_s in (None, 0.2, 1.5):
+        scene = cadet.Scene.random(seed=1, weather="clear_noon")
+        scene.step(3.0 - (before_s or 0.0))
+        if before_s is not None:
+            scene.capture()
+            scene.step(before_s)
+        frames.append(scene.capture())
+    assert abs(relative_gain(frames[0], frames[1]) - 1.0) > 0.003
+    assert abs(relative_gain(frames[0], frames[2]) - 1.0) < 0.0003
+    assert abs(relative_gain(frames[2], scene.capture()) - 1.0) < 0.0003
 
 
 def relative_gain_of_right_camera(frame: cadet.Frame) -> float:

@@ -8,7 +8,7 @@ use cadet_base::actor::ActorState;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_sensors::camera::{
-    CameraModel, Fisheye, Foreground, LensDrops, Maps, Metering, Motions, Moving, Precipitation, Rendered,
+    CameraModel, Fisheye, Foreground, LastGain, LensDrops, Maps, Metering, Motions, Moving, Precipitation, Rendered,
     SurfaceMapKinds, View, Visibility, render_fisheye, render_rolling, render_through, visibility_pass,
 };
 use cadet_sensors::label::{
@@ -201,7 +201,9 @@ impl Scene {
         let mut pixels = vec![[0.0; 2]; if request.with_pixels { snapshot.actors.len() } else { 0 }];
         let mut first = Some(first);
         // The error of the exposure is a rig's and an episode's: neither its images nor its cameras differ by it.
-        let mut metering = Metering::Own { error: self.key.stream("exposure").clipped_normal(0.0, 1.0) as f32 };
+        let error = self.key.stream("exposure").clipped_normal(0.0, 1.0) as f32;
+        let last = self.exposed.map(|(time_s, gain)| LastGain { gain, age_s: (snapshot.time_s - time_s) as f32 });
+        let mut metering = Metering::Own { error, last };
         for index in std::iter::once(0).chain(request.cameras.iter().copied()) {
             // Each camera's memory serves the next one.
             let looked = first.take().map_or_else(|| self.look(index, request.with_all_sightings), Ok)?;
@@ -214,6 +216,7 @@ impl Scene {
             metering = Metering::Rig(image.rendered.gain);
             images.push(image);
         }
+        self.exposed = Some((snapshot.time_s, images[0].rendered.gain));
         let mut scans = Vec::with_capacity(1 + request.lidars.len());
         for index in std::iter::once(0).chain(request.lidars.iter().copied()) {
             let (name, scan) = (self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?);

@@ -44,7 +44,7 @@ mod windows;
 
 pub use development::{CURVE_POINTS, Development, MOST_EXPOSURE_EV, MOST_NOISE, Response, WHITE_BALANCE_FACTORS};
 pub use distortion::{Distortion, Warp};
-pub use exposure::{Gain, Metering};
+pub use exposure::{Gain, LastGain, Metering};
 pub use fisheye::{Fisheye, MOST_ANGLE_RAD};
 pub use fisheye_pass::render_fisheye;
 pub use lens_drops::LensDrops;

@@ -139,6 +139,7 @@ impl ShadingPass {
                 let query = ShadowQuery {
                     points: &self.geometry.point,
                     normals: &self.inputs.face_normal,
+                    flags: &self.inputs.flags,
                     cos_sun: &self.geometry.cos_face,
                     is_queried,
                     count: n,

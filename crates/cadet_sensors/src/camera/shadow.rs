@@ -7,7 +7,8 @@ mod rasterization;
 use macro_rules_attribute::apply;
 
 use self::map::{EMPTY, HIGHEST_STEPS, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, steps};
-use self::rasterization::rasterize_casters;
+use self::rasterization::{LEVEL, rasterize_casters};
+use super::face::Flags;
 use super::value_noise::split;
 use crate::sense::PosedScene;
 use cadet_base::geometry::LANES;
@@ -115,6 +116,9 @@ impl ShadowMaps {
     /// Share of the sun that reaches each of some points, 0..1, by the shares of a square of three by three texels about
     /// it that lie no higher towards the sun ("percentage closer filtering": Reeves, Salesin & Cook 1987).
     ///
+    /// Each map fades out at its rim, over what the next one knows; the last one's fades to light, which is what open
+    /// ground and walls that face the sun show far away, and the same in every frame.
+    ///
     /// `eye_world`: what the points are relative to. `texels`: memory for what is looked up.
     pub fn shadow_factors<const N: usize>(
         &self,
@@ -123,8 +127,15 @@ impl ShadowMaps {
         texels: &mut PcfTexels<N>,
         factors: &mut [f32; N],
     ) {
-        project(self, eye_world, query, &mut texels.at);
-        filter(&self.maps, query, texels, factors);
+        for i in 0..query.count.min(N) {
+            factors[i] = if query.is_queried[i] { 1.0 } else { 0.0 };
+        }
+        texels.at.unknown = *factors;
+        for map in &self.maps {
+            if project(self, map, eye_world, query, &mut texels.at) {
+                filter(map, query.count, texels, factors);
+            }
+        }
     }
 }
 
@@ -135,6 +146,8 @@ pub struct ShadowQuery<'a, const N: usize> {
     pub points: &'a [[f32; N]; 3],
     /// Unit geometric normals towards the viewer's side.
     pub normals: &'a [[f32; N]; 3],
+    /// Those of their faces ([`Flags`]).
+    pub flags: &'a [u32; N],
     /// Their cosines to the sun.
     pub cos_sun: &'a [f32; N],
     /// The others get 0.
@@ -143,19 +156,18 @@ pub struct ShadowQuery<'a, const N: usize> {
     pub count: usize,
 }
 
-/// Texels of a map.
-const MAP: usize = SIZE * STRIDE;
-/// On no map.
-const NOWHERE: u32 = u32::MAX;
-
-/// Where points fall on the maps: the first texel of the four by four about it, counted through both maps, the shares of
-/// its column and row that lie outside of the square, and the height towards the sun.
+/// Where points fall on a map: the first texel of the four by four about it, the shares of its column and row that lie
+/// outside of the square, the height towards the sun, and how it rises from column to column and from row to row.
 #[derive(Debug)]
 struct MapCoordinates<const N: usize> {
+    /// What this map says counts so much, and what it and those before it leave to the next ones.
+    weight: [f32; N],
+    unknown: [f32; N],
     first: [u32; N],
     x: [f32; N],
     y: [f32; N],
     z: [f32; N],
+    rise: [[f32; N]; 2],
 }
 
 /// What [`ShadowMaps::shadow_factors`] looks at, four by four texels about each point; memory that is used again.
@@ -165,6 +177,9 @@ pub struct PcfTexels<const N: usize> {
     /// By rows: what is done goes over four neighbors of every point in turn.
     texels: [[[i16; SIDE]; N]; SIDE],
     heights: [[i16; SIDE]; N],
+    /// What receivers' planes rise from the point to the columns of the first row, and from row to row.
+    rises: [[i16; SIDE]; N],
+    row_rises: [[i16; SIDE]; N],
     /// Shares of the first and the last row, and of the columns.
     top: [[f32; SIDE]; N],
     bottom: [[f32; SIDE]; N],
@@ -175,9 +190,19 @@ impl<const N: usize> Default for PcfTexels<N> {
     fn default() -> Self {
         let none = [[0.0; SIDE]; N];
         Self {
-            at: MapCoordinates { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
+            at: MapCoordinates {
+                weight: [0.0; N],
+                unknown: [0.0; N],
+                first: [0; N],
+                x: [0.0; N],
+                y: [0.0; N],
+                z: [0.0; N],
+                rise: [[0.0; N]; 2],
+            },
             texels: [[[0; SIDE]; N]; SIDE],
             heights: [[0; SIDE]; N],
+            rises: [[0; SIDE]; N],
+            row_rises: [[0; SIDE]; N],
             top: none,
             bottom: none,
             columns: none,
@@ -185,8 +210,9 @@ impl<const N: usize> Default for PcfTexels<N> {
     }
 }
 
-/// Texels along a map's rim that are not looked up: the next map has them.
+/// Texels along a map's rim that are not looked up, and those within them over which the map fades out: 2 and 7 m.
 const MARGIN: f32 = 8.0;
+const FADE: f32 = 80.0;
 
 /// How far a point is moved along its normal where the sun stands square to it, texels.
 const NORMAL_OFFSET: f32 = 0.8;
@@ -195,6 +221,8 @@ const GRAZING_OFFSET: f32 = 2.2;
 const LEAST_OFFSET_M: f32 = 0.006;
 /// How much nearer to the sun points are taken to lie than they do, texels.
 const DEPTH_BIAS: f32 = 0.8;
+/// The plane of ground on which the sun grazes more is taken to rise no faster.
+const LEAST_COS: f32 = 0.03;
 /// Half the side of the square, texels.
 const REACH: f32 = 1.5;
 /// Texels along a side of the square that is filtered, its area, and how much of that counts as all.
@@ -202,77 +230,95 @@ const SIDE: usize = 4;
 const AREA: f32 = 4.0 * REACH * REACH;
 const ALL_LIT: f32 = 8.95;
 
+/// Finds points on a map; true if it shows any that the finer ones leave to it.
 #[apply(for_wide_registers)]
-fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &ShadowQuery<N>, out: &mut MapCoordinates<N>) {
+fn project<const N: usize>(
+    shadows: &ShadowMaps,
+    map: &Map,
+    eye_world: Vec3,
+    query: &ShadowQuery<N>,
+    out: &mut MapCoordinates<N>,
+) -> bool {
     let count = query.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
     let eye = shadows.to_light(eye_world);
+    let (min_x, min_y, to_z) = (eye.x - map.min_m[0], eye.y - map.min_m[1], eye.z - map.middle_z);
     let [px, py, pz] = query.points;
     let [nx, ny, nz] = query.normals;
-    out.first[..count].fill(NOWHERE);
-    // The near map has the last word.
-    for (index, map) in shadows.maps.iter().enumerate().rev() {
-        let base = (index * MAP) as i32;
-        let (min_x, min_y, to_z) =
-            (eye.x - map.min_m[0], eye.y - map.min_m[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
-        let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
-        for i in 0..count {
-            let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
-            let cos_sun = query.cos_sun[i];
-            // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
-            let offset = texel_m * (NORMAL_OFFSET + GRAZING_OFFSET * (1.0 - cos_sun.abs())) + LEAST_OFFSET_M;
-            let offset = if cos_sun < 0.0 { -offset } else { offset };
-            let p = point + normal * offset;
-            let x = (axes[0].dot(p) + min_x) * texels_per_m;
-            let y = (axes[1].dot(p) + min_y) * texels_per_m;
-            let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
-            let z = (axes[2].dot(p) + to_z) * map.steps_per_m;
-            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high) & (z.abs() < HIGHEST_STEPS);
-            let ((column, in_column), (row, in_row)) = (split(x - REACH), split(y - REACH));
-            let texel = base.wrapping_add(row.wrapping_mul(STRIDE as i32)).wrapping_add(column);
-            out.first[i] = if is_inside { texel as u32 } else { out.first[i] };
-            out.x[i] = if is_inside { in_column } else { out.x[i] };
-            out.y[i] = if is_inside { in_row } else { out.y[i] };
-            out.z[i] = if is_inside { z } else { out.z[i] };
-        }
+    let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
+    let mut any = [0_u8; N];
+    for i in 0..count {
+        let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
+        let cos_sun = query.cos_sun[i];
+        // Level ground is on no map, so that nothing keeps it from shading itself but what stands out of it.
+        let is_level = (query.flags[i] & Flags::GROUND > 0) & (normal.z * normal.z > LEVEL);
+        // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
+        let offset = texel_m * (NORMAL_OFFSET + GRAZING_OFFSET * (1.0 - cos_sun.abs())) + LEAST_OFFSET_M;
+        let offset = if is_level { 0.0 } else { offset };
+        let bias = if is_level { LEAST_OFFSET_M } else { texel_m * DEPTH_BIAS };
+        let p = point + normal * if cos_sun < 0.0 { -offset } else { offset };
+        let x = (axes[0].dot(p) + min_x) * texels_per_m;
+        let y = (axes[1].dot(p) + min_y) * texels_per_m;
+        let z = (axes[2].dot(p) + to_z + bias) * map.steps_per_m;
+        let to_rim = lesser(lesser(x, y), lesser(SIZE as f32 - x, SIZE as f32 - y)) - MARGIN;
+        let share = lesser(greater(to_rim * (1.0 / FADE), 0.0), 1.0);
+        let weight = if z.abs() < HIGHEST_STEPS { out.unknown[i] * share } else { 0.0 };
+        any[i] = u8::from((weight > 0.0) & (i < query.count));
+        out.weight[i] = weight;
+        out.unknown[i] -= weight;
+        let ((column, in_column), (row, in_row)) = (split(x - REACH), split(y - REACH));
+        out.first[i] = row.wrapping_mul(STRIDE as i32).wrapping_add(column) as u32;
+        (out.x[i], out.y[i], out.z[i]) = (in_column, in_row, z);
+        // From a texel to the next along the receiver's plane.
+        let rise = if is_level { -texel_m * map.steps_per_m / greater(cos_sun, LEAST_COS) } else { 0.0 };
+        out.rise[0][i] = axes[0].dot(normal) * rise;
+        out.rise[1][i] = axes[1].dot(normal) * rise;
     }
+    any.into_iter().fold(0, |all, one| all | one) != 0
 }
 
-/// The shares of squares of three by three texels that lie no higher than the points. A square begins in a point's first
-/// texel (the shares `x` and `y` of that one's column and row lie outside) and ends in the third after it.
+/// The shares of squares of three by three texels that lie no higher than the points, and than the planes of those that
+/// have one. A square begins in a point's first texel (the shares `x` and `y` of that one's column and row lie outside)
+/// and ends in the third after it.
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
 #[apply(for_wide_registers)]
-fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
-    let PcfTexels { at, texels, heights, top, bottom, columns } = found;
+fn filter<const N: usize>(map: &Map, points: usize, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
+    let PcfTexels { at, texels, heights, rises, row_rises, top, bottom, columns } = found;
     let mut which = [0_u16; N];
     let mut count = 0;
-    for i in 0..query.count.min(N) {
+    for i in 0..points.min(N) {
         which[count] = i as u16;
-        let is_known = query.is_queried[i] & (at.first[i] != NOWHERE);
-        count += usize::from(is_known);
-        factors[i] = if query.is_queried[i] { 1.0 } else { 0.0 };
+        count += usize::from(at.weight[i] > 0.0);
     }
     for (k, i) in which[..count].iter().enumerate() {
         let i = usize::from(*i);
-        let first = at.first[i] as usize;
-        let map = &maps[first / MAP];
-        let rows = &map.height[first % MAP..][..(SIDE - 1) * STRIDE + SIDE];
+        let rows = &map.height[at.first[i] as usize..][..(SIDE - 1) * STRIDE + SIDE];
         for (row, texels) in texels.iter_mut().enumerate() {
             texels[k].copy_from_slice(&rows[row * STRIDE..row * STRIDE + SIDE]);
         }
         let (x, y) = (at.x[i], at.y[i]);
         (top[k], bottom[k], heights[k]) = ([1.0 - y; SIDE], [y; SIDE], [steps(at.z[i]) as i16; SIDE]);
         columns[k] = [1.0 - x, 1.0, 1.0, x];
+        // The first texel's middle lies so far from the point.
+        let [by_x, by_y] = [at.rise[0][i], at.rise[1][i]];
+        let first = by_x * (0.5 - REACH - x) + by_y * (0.5 - REACH - y);
+        rises[k] = [0.0, 1.0, 2.0, 3.0].map(|column| steps(first + by_x * column) as i16);
+        row_rises[k] = [steps(by_y) as i16; SIDE];
     }
     let [row_0, row_1, row_2, row_3] = texels.each_ref().map(|row| row.as_flattened());
     let (top, bottom, heights) = (top.as_flattened(), bottom.as_flattened(), heights.as_flattened());
+    let (rises, row_rises) = (rises.as_flattened(), row_rises.as_flattened());
     let sums = columns.as_flattened_mut();
     for j in 0..(count * SIDE).next_multiple_of(2 * LANES).min(SIDE * N) {
-        let z = heights[j];
-        let share = |texel: i16, share: f32| if texel <= z { share } else { 0.0 };
-        let ends = share(row_0[j], top[j]) + share(row_3[j], bottom[j]);
-        sums[j] *= ends + (share(row_1[j], 1.0) + share(row_2[j], 1.0));
+        let (z, first, step) = (heights[j], rises[j], row_rises[j]);
+        // Where a plane falls, the point's own height counts: a wall's foot does not darken the ground that it faces.
+        let share = |texel: i16, row: i16, share: f32| {
+            let rise = first.wrapping_add(step.wrapping_mul(row)).max(0);
+            if texel <= z.saturating_add(rise) { share } else { 0.0 }
+        };
+        let ends = share(row_0[j], 0, top[j]) + share(row_3[j], 3, bottom[j]);
+        sums[j] *= ends + (share(row_1[j], 1, 1.0) + share(row_2[j], 2, 1.0));
     }
     let mut shares = [0.0; N];
     for (share, [a, b, c, d]) in shares.iter_mut().zip(&columns[..count]) {
@@ -281,7 +327,8 @@ fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfT
         *share = if sum > ALL_LIT { 1.0 } else { sum * (1.0 / AREA) };
     }
     for (i, share) in which[..count].iter().zip(shares) {
-        factors[usize::from(*i)] = share;
+        let i = usize::from(*i);
+        factors[i] = greater(factors[i] - at.weight[i] * (1.0 - share), 0.0);
     }
 }
 
@@ -316,7 +363,7 @@ fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], 
                 } else {
                     (TILES * TILES) as i32
                 };
-                is_finer[i] |= within(2.0 * MARGIN);
+                is_finer[i] |= within(2.0 * MARGIN + FADE);
                 let w = sun.x * x[i] + sun.y * y[i] + sun.z * z[i];
                 heights[i] = (w - map.middle_z - RECEIVERS_BELOW_M) * map.steps_per_m;
             }

@@ -33,10 +33,16 @@ const ZENITH: Vec3 = Vec3::new(0.52, 0.87, 1.31);
 const HORIZON: Vec3 = Vec3::new(1.25, 1.51, 1.64);
 const GLOW: Vec3 = Vec3::new(5.0, 4.9, 4.6);
 /// Brightness of the visible sky over the one that lights the ground, and how much less of that an overcast sky has.
-const VISIBLE_OVER_LIGHTING: f32 = 2.05;
-const OVERCAST_VISIBLE: f32 = 0.85;
+const VISIBLE_OVER_LIGHTING: f32 = 2.2;
+const OVERCAST_VISIBLE: f32 = 1.0;
 /// R, G, B of a clear sky's light on surfaces.
 const SKYLIGHT_TINT: Vec3 = Vec3::new(0.87, 1.0, 1.10);
+/// Irradiance of a clear sky on an upright surface over that on level ground, by the cosine to the sun: constant, linear, and
+/// square part, and the least one (Threlkeld 1963; ASHRAE's clear sky). More than the sky above gives, by what is bright about the
+/// sun and along the horizon.
+const UPRIGHT_RATIO: [f32; 3] = [0.55, 0.437, 0.313];
+const LEAST_UPRIGHT_RATIO: f32 = 0.45;
+const LEAST_UPRIGHT_COS: f32 = -0.2;
 /// The sun casts shadows from this irradiance and this sine of its elevation on.
 const SHADOW_IRRADIANCE: f32 = 0.004;
 const SHADOW_SINE: f32 = 0.01;
@@ -150,7 +156,10 @@ impl Sky {
         let gains = clear_gains + (Vec3::splat(level / open.y) - clear_gains) * overcast;
         sky.sky_on_level = sky.irradiance(Vec3::Z) * gains;
         sky.ground = GROUND_ALBEDO * (sky.sky_on_level * GROUND_SKY_SHARE + sky.sun * (sin_e * GROUND_SUN_SHARE));
-        let open = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| sky.irradiance(n) * gains);
+        let open = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| {
+            let shape = sky.irradiance(n) * gains;
+            if n.z == 0.0 { shape + (sky.clear_on_upright(n) - shape) * (1.0 - overcast) } else { shape }
+        });
         sky.hidden = sky.irradiance_between_walls(&open);
         sky.more_in_open = std::array::from_fn(|k| open[k] - sky.hidden[k]);
         sky
@@ -227,6 +236,15 @@ impl Sky {
             + along(5, square(-n.z))
     }
 
+    /// Irradiance of a clear sky and of open ground on an upright surface.
+    fn clear_on_upright(&self, normal: Vec3) -> Vec3 {
+        let cos_sun = normal.dot(self.sun_world);
+        let [constant, linear, square] = UPRIGHT_RATIO;
+        let ratio = constant + linear * cos_sun + square * cos_sun * cos_sun;
+        let ratio = if cos_sun < LEAST_UPRIGHT_COS { LEAST_UPRIGHT_RATIO } else { ratio };
+        self.sky_on_level * ratio + self.ground * 0.5
+    }
+
     /// Irradiance on surfaces along the six half axes before which walls hide all of the sky, one bounce of light; `open` is
     /// that without walls. What faces away from the sun looks at sunlit walls, what faces it at shaded ones.
     fn irradiance_between_walls(&self, open: &[Vec3; 6]) -> [Vec3; 6] {
@@ -286,13 +304,28 @@ mod tests {
     }
 
     #[test]
-    fn the_ambient_cube_agrees_with_the_integral_on_its_axes_and_between() {
-        let sky = Sky::new(&Weather::preset("clear_noon").unwrap());
+    fn the_ambient_cube_agrees_with_the_integral_under_clouds_on_its_axes_and_between() {
+        let sky = Sky::new(&Weather::preset("hard_rain_noon").unwrap());
         for n in [Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.8, 0.6)] {
             let exact = sky.sky_on_level.y * sky.irradiance(n).y / sky.irradiance(Vec3::Z).y;
             let cube = sky.ambient(n, &[1.0; 6]).y;
             assert!((cube - exact).abs() < 0.25 * exact, "{n}: {cube} {exact}");
         }
+    }
+
+    #[test]
+    fn open_walls_get_of_a_clear_sky_what_was_measured() {
+        let mut weather = Weather::preset("clear_noon").unwrap();
+        (weather.sun_azimuth_rad, weather.sun_elevation_rad, weather.cloudiness) = (0.0, 40.0_f64.to_radians(), 0.0);
+        let sky = Sky::new(&weather);
+        // Threlkeld's curve at cosines of 0.766, 0, and -0.766, and half of the ground.
+        for (n, ratio) in [(Vec3::X, 1.068), (Vec3::Y, 0.55), (-Vec3::Y, 0.55), (-Vec3::X, 0.45)] {
+            let of_sky = sky.ambient(n, &[1.0; 6]).y - 0.5 * sky.ground.y;
+            assert!((of_sky / sky.sky_on_level.y - ratio).abs() < 0.01, "{n}: {of_sky}");
+        }
+        // A wall in its own shade has a sixth to a fourth of the light of the sunlit one behind it.
+        let (shaded, sunlit) = (sky.ambient(-Vec3::X, &[1.0; 6]), sky.ambient(Vec3::X, &[1.0; 6]) + sky.sun * 0.766);
+        assert!((4.0..9.0).contains(&(sunlit.y / shaded.y)), "{sunlit} {shaded}");
     }
 
     #[test]

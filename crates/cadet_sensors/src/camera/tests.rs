@@ -9,6 +9,7 @@ mod oracle;
 mod pairs;
 mod reference;
 mod rolling_shutter;
+mod shadow_borders;
 mod shadow_maps;
 mod shadow_proxies;
 mod sky_visibility;

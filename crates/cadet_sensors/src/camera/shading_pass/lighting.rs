@@ -17,8 +17,10 @@ use cadet_base::math::Vec3;
 
 /// Leaves turn to all sides, and let through so much light for what they reflect, yellower.
 const LEAF_TRANSMISSION: f32 = 0.75;
-/// Ambient light reaches them on both sides.
-const LEAF_AMBIENT: f32 = 1.0 + LEAF_TRANSMISSION;
+/// Ambient light reaches them on both sides, where leaves about them leave some.
+const LEAF_AMBIENT: f32 = CROWN_OPENNESS * (1.0 + LEAF_TRANSMISSION);
+/// Share of the light about a crown that reaches the leaves in it.
+const CROWN_OPENNESS: f32 = 0.6;
 const LEAF_TRANSMISSION_TINT: Vec3 = Vec3::new(0.85, 1.0, 0.50);
 /// Of the sun's light, the share that goes by the cosine, and what is scattered to all sides.
 const LEAF_DIRECT: f32 = 0.9;

@@ -59,7 +59,7 @@ const LAST_SLOT: usize = 63;
 /// Far from the world's origin, single precision errs by millimeters.
 const ROUNDING_M: f32 = 0.01;
 /// Ground whose normal's square has more than this upwards is level.
-const LEVEL: f32 = 0.9;
+pub(super) const LEVEL: f32 = 0.9;
 
 /// The vertices of a cluster, axis by axis, by eights.
 type Points = [[[f32; LANES]; CLUSTER_VERTICES / LANES]; 3];

@@ -1,5 +1,6 @@
 //! Surfaces, and the light that leaves one point of them.
 
+use super::shadow::ShadowMap;
 use super::{Key, Reference};
 use crate::camera::contact_occlusion::Occluder;
 use crate::camera::face::{clump, luminaire_share};
@@ -211,10 +212,13 @@ impl Reference {
         let (sky, m, normal, wetness) = (&self.light.sky, s.material, self.normal_at(s, at), self.light.wetness);
         let (cos_face, cos_sun) = (s.normal.dot(sky.sun_world), normal.dot(sky.sun_world));
         let sees_sun = s.is_leaf || cos_face > 0.0 && (cos_sun > 0.0 || m.is_transparent());
-        let lit = match self.shadows.iter().find_map(|map| map.lit(at.world, s.normal, cos_face)) {
-            _ if !sees_sun || self.shadows.is_empty() => 0.0,
-            lit => lit.unwrap_or(1.0),
+        // From the coarser to the finer map; what none shows is lit.
+        let over = |lit: f32, map: &ShadowMap| {
+            let [share, weight] = map.lit(at.world, s.normal, cos_face, s.is_ground);
+            lit + (share - lit) * weight
         };
+        let has_sun = sees_sun && !self.shadows.is_empty();
+        let lit = if has_sun { self.shadows.iter().rev().fold(1.0, over) } else { 0.0 };
         let is_above_cars = s.normal.z <= 0.3 || m.semantic.is_vehicle() || s.is_leaf;
         let left_of_sky = |body: &Occluder| body.share_left(at.world - body.center);
         let contact: f32 = if is_above_cars { 1.0 } else { self.occluders.iter().map(left_of_sky).product() };
@@ -240,7 +244,7 @@ impl Reference {
         let through = Vec3::new(0.85, 1.0, 0.50) * (0.75 * (-cos_sun).max(0.0));
         let facing = Vec3::splat(cos_sun.max(0.0));
         let direct = if s.is_leaf { (facing + through) * 0.9 + Vec3::splat(0.20) } else { facing };
-        let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 } else { 1.0 };
+        let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 * 0.6 } else { 1.0 };
         let puddle = value_noise(at.world.x * 0.35, at.world.y * 0.35, 0xF11);
         let is_wet = s.is_ground && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };

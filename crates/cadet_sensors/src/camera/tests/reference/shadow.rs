@@ -5,7 +5,7 @@ use cadet_base::geometry::Cluster;
 use cadet_base::math::{DVec3, Vec3};
 
 const SIZE: usize = 1536;
-/// Texels at a map's rim that the next map answers for.
+/// Texels at a map's rim that it does not answer for.
 const MARGIN: f64 = 8.0;
 
 /// An orthographic map that the sun sees.
@@ -96,27 +96,36 @@ impl ShadowMap {
         }
     }
 
-    /// The share of three by three texels about a point that lie no higher than it; `None` off the map.
-    pub fn lit(&self, world: Vec3, normal: Vec3, cos_sun: f32) -> Option<f32> {
+    /// The share of three by three texels about a point that lie no higher than it, and how much that counts: less over the
+    /// last 80 texels of the map. Level ground shades nothing: there is no need to move it or to lower what may shade it.
+    pub fn lit(&self, world: Vec3, normal: Vec3, cos_sun: f32, is_ground: bool) -> [f32; 2] {
+        let is_level = is_ground && normal.z * normal.z > 0.9;
         // Moved along the normal, the further the flatter light falls, so that surfaces do not shade themselves.
         let texel_m = 1.0 / self.per_m.x;
-        let offset = texel_m as f32 * (0.8 + 2.2 * (1.0 - cos_sun.abs())) + 0.006;
+        let offset = if is_level { 0.0 } else { texel_m as f32 * (0.8 + 2.2 * (1.0 - cos_sun.abs())) + 0.006 };
         let p = self.on_map((world + normal * offset.copysign(cos_sun)).as_dvec3());
-        let z = (p.z + 0.8 * texel_m * self.per_m.z).round();
-        let is_inside = |c: f64| (MARGIN..SIZE as f64 - MARGIN).contains(&c);
-        if !(is_inside(p.x) && is_inside(p.y)) {
-            return None;
+        let z = (p.z + if is_level { 0.006 } else { 0.8 * texel_m } * self.per_m.z).round();
+        let inside = p.x.min(p.y).min(SIZE as f64 - p.x.max(p.y)) - MARGIN;
+        if inside <= 0.0 {
+            return [0.0; 2];
         }
         let overlap = |texel: usize, c: f64| ((texel + 1) as f64).min(c + 1.5) - (texel as f64).max(c - 1.5);
         let reach = |c: f64| (c - 1.5).floor() as usize..(c + 1.5).ceil() as usize;
+        // Steps that ground rises from texel to texel.
+        let slope = |axis: DVec3| {
+            let cos_sun = f64::from(cos_sun).max(0.03);
+            if is_level { (-axis.dot(normal.as_dvec3()) / cos_sun) * texel_m * self.per_m.z } else { 0.0 }
+        };
+        let slopes = [slope(self.axes[0]), slope(self.axes[1])];
         let mut area = 0.0;
         for row in reach(p.y) {
             for column in reach(p.x) {
-                if self.height[row * SIZE + column] <= z {
+                let rise = slopes[0] * (column as f64 + 0.5 - p.x) + slopes[1] * (row as f64 + 0.5 - p.y);
+                if self.height[row * SIZE + column] <= z + rise.max(0.0) {
                     area += overlap(column, p.x) * overlap(row, p.y);
                 }
             }
         }
-        Some((area / 9.0) as f32)
+        [(area / 9.0) as f32, (inside / 80.0).min(1.0) as f32]
     }
 }
