@@ -195,6 +195,8 @@ class BeamTable:
         detection_range_m: float,
         beam_mrad: float,
         pulse_ns: float,
+        halo_share: float,
+        halo_mrad: float,
         spin: str,
         rate_hz: float,
         start_azimuth_deg: float,
@@ -208,6 +210,8 @@ class BeamTable:
     detection_range_m: Final[float]
     beam_mrad: Final[float]
     pulse_ns: Final[float]
+    halo_share: Final[float]
+    halo_mrad: Final[float]
     spin: Final[str]
     rate_hz: Final[float]
     start_azimuth_deg: Final[float]

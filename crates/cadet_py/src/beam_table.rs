@@ -168,6 +168,8 @@ pub(crate) struct BeamTable {
     detection_range_m: f64,
     beam_mrad: f64,
     pulse_ns: f64,
+    halo_share: f64,
+    halo_mrad: f64,
     spin: String,
     rate_hz: f64,
     start_azimuth_deg: f64,
@@ -176,7 +178,7 @@ pub(crate) struct BeamTable {
 #[pymethods]
 impl BeamTable {
     #[new]
-    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, detection_range_m, beam_mrad, pulse_ns, spin, rate_hz, start_azimuth_deg))]
+    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, detection_range_m, beam_mrad, pulse_ns, halo_share, halo_mrad, spin, rate_hz, start_azimuth_deg))]
     fn new(
         name: String,
         rings: Vec<Laser>,
@@ -187,6 +189,8 @@ impl BeamTable {
         detection_range_m: f64,
         beam_mrad: f64,
         pulse_ns: f64,
+        halo_share: f64,
+        halo_mrad: f64,
         spin: String,
         rate_hz: f64,
         start_azimuth_deg: f64,
@@ -201,6 +205,8 @@ impl BeamTable {
             detection_range_m,
             beam_mrad,
             pulse_ns,
+            halo_share,
+            halo_mrad,
             spin,
             rate_hz,
             start_azimuth_deg,
@@ -236,6 +242,8 @@ impl BeamTable {
             detection_range_m: spec.receiver().detection_range_m,
             beam_mrad: rounded(spec.receiver().divergence_rad * 1e3),
             pulse_ns: rounded(spec.receiver().pulse_s * 1e9),
+            halo_share: spec.receiver().halo_share,
+            halo_mrad: rounded(spec.receiver().halo_rad * 1e3),
             spin: spec.spin.direction.as_ref().to_owned(),
             rate_hz: spec.spin.rate_hz,
             start_azimuth_deg: degrees(spec.spin.start_rad),
@@ -259,6 +267,8 @@ impl BeamTable {
             divergence_rad: self.beam_mrad * 1e-3,
             detection_range_m: self.detection_range_m,
             range_noise_m: self.range_noise_m,
+            halo_share: self.halo_share,
+            halo_rad: self.halo_mrad * 1e-3,
         };
         spec = spec.with_receiver(receiver)?;
         let receiver = |laser: &Laser| LaserReceiver {

@@ -120,6 +120,7 @@ def test_numbers_of_spinning_sensors_are_refused() -> None:
     for changes, reason in (
         ({"spin": "ccw"}, "lidar.spin: expected none for a LIDAR that does not spin"),
         ({"start_azimuth_deg": 90.0}, "lidar.start_azimuth_deg: expected none"),
+        ({"halo_share": 1e-4}, "lidar.halo_share: expected none"),
         ({"rings": (cadet.Laser(elevation_deg=0.0, left_m=0.1),)}, r"rings\[0\].left_m: expected 0"),
         ({"rings": ()}, "expected 1 to"),
     ):

@@ -1,7 +1,10 @@
 //! Where and when a LIDAR's beams go.
 
+use std::sync::Arc;
+
+use super::half_scan::HalfScan;
 use super::spec::{LidarSpec, Scanner};
-use crate::sense::{LaserRing, RigidMotion, SpinningGrid};
+use crate::sense::{HalfTurn, LaserRing, RigidMotion, SpinningGrid};
 use cadet_base::math::{self, DPose3, DVec3, TAU, wrap_angle};
 
 /// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
@@ -162,6 +165,25 @@ impl LidarSpec {
             self.scanner = Scanner::Path(aims);
         }
         self
+    }
+
+    /// The halves of a turn that have columns; None for a sensor that does not spin.
+    pub(super) fn half_scans(&self) -> Option<Arc<Vec<HalfScan>>> {
+        let Scanner::Spinning(_, made) = &self.scanner else { return None };
+        let (of, halves) = made.get_or_init(|| (self.spin, Arc::new(self.make_halves())));
+        Some(if *of == self.spin { Arc::clone(halves) } else { Arc::new(self.make_halves()) })
+    }
+
+    fn make_halves(&self) -> Vec<HalfScan> {
+        let make = |(number, half): (usize, HalfTurn)| {
+            let is_in = |column: &usize| usize::from(self.spin.share(self.azimuths_rad[*column]) >= 0.5) == number;
+            let columns: Vec<usize> = (0..self.num_columns()).filter(is_in).collect();
+            let azimuths_rad: Vec<f64> = columns.iter().map(|column| self.azimuths_rad[*column]).collect();
+            let offsets_rad = &self.azimuth_offsets_rad;
+            let grid = SpinningGrid::staggered(DPose3::IDENTITY, self.rings(), &azimuths_rad, offsets_rad).ok()?;
+            Some(HalfScan { half, grid, columns })
+        };
+        self.spin.halves().into_iter().enumerate().filter_map(make).collect()
     }
 
     /// The mean time at which beams point to a place, in seconds from the scan's instant; 0 where none does.

@@ -43,7 +43,7 @@ pub(super) struct Echo {
 }
 
 /// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
-const RETROREFLECTION: f64 = 1e3;
+pub(super) const RETROREFLECTION_FACTOR: f64 = 1e3;
 
 /// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
 pub(super) fn first_echo(
@@ -84,7 +84,7 @@ pub(super) fn first_echo(
     let opaque = opaque?;
     let lidar = &opaque.material.lidar;
     let retro = lidar.retro && transmittance > 0.05;
-    let gain = if retro { RETROREFLECTION } else { 1.0 };
+    let gain = if retro { RETROREFLECTION_FACTOR } else { 1.0 };
     let bare = reflectance(lidar, opaque.cos_incidence) * opaque.texture_factor * gain;
     Some(Echo {
         range_m: opaque.range_m,

@@ -24,7 +24,7 @@ pub struct SceneInMotion {
     caster: MovingCaster,
     world_from_velo: DPose3,
     sensor: RigidMotion,
-    /// What is farther from the sensor is out of reach.
+    /// Distance from the sensor beyond which nothing is met.
     reach_m: f64,
 }
 

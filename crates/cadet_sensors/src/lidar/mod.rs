@@ -2,6 +2,7 @@
 
 mod air;
 mod beams;
+mod blooming;
 mod casting;
 mod divergence;
 mod draws;

@@ -1,13 +1,14 @@
 //! One scan of the LIDAR: exact, or as the sensor reports it.
 //!
 //! A scan is made in steps: casting says what beams meet (`casting`, `in_motion`), surfaces are looked up (`surfaces`),
-//! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
+//! beams at depth edges are split (`divergence`), halos are added (`blooming`), what arrives is found (`returns`, `air`), and the receiver writes points
 //! (`echo_batch`).
 
 use std::sync::Arc;
 
 use super::air::{Air, Plumes, Sprayed};
 use super::beams::BeamLine;
+use super::blooming::Blooming;
 use super::casting::{Casting, StillCasting};
 use super::divergence::echoes_of;
 use super::draws::Draws;
@@ -185,6 +186,7 @@ fn scan_by<C: Casting>(
             (edges, split)
         }
     };
+    let blooming = Blooming::of(casting, spec, &met);
     let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
     let receiver = spec.receiver();
     let airs = airs(spec, weather);
@@ -211,7 +213,7 @@ fn scan_by<C: Casting>(
             }
             let BeamLine { origin_velo, direction_velo } = beam_of(column);
             let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
-            let echoes = if let Some((_, quarters)) = quarters {
+            let mut echoes = if let Some((_, quarters)) = quarters {
                 let quarters = quarters
                     .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
                 echoes_of(quarters, pulse_m)
@@ -219,6 +221,7 @@ fn scan_by<C: Casting>(
                 let opaque = behind.at(met.opaque(beam), column, origin_velo, direction_velo);
                 [first_echo(transparent, opaque, &draws), None, None, None]
             };
+            blooming.join(&mut echoes, casting, &met.opaque, beam);
             let sprayed = |range_m| {
                 if plumes.is_empty() {
                     return Sprayed::NOT;

@@ -11,7 +11,7 @@ use cadet_town::{Lane, LaneId};
 const AHEAD_M: f64 = 280.0;
 const BEHIND_M: f64 = 220.0;
 const SAMPLE_M: f64 = 4.0;
-/// What is farther from a lane's middle is not in it.
+/// Distance from a lane's middle beyond which nothing is in the lane.
 const NEAR_M: f64 = 20.0;
 /// Points of a lane that are passed over together where they are far away, and how far they reach from their middle one.
 const CHUNK: usize = 8;
