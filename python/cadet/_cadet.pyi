@@ -11,27 +11,19 @@ __all__ = [
     "ActorMesh",
     "Agent",
     "Assets",
-    "BeamTable",
     "BevConfig",
     "Camera",
     "Capture",
-    "EncoderFiring",
     "LabelConfig",
-    "Laser",
     "Lidar",
-    "ListedFiring",
     "Pose",
     "PropConfig",
-    "RasterFiring",
     "Request",
     "Rig",
-    "RosetteFiring",
     "Scene",
     "SceneConfig",
     "Sighting",
     "SuburbConfig",
-    "TableFiring",
-    "UniformFiring",
     "Weather",
     "__version__",
     "_panic",
@@ -97,126 +89,6 @@ class Assets:
     def assumptions(self) -> list[str]: ...
 
 @final
-class UniformFiring:
-    """Equal steps of azimuth (see `cadet.UniformFiring`)."""
-
-    def __new__(cls, *, columns: int) -> UniformFiring: ...
-    columns: Final[int]
-
-@final
-class EncoderFiring:
-    """Even firings, reported at the nearest tick of an encoder (see `cadet.EncoderFiring`)."""
-
-    def __new__(
-        cls, *, ticks_per_turn: int, ticks_per_firing: float, firings: int, phase_ticks: float
-    ) -> EncoderFiring: ...
-    ticks_per_turn: Final[int]
-    ticks_per_firing: Final[float]
-    firings: Final[int]
-    phase_ticks: Final[float]
-
-@final
-class ListedFiring:
-    """Any azimuths (see `cadet.ListedFiring`)."""
-
-    def __new__(cls, *, azimuths_deg: Sequence[float]) -> ListedFiring: ...
-    azimuths_deg: Final[list[float]]
-
-@final
-class RasterFiring:
-    """Lines from one side to the other (see `cadet.RasterFiring`)."""
-
-    def __new__(
-        cls, *, lines: int, columns: int, azimuth_span_deg: Sequence[float], elevation_span_deg: Sequence[float]
-    ) -> RasterFiring: ...
-    lines: Final[int]
-    columns: Final[int]
-    azimuth_span_deg: Final[list[float]]
-    elevation_span_deg: Final[list[float]]
-
-@final
-class RosetteFiring:
-    """What two turning prisms draw (see `cadet.RosetteFiring`)."""
-
-    def __new__(
-        cls, *, firings: int, deflections_deg: Sequence[float], prism_rates_hz: Sequence[float]
-    ) -> RosetteFiring: ...
-    firings: Final[int]
-    deflections_deg: Final[list[float]]
-    prism_rates_hz: Final[list[float]]
-
-@final
-class TableFiring:
-    """Any directions at any times (see `cadet.TableFiring`)."""
-
-    def __new__(cls, *, aims: Sequence[tuple[float, float, float]]) -> TableFiring: ...
-    aims: Final[list[tuple[float, float, float]]]
-
-_Firing: TypeAlias = UniformFiring | EncoderFiring | ListedFiring | RasterFiring | RosetteFiring | TableFiring
-
-@final
-class Laser:
-    """One laser (see `cadet.Laser`)."""
-
-    def __new__(
-        cls,
-        *,
-        elevation_deg: float,
-        height_m: float,
-        left_m: float,
-        azimuth_offset_deg: float,
-        gain: float,
-        range_offset_m: float,
-        focus_m: float,
-        blind_deg: Sequence[tuple[float, float]],
-    ) -> Laser: ...
-    elevation_deg: Final[float]
-    height_m: Final[float]
-    left_m: Final[float]
-    azimuth_offset_deg: Final[float]
-    gain: Final[float]
-    range_offset_m: Final[float]
-    focus_m: Final[float]
-    blind_deg: Final[list[tuple[float, float]]]
-
-@final
-class BeamTable:
-    """A LIDAR's lasers and when they fire (see `cadet.BeamTable`)."""
-
-    def __new__(
-        cls,
-        *,
-        name: str,
-        rings: Sequence[Laser],
-        firing: _Firing,
-        min_range_m: float,
-        max_range_m: float,
-        range_noise_m: float,
-        detection_range_m: float,
-        beam_mrad: float,
-        pulse_ns: float,
-        halo_share: float,
-        halo_mrad: float,
-        spin: str,
-        rate_hz: float,
-        start_azimuth_deg: float,
-    ) -> BeamTable: ...
-    name: Final[str]
-    rings: Final[list[Laser]]
-    firing: Final[_Firing]
-    min_range_m: Final[float]
-    max_range_m: Final[float]
-    range_noise_m: Final[float]
-    detection_range_m: Final[float]
-    beam_mrad: Final[float]
-    pulse_ns: Final[float]
-    halo_share: Final[float]
-    halo_mrad: Final[float]
-    spin: Final[str]
-    rate_hz: Final[float]
-    start_azimuth_deg: Final[float]
-
-@final
 class Lidar:
     """A LIDAR's beams and returns (see `cadet.Lidar`)."""
 
@@ -229,13 +101,13 @@ class Lidar:
     @staticmethod
     def materials() -> list[str]: ...
     @staticmethod
-    def from_table(table: BeamTable) -> Lidar: ...
+    def from_table(table: object) -> Lidar: ...
     name: Final[str]
     num_rings: Final[int]
     num_columns: Final[int]
     def single_origin(self) -> Lidar: ...
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
-    def table(self) -> BeamTable: ...
+    def table(self) -> dict[str, Any]: ...
     def span_s(self) -> list[float] | None: ...
     def rays(
         self, *, time_s: float

@@ -1,4 +1,4 @@
-//! A LIDAR's table: `cadet.BeamTable.to_native()`.
+//! A LIDAR's table: read from a `cadet.BeamTable`, and given as a dictionary of its fields.
 
 use cadet_core::Error;
 use cadet_core::lidar::{
@@ -9,24 +9,13 @@ use cadet_core::sense::LaserRing;
 use pyo3::prelude::*;
 
 /// Equal steps of azimuth.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct UniformFiring {
     columns: usize,
 }
 
-#[pymethods]
-impl UniformFiring {
-    #[new]
-    #[pyo3(signature = (*, columns))]
-    fn new(columns: usize) -> Self {
-        Self { columns }
-    }
-}
-
 /// Even firings, reported at the nearest tick of an encoder.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct EncoderFiring {
     ticks_per_turn: u32,
     ticks_per_firing: f64,
@@ -34,34 +23,14 @@ pub(crate) struct EncoderFiring {
     phase_ticks: f64,
 }
 
-#[pymethods]
-impl EncoderFiring {
-    #[new]
-    #[pyo3(signature = (*, ticks_per_turn, ticks_per_firing, firings, phase_ticks))]
-    fn new(ticks_per_turn: u32, ticks_per_firing: f64, firings: usize, phase_ticks: f64) -> Self {
-        Self { ticks_per_turn, ticks_per_firing, firings, phase_ticks }
-    }
-}
-
 /// Any azimuths.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct ListedFiring {
     azimuths_deg: Vec<f64>,
 }
 
-#[pymethods]
-impl ListedFiring {
-    #[new]
-    #[pyo3(signature = (*, azimuths_deg))]
-    fn new(azimuths_deg: Vec<f64>) -> Self {
-        Self { azimuths_deg }
-    }
-}
-
 /// Lines from the left to the right, from the top to the bottom.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct RasterFiring {
     lines: usize,
     columns: usize,
@@ -69,64 +38,35 @@ pub(crate) struct RasterFiring {
     elevation_span_deg: [f64; 2],
 }
 
-#[pymethods]
-impl RasterFiring {
-    #[new]
-    #[pyo3(signature = (*, lines, columns, azimuth_span_deg, elevation_span_deg))]
-    fn new(lines: usize, columns: usize, azimuth_span_deg: [f64; 2], elevation_span_deg: [f64; 2]) -> Self {
-        Self { lines, columns, azimuth_span_deg, elevation_span_deg }
-    }
-}
-
 /// What two turning prisms draw.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct RosetteFiring {
     firings: usize,
     deflections_deg: [f64; 2],
     prism_rates_hz: [f64; 2],
 }
 
-#[pymethods]
-impl RosetteFiring {
-    #[new]
-    #[pyo3(signature = (*, firings, deflections_deg, prism_rates_hz))]
-    fn new(firings: usize, deflections_deg: [f64; 2], prism_rates_hz: [f64; 2]) -> Self {
-        Self { firings, deflections_deg, prism_rates_hz }
-    }
-}
-
 /// Any directions at any times.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct TableFiring {
     /// Time, azimuth and elevation.
     aims: Vec<(f64, f64, f64)>,
 }
 
-#[pymethods]
-impl TableFiring {
-    #[new]
-    #[pyo3(signature = (*, aims))]
-    fn new(aims: Vec<(f64, f64, f64)>) -> Self {
-        Self { aims }
-    }
-}
-
 /// Where all lasers point when they fire.
-#[derive(Clone, FromPyObject, IntoPyObject)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) enum Firing {
-    Uniform(UniformFiring),
+    // The first whose fields an object has: those with more of them stand first.
     Encoder(EncoderFiring),
-    Listed(ListedFiring),
     Raster(RasterFiring),
     Rosette(RosetteFiring),
     Table(TableFiring),
+    Listed(ListedFiring),
+    Uniform(UniformFiring),
 }
 
 /// One laser: a ring of the scan.
-#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
-#[derive(Clone)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct Laser {
     elevation_deg: f64,
     height_m: f64,
@@ -138,26 +78,8 @@ pub(crate) struct Laser {
     blind_deg: Vec<(f64, f64)>,
 }
 
-#[pymethods]
-impl Laser {
-    #[new]
-    #[pyo3(signature = (*, elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, focus_m, blind_deg))]
-    fn new(
-        elevation_deg: f64,
-        height_m: f64,
-        left_m: f64,
-        azimuth_offset_deg: f64,
-        gain: f64,
-        range_offset_m: f64,
-        focus_m: f64,
-        blind_deg: Vec<(f64, f64)>,
-    ) -> Self {
-        Self { elevation_deg, height_m, left_m, azimuth_offset_deg, gain, range_offset_m, focus_m, blind_deg }
-    }
-}
-
 /// A LIDAR.
-#[pyclass(frozen, get_all, module = "cadet._cadet")]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct BeamTable {
     name: String,
     rings: Vec<Laser>,
@@ -173,45 +95,6 @@ pub(crate) struct BeamTable {
     spin: String,
     rate_hz: f64,
     start_azimuth_deg: f64,
-}
-
-#[pymethods]
-impl BeamTable {
-    #[new]
-    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m, detection_range_m, beam_mrad, pulse_ns, halo_share, halo_mrad, spin, rate_hz, start_azimuth_deg))]
-    fn new(
-        name: String,
-        rings: Vec<Laser>,
-        firing: Firing,
-        min_range_m: f64,
-        max_range_m: f64,
-        range_noise_m: f64,
-        detection_range_m: f64,
-        beam_mrad: f64,
-        pulse_ns: f64,
-        halo_share: f64,
-        halo_mrad: f64,
-        spin: String,
-        rate_hz: f64,
-        start_azimuth_deg: f64,
-    ) -> Self {
-        Self {
-            name,
-            rings,
-            firing,
-            min_range_m,
-            max_range_m,
-            range_noise_m,
-            detection_range_m,
-            beam_mrad,
-            pulse_ns,
-            halo_share,
-            halo_mrad,
-            spin,
-            rate_hz,
-            start_azimuth_deg,
-        }
-    }
 }
 
 impl BeamTable {

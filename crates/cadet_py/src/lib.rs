@@ -32,14 +32,6 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<assets::Assets>()?;
     module.add_class::<assets::ActorMesh>()?;
-    module.add_class::<beam_table::BeamTable>()?;
-    module.add_class::<beam_table::EncoderFiring>()?;
-    module.add_class::<beam_table::Laser>()?;
-    module.add_class::<beam_table::ListedFiring>()?;
-    module.add_class::<beam_table::RasterFiring>()?;
-    module.add_class::<beam_table::RosetteFiring>()?;
-    module.add_class::<beam_table::TableFiring>()?;
-    module.add_class::<beam_table::UniformFiring>()?;
     module.add_class::<bev::BevConfig>()?;
     module.add_class::<capture::Agent>()?;
     module.add_class::<capture::Capture>()?;

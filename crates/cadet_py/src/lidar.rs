@@ -46,7 +46,7 @@ impl Lidar {
 
     /// The LIDAR of a table.
     #[staticmethod]
-    fn from_table(table: &BeamTable) -> Result<Self, BorderError> {
+    fn from_table(table: BeamTable) -> Result<Self, BorderError> {
         Ok(Self { spec: table.spec()? })
     }
 

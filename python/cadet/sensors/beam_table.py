@@ -9,13 +9,21 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from cadet import _cadet
 from cadet._util.checks import Limits, check_fields, check_number, is_one_of, make_plain, shown
 from cadet._util.plain_tables import check_keys_of, table_of_object
 from cadet._util.summary import summary
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError, FileFormatError
-from cadet.sensors.firing import FIRINGS, TURNING, Firing, as_tuples, firing_of_table, num_columns_of, pattern_of
+from cadet.sensors.firing import (
+    FIRINGS,
+    TURNING,
+    Firing,
+    as_tuples,
+    firing_of_fields,
+    firing_of_table,
+    num_columns_of,
+    pattern_of,
+)
 
 L = TypeVar("L", bound="LidarFile")
 
@@ -211,25 +219,10 @@ class BeamTable(LidarFile):
         return {"name": self.name, **{key: getattr(self, key) for key in _PLAIN}, "rings": rings, "firing": firing}
 
     @classmethod
-    def _from_native(cls, table: _cadet.BeamTable) -> BeamTable:
-        """Return the table of a LIDAR of the core."""
-        kind = next(kind for kind in FIRINGS.values() if kind.__name__ == type(table.firing).__name__)
-        return cls(
-            name=table.name,
-            rings=tuple(Laser(**_values_of(Laser, laser)) for laser in table.rings),
-            firing=kind(**_values_of(kind, table.firing)),
-            **{key: getattr(table, key) for key in _PLAIN},
-        )
-
-    def _to_native(self) -> _cadet.BeamTable:
-        """Return the table as the core takes it."""
-        kind = getattr(_cadet, type(self.firing).__name__)
-        return _cadet.BeamTable(
-            name=self.name,
-            rings=[_cadet.Laser(**asdict(laser)) for laser in self.rings],
-            firing=kind(**asdict(self.firing)),
-            **{key: getattr(self, key) for key in _PLAIN},
-        )
+    def _from_native(cls, table: Mapping[str, Any]) -> BeamTable:
+        """Return the table of a LIDAR of the core, which gives it in plain values."""
+        rings = tuple(Laser(**_with_tuples(laser)) for laser in table["rings"])
+        return cls(**{**table, "rings": rings, "firing": firing_of_fields(_with_tuples(table["firing"]))})
 
     def to_dict(self) -> dict[str, Any]:
         """Return the table in plain values, for a manifest: a list for each number of the lasers."""
@@ -263,9 +256,8 @@ def _check_path(table: BeamTable) -> None:
             raise CadetError(f"rings[{number}].left_m: expected 0 for a LIDAR that does not spin, got {laser.left_m:g}")
 
 
-def _values_of(cls: type[Any], native: object) -> dict[str, Any]:
-    """Return what the core's object holds for the fields of a class here."""
-    return {f.name: as_tuples(getattr(native, f.name)) for f in fields(cls)}
+def _with_tuples(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: as_tuples(value) for key, value in values.items()}
 
 
 def _ring(laser: Laser) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -231,6 +231,12 @@ def num_columns_of(firing: Firing) -> int:
 def pattern_of(firing: Firing) -> str:
     """Return the name of a pattern."""
     return next(name for name, cls in FIRINGS.items() if isinstance(firing, cls))
+
+
+def firing_of_fields(values: Mapping[str, Any]) -> Firing:
+    """Return the pattern that has just these fields."""
+    cls = next(cls for cls in FIRINGS.values() if {f.name for f in fields(cls)} == values.keys())
+    return cls(**values)
 
 
 def as_tuples(value: Any) -> Any:

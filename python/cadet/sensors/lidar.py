@@ -176,7 +176,7 @@ class Lidar(LidarFile, NamedFile):
     def range_m(self) -> list[float]:
         """Return the nearest and the farthest range, meters."""
         beams = self._to_native().table()
-        return [beams.min_range_m, beams.max_range_m]
+        return [beams["min_range_m"], beams["max_range_m"]]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the sensor in plain values, for a manifest."""
@@ -197,10 +197,7 @@ class Lidar(LidarFile, NamedFile):
         return self.name in _FILES and self.table == _shipped(self.name)
 
     def _make_native(self) -> _cadet.Lidar:
-        if self.table is None:
-            native = _cadet.Lidar.preset(self.name)
-        else:
-            native = _cadet.Lidar.from_table(self.table._to_native())
+        native = _cadet.Lidar.preset(self.name) if self.table is None else _cadet.Lidar.from_table(self.table)
         native = native.single_origin() if self.single_origin else native
         return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
 
