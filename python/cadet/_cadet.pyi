@@ -348,6 +348,7 @@ class Weather:
         snow_mm_h: float,
         wetness: float,
         cloud_cover: float,
+        wind_mps: float,
         sun_elevation_deg: float | None,
         sun_azimuth_deg: float | None,
     ) -> Weather: ...

@@ -29,7 +29,7 @@ pub(crate) struct Weather {
 impl Weather {
     /// Those numbers; the sun is a clear noon's, which scenes vary by their seed, where it is not given.
     #[new]
-    #[pyo3(signature = (name, *, rain_mm_h, fog_visibility_m, snow_mm_h, wetness, cloud_cover, sun_elevation_deg, sun_azimuth_deg))]
+    #[pyo3(signature = (name, *, rain_mm_h, fog_visibility_m, snow_mm_h, wetness, cloud_cover, wind_mps, sun_elevation_deg, sun_azimuth_deg))]
     fn new(
         name: &str,
         rain_mm_h: f64,
@@ -37,6 +37,7 @@ impl Weather {
         snow_mm_h: f64,
         wetness: f64,
         cloud_cover: f64,
+        wind_mps: f64,
         sun_elevation_deg: Option<f64>,
         sun_azimuth_deg: Option<f64>,
     ) -> Result<Self, BorderError> {
@@ -50,6 +51,7 @@ impl Weather {
             rain_mm_per_h: rain_mm_h,
             snow_mm_per_h: snow_mm_h,
             fog_alpha_per_m: fog_visibility_m.map_or(0.0, fog_alpha_per_m),
+            wind_mps,
         };
         inner.check()?;
         Ok(Self { inner })

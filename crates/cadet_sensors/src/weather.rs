@@ -26,6 +26,8 @@ pub struct Weather {
     pub snow_mm_per_h: f64,
     /// Attenuation of fog, 1/m (MOR = ln 20 / alpha); 0 is clear.
     pub fog_alpha_per_m: f64,
+    /// Wind, m/s: drops and flakes go with it.
+    pub wind_mps: f64,
 }
 
 /// Where a user wants the sun; what is `None` is the weather's or drawn.
@@ -141,6 +143,7 @@ impl Weather {
             rain_mm_per_h: 0.0,
             snow_mm_per_h: 0.0,
             fog_alpha_per_m: 0.0,
+            wind_mps: 0.0,
         };
         let sky = name.strip_suffix("_noon").or_else(|| name.strip_suffix("_sunset"));
         match (sky.and_then(|s| SKIES.iter().find(|(sky, ..)| *sky == s)), name) {
@@ -184,7 +187,7 @@ impl Weather {
     }
 
     /// Checks what is in the air, the sky, and on the ground: fog of at most 10 per meter, rain of at most 1000 and snow of at
-    /// most 100 mm/h, wetness and clouds of 0 to 1, a sun from 90 degrees below to 90 above the horizon.
+    /// most 100 mm/h, wetness and clouds of 0 to 1, wind of at most 60 m/s, a sun from 90 degrees below to 90 above the horizon.
     ///
     /// # Errors
     /// [`Error::NotFinite`] or [`Error::OutOfRange`], naming the field.
@@ -195,6 +198,7 @@ impl Weather {
             ("snow", self.snow_mm_per_h, 100.0),
             ("wetness", self.wetness, 1.0),
             ("cloud_cover", self.cloudiness, 1.0),
+            ("wind_mps", self.wind_mps, 60.0),
             ("sun_elevation_deg + 90", self.sun_elevation_rad.to_degrees() + 90.0, 180.0),
         ] {
             if !(0.0..=most).contains(&finite(what, value)?) {

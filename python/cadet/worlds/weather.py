@@ -71,6 +71,8 @@ class Weather:
     """Share of paved ground under a film of water."""
     cloud_cover: Annotated[_Number, Limits(0, 1)] = 0.1
     """0 is a clear sky, 1 an overcast one without shadows."""
+    wind_mps: Annotated[_Number, Limits(0, 60)] = 0.0
+    """Wind, with which drops and flakes go in images; its direction is drawn by the seed."""
     sun_elevation_deg: Annotated[_Number | None, Limits(-90, 90)] = None
     """The sun's height over the horizon, below 0 at night; None for one of 20 to 45 degrees, drawn by the seed."""
     sun_azimuth_deg: Annotated[_Number | None, Limits(-360, 360)] = None

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+import cadet
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.formats.kitti.files.velodyne import points_from_bytes
 from cadet.worlds.weather import Air, Fate, air_of, apply, weather_names
@@ -251,3 +252,16 @@ def test_a_real_scan_in_weather() -> None:
         shares = [np.bincount(each, minlength=3) / len(points) for each in (fates, by_hand)]
         np.testing.assert_allclose(shares[0], shares[1], atol=0.01)
         assert (ranges_m(left) > 40).sum() == 0 < (ranges_m(points) > 40).sum()
+
+
+def test_wind_takes_rain_along_and_nothing_else() -> None:
+    def capture(wind_mps: float) -> cadet.Frame:
+        rain = cadet.Weather(rain_mm_h=50.0, cloud_cover=1.0, wind_mps=wind_mps)
+        return cadet.Scene.random(seed=1, weather=rain).capture()
+
+    calm, windy = capture(0.0), capture(15.0)
+    # Streaks lie elsewhere; all else is as bright to a few levels.
+    apart = np.abs(calm.image.astype(int) - windy.image).max(axis=2)
+    assert (apart > 10).sum() > 200 and (apart > 10).mean() < 0.1 and np.median(apart) <= 2
+    np.testing.assert_array_equal(calm.points_velo, windy.points_velo)
+    assert calm.labels == windy.labels

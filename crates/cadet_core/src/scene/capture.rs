@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Scene;
 use cadet_base::actor::ActorState;
 use cadet_base::error::{Error, Result};
-use cadet_base::math::{DPose3, DVec2, DVec3};
+use cadet_base::math::{self, DPose3, DVec2, DVec3, TAU};
 use cadet_sensors::camera::{
     CameraModel, Fisheye, Foreground, LastGain, LensDrops, Maps, Metering, Motions, Moving, Precipitation, Rendered,
     SurfaceMapKinds, View, Visibility, render_fisheye, render_rolling, render_through, visibility_pass,
@@ -254,7 +254,7 @@ impl Scene {
             precipitation: Precipitation::of(
                 &self.weather,
                 self.rig.cameras()[0].mount.world_from_sensor(&snapshot.ego.world_from_ego).translation,
-                snapshot.ego.velocity_world,
+                snapshot.ego.velocity_world - self.wind_world(),
                 &mut self.key.indexed("precipitation", request.sample),
             ),
             lens_drops: LensDrops::at(&self.weather, snapshot.time_s, drops_stream),
@@ -286,6 +286,12 @@ impl Scene {
             }
         };
         Ok(Image { name: name.clone(), width, height, rendered, sightings: looked.sightings })
+    }
+
+    /// The wind's velocity; its direction is drawn once a scene.
+    fn wind_world(&self) -> DVec3 {
+        let azimuth_rad = self.key.stream("wind").range(0.0, TAU);
+        self.weather.wind_mps * DVec3::new(math::cos(azimuth_rad), math::sin(azimuth_rad), 0.0)
     }
 
     /// What vehicles throw up, the same for all sensors.

@@ -43,7 +43,7 @@ pub struct Precipitation {
     seed: u64,
     /// Cells are sorted by their distance from here, so that all cameras of a rig see the same particles.
     center_world: DVec3,
-    ego_velocity_world: DVec3,
+    air_velocity_world: DVec3,
 }
 
 /// A drop or a flake.
@@ -71,13 +71,13 @@ fn drop_mps(diameter_m: f64) -> f64 {
 }
 
 impl Precipitation {
-    /// What falls about a place that moves, if anything does.
+    /// What falls about a place that moves, if anything does; the velocity is that of the cameras through the air.
     #[must_use]
-    pub fn of(weather: &Weather, center_world: DVec3, ego_velocity_world: DVec3, stream: &mut Stream) -> Option<Self> {
+    pub fn of(weather: &Weather, center_world: DVec3, air_velocity_world: DVec3, stream: &mut Stream) -> Option<Self> {
         let (drops, flakes) = (weather.drops(), weather.flakes());
         let is_snow = flakes.is_some();
         let sizes = flakes.or(drops)?;
-        Some(Self { sizes, is_snow, seed: stream.next_u64(), center_world, ego_velocity_world })
+        Some(Self { sizes, is_snow, seed: stream.next_u64(), center_world, air_velocity_world })
     }
 
     /// Draws what falls before the scene into linear radiance, interleaved RGB.
@@ -155,7 +155,7 @@ impl Precipitation {
     }
 
     fn streak(&self, view: &View, cam_from_world: &DPose3, particle: &FallingParticle) -> Option<Streak> {
-        let way = (particle.velocity_world - self.ego_velocity_world) * (0.5 * SHUTTER_S);
+        let way = (particle.velocity_world - self.air_velocity_world) * (0.5 * SHUTTER_S);
         let ends = [particle.at_world - way, particle.at_world + way].map(|p| *cam_from_world * p);
         let depth_m = 0.5 * (ends[0].z + ends[1].z);
         if ends.iter().any(|p| p.z < NEAREST_M) {

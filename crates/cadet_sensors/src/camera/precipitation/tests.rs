@@ -76,6 +76,24 @@ fn a_streak_is_as_long_as_its_way_and_covers_as_much_as_its_disc() {
 }
 
 #[test]
+fn wind_from_the_side_slants_streaks_by_its_speed_over_that_of_the_fall() {
+    let wind_world = DVec3::Y * 5.0;
+    let weather = Weather::of_air(0.0, 25.0, 0.0, 0.0).expect("valid");
+    let stream = &mut Stream::from_seed("falling", 1);
+    let falling = Precipitation::of(&weather, DVec3::ZERO, -wind_world, stream).expect("it falls");
+    let view = view_at(DVec3::ZERO);
+    let particle = FallingParticle {
+        at_world: DVec3::new(2.0, 0.0, 0.0),
+        velocity_world: DVec3::new(0.0, 0.0, -7.0),
+        diameter_m: 0.003,
+    };
+    let [[ax, ay], [bx, by]] =
+        falling.streak(&view, &view.world_from_cam.inverse(), &particle).expect("in view").ends_px;
+    // To the left, as the wind blows, while it falls.
+    assert!(((bx - ax) / (by - ay) + 5.0 / 7.0).abs() < 1e-9, "{ax} {bx}");
+}
+
+#[test]
 fn streaks_lead_away_from_where_the_car_drives() {
     let falling = falling(0.0, 1.5, 14.0);
     let view = view_at(DVec3::new(0.3, 0.2, 1.6));
