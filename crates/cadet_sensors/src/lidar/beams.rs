@@ -180,7 +180,11 @@ impl LidarSpec {
             let columns: Vec<usize> = (0..self.num_columns()).filter(is_in).collect();
             let azimuths_rad: Vec<f64> = columns.iter().map(|column| self.azimuths_rad[*column]).collect();
             let offsets_rad = &self.azimuth_offsets_rad;
-            let grid = SpinningGrid::staggered(DPose3::IDENTITY, self.rings(), &azimuths_rad, offsets_rad).ok()?;
+            if columns.is_empty() {
+                return None;
+            }
+            let grid = SpinningGrid::staggered(DPose3::IDENTITY, self.rings(), &azimuths_rad, offsets_rad)
+                .expect("checked with all columns");
             Some(HalfScan { half, grid, columns })
         };
         self.spin.halves().into_iter().enumerate().filter_map(make).collect()

@@ -8,6 +8,7 @@ use super::casting::{Casting, TurnHits};
 use super::echo::{Echo, RETROREFLECTION_FACTOR};
 use super::spec::LidarSpec;
 use crate::sense::Hits;
+use cadet_base::math::wrap_angle;
 
 /// What the halos of a turn's beams meet.
 pub(super) struct Blooming {
@@ -46,6 +47,7 @@ impl Blooming {
         if retro.is_empty() {
             return Self { halos: Vec::new() };
         }
+        let azimuths_rad = spec.azimuths_rad();
         let windows: Vec<(Vec<Window>, f64)> = (0..hits.rows).map(|ring| windows(spec, ring)).collect();
         let mut halos = vec![Halo::default(); hits.depth_m.len()];
         for at in retro {
@@ -55,7 +57,10 @@ impl Blooming {
             for Window { ring: other, columns } in &windows[ring].0 {
                 for k in 0..=2 * columns {
                     let beside = (column + hits.columns + k - columns) % hits.columns;
-                    halos[other * hits.columns + beside].add(at, reflectance, hits);
+                    // A sensor that sees a part of the turn has no neighbors beyond its ends.
+                    if wrap_angle(azimuths_rad[beside] - azimuths_rad[column]).abs() <= receiver.halo_rad {
+                        halos[other * hits.columns + beside].add(at, reflectance, hits);
+                    }
                 }
             }
         }
