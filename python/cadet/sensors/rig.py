@@ -77,7 +77,7 @@ class Rig(NamedFile):
             check_kind("Rig", name, getattr(self, name), kind)
         if self.camera.model == "fisheye":
             raise CadetError(
-                "Rig.camera: expected a pinhole camera, by which labels are made; mount a fisheye beside it"
+                "Rig.camera: expected a pinhole camera, which KITTI's files need; mount a fisheye beside it"
             )
         for name in ("name", "camera_name", "lidar_name"):
             check_text("Rig", name, getattr(self, name))

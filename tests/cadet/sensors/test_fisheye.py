@@ -108,17 +108,72 @@ def test_flow_is_that_of_the_motion_by_the_closed_form(street: Scene) -> None:
     assert np.percentile(np.abs(flow - (pixel - np.c_[u, v])), 95) < 0.05
 
 
-def test_a_fisheye_has_images_and_maps_in_a_folder_and_no_labels(street: Scene, tmp_path: Path) -> None:
-    frame = street.capture()
-    assert "fish" in frame.images and list(frame.camera_labels) == ["image_2"]
+def test_labels_of_a_fisheye_are_round_what_it_sees_and_where_the_others_have_it() -> None:
+    """Beside the instances of its own maps, and the labels of the pinhole camera."""
+    # Boxes are upright in the camera's frame: those of a camera that looks down would lean.
+    level = replace(FISH, pose=Pose.of_camera((0.5, 0.9, 1.1), yaw_deg=70))
+    exact = cadet.SceneConfig(label=cadet.LabelConfig(boxes="exact"))
+    scene = Scene.empty(rig=Rig.kitti().with_sensors(level), config=exact)
+    scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+    # Ahead, to the left, and behind: on several sides of the cube.
+    for x_m, y_m in ((12.0, 3.5), (1.0, 7.0), (-5.0, 9.0), (16.0, 9.0)):
+        scene.add("car", x_m=x_m, y_m=y_m, yaw_rad=0.4)
+    frame = scene.capture()
     assert frame.sample is not None
-    with pytest.raises(cadet.CadetError, match="the camera fish has no labels"):
-        cadet.kitti.frame_from_sample(frame.sample, "fish")
+    maps, seen = maps_of(frame), frame.sample._sightings("fish")
+    assert seen is not None
+    labels = [one for one in seen if one.is_labeled]
+    assert len(labels) >= 3
+    for one in labels:
+        v, u = np.nonzero(maps.instance == one.actor_id)
+        left, top, right, bottom = one.bbox
+        assert left - 1.5 < u.min() and u.max() < right + 1.5 and top - 1.5 < v.min() and v.max() < bottom + 1.5
+        # A box round a box is wider than the car in it.
+        assert (u.max() - u.min()) * (v.max() - v.min()) > 0.55 * (right - left) * (bottom - top)
+        assert one.occlusion_level == 0 and one.visible_fraction > 0.8
+    # The same middles in the world as the pinhole camera's.
+    world_from_ego = frame.sample.world_from_ego
+
+    def middles(camera: str | None) -> dict[int, NDArray[np.float64]]:
+        assert frame.sample is not None
+        pose = world_from_ego @ frame.sample.rig.ego_from_sensor(camera or "image_2")
+        found = frame.sample._sightings(camera)
+        assert found is not None
+        up = {one.actor_id: np.array(one.location_cam) - (0.0, one.size_lwh[2] / 2, 0.0) for one in found}
+        return {actor: pose[:3, :3] @ at + pose[:3, 3] for actor, at in up.items()}
+
+    of_fish, of_pinhole = middles("fish"), middles(None)
+    both = of_fish.keys() & of_pinhole.keys()
+    assert len(both) >= 2
+    for actor in both:
+        np.testing.assert_allclose(of_fish[actor], of_pinhole[actor], atol=1e-6)
+
+
+def test_what_stands_before_an_actor_hides_it_from_a_fisheye() -> None:
+    def fraction(others: tuple[tuple[float, float], ...]) -> float:
+        scene = Scene.empty(rig=Rig.kitti().with_sensors(FISH))
+        scene.move_ego(x_m=0.0, y_m=0.0, yaw_rad=0.0)
+        car = scene.add("car", x_m=1.0, y_m=14.0, yaw_rad=0.0)
+        for x_m, y_m in others:
+            scene.add("car", x_m=x_m, y_m=y_m, yaw_rad=0.0)
+        sample = scene.capture().sample
+        assert sample is not None
+        found = sample._sightings("fish")
+        assert found is not None
+        return next((one.visible_fraction for one in found if one.actor_id == car), 0.0)
+
+    assert fraction(()) > 0.99
+    assert 0.1 < fraction(((3.0, 7.0),)) < 0.9
+
+
+def test_a_fisheye_has_images_maps_and_labels_in_a_folder(street: Scene, tmp_path: Path) -> None:
+    frame = street.capture()
+    assert "fish" in frame.images and list(frame.camera_labels) == ["image_2", "fish"]
     of = Rig.kitti().with_image_size(310, 94).with_sensors(FISH)
     policy = cadet.ResetPolicy.kitti().with_rig(of)
     generate(tmp_path / "out", Settings(seed=1, num_frames=1, policy=policy, write=("cameras", "depth")), workers=1)
     folder = tmp_path / "out" / "training" / "cameras" / "fish"
-    assert sorted(path.name for path in folder.iterdir()) == ["depth", "image_2"]
+    assert sorted(path.name for path in folder.iterdir()) == ["depth", "image_2", "label_2"]
     assert cadet.kitti.lint(tmp_path / "out") == []
     (folder / "depth" / "000000.png").write_bytes((folder / "image_2" / "000000.png").read_bytes())
     found = {(one.file, one.rule) for one in cadet.kitti.lint(tmp_path / "out")}
@@ -126,7 +181,7 @@ def test_a_fisheye_has_images_and_maps_in_a_folder_and_no_labels(street: Scene, 
 
 
 def test_where_a_fisheye_does_not_fit_it_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(cadet.CadetError, match=r"Rig.camera: expected a pinhole camera, by which labels are made"):
+    with pytest.raises(cadet.CadetError, match=r"Rig.camera: expected a pinhole camera, which"):
         Rig(camera=LENS)
     for name, value in (
         ("rolling_shutter_s", 0.01),

@@ -12,7 +12,7 @@ use cadet_sensors::camera::{
     SurfaceMapKinds, View, Visibility, render_fisheye, render_rolling, render_through, visibility_pass,
 };
 use cadet_sensors::label::{
-    Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
+    Boxes, PinholeLook, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings,
 };
 use cadet_sensors::lidar::{LidarSpec, Scan, SceneInMotion, scan_in_motion, scan_through};
 use cadet_sensors::rig::{Mounted, Rig};
@@ -101,7 +101,7 @@ impl CapturedFrame {
 /// What a camera looks at, before light and color.
 struct Looked {
     seen: Seen,
-    /// `None` unless asked for, and of a fisheye.
+    /// `None` unless asked for.
     sightings: Option<Vec<Sighting>>,
 }
 
@@ -183,15 +183,23 @@ impl Scene {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { sensor, mount, .. } = &self.rig.cameras()[index];
         let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);
+        let sightings_of = |looks: &[PinholeLook<'_>]| {
+            let (actors, air) = (as_labeled(&snapshot, &self.rig), self.weather.extinction_per_m());
+            sightings(&self.label, &actors, &posed, sensor, &world_from_cam, looks, air)
+        };
         if let Some(fisheye) = sensor.fisheye() {
-            return Ok(Looked { seen: Seen::Fisheye(Arc::clone(fisheye)), sightings: None });
+            let pinholes = if with_sightings { sensor.pinholes(&world_from_cam) } else { Vec::new() };
+            let seen = pinholes.iter().map(|(camera, pose)| visibility_pass(&posed, &View::new(camera, pose)));
+            let seen: Vec<Visibility> = seen.collect::<Result<_>>()?;
+            let look = |((camera, world_from_cam), seen)| PinholeLook { camera, world_from_cam, seen };
+            let looks: Vec<_> = pinholes.into_iter().zip(&seen).map(look).collect();
+            let sightings = with_sightings.then(|| sightings_of(&looks));
+            return Ok(Looked { seen: Seen::Fisheye(Arc::clone(fisheye)), sightings });
         }
         let view = View::new(sensor, &world_from_cam);
         let seen = visibility_pass(&posed, &view)?;
-        let sightings = with_sightings.then(|| {
-            let (actors, air) = (as_labeled(&snapshot, &self.rig), self.weather.extinction_per_m());
-            sightings(&self.label, &actors, &posed, sensor, &world_from_cam, &seen, air)
-        });
+        let look = || PinholeLook { camera: sensor.pinhole(), world_from_cam, seen: &seen };
+        let sightings = with_sightings.then(|| sightings_of(&[look()]));
         Ok(Looked { seen: Seen::Pinhole(view, Box::new(seen)), sightings })
     }
 

@@ -107,6 +107,13 @@ impl Fisheye {
         DVec2::new(cx + fx * ray.x * per_length, cy + fy * ray.y * per_length)
     }
 
+    /// [`Fisheye::pixel_of_ray`], of what is inside the rim.
+    #[must_use]
+    pub fn pixel_within_rim(&self, ray: DVec3) -> Option<DVec2> {
+        let angle_rad = math::atan2(math::hypot(ray.x, ray.y), ray.z);
+        (angle_rad < MOST_ANGLE_RAD).then(|| self.pixel_of_ray(ray))
+    }
+
     /// Whether each pixel sees anything, row-major.
     pub(super) fn is_within(&self) -> impl Iterator<Item = bool> {
         self.places.iter().map(|(side, _)| *side != NONE)

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3x4, Vector4};
 
 use super::development::Development;
 use super::distortion::{Distortion, Warp};
-use super::fisheye::Fisheye;
+use super::fisheye::{Fisheye, Side};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{DPose3, DVec2, DVec3};
 
@@ -137,6 +137,21 @@ impl CameraModel {
         projection[(0, 3)] += right * z;
         projection[(1, 3)] += down * z;
         Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None, ..self.clone() }
+    }
+
+    /// The pinhole cameras that look where this one does, with the poses of their frames: one, or the sides of a cube that a
+    /// fisheye's image is taken from.
+    #[must_use]
+    pub fn pinholes(&self, world_from_cam: &DPose3) -> Vec<(Self, DPose3)> {
+        let Some(fisheye) = &self.fisheye else { return vec![(self.pinhole(), *world_from_cam)] };
+        let optical = self.optical_pose(world_from_cam);
+        let of_side = |side: &Side| {
+            let [fx, fy, cx, cy] = side.intrinsics_px;
+            let projection = Matrix3x4::new(fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0);
+            let camera = Self { width: side.width, height: side.height, projection, fisheye: None, ..self.clone() };
+            (camera, DPose3 { rotation: optical.rotation * side.cam_from_side, translation: optical.translation })
+        };
+        fisheye.sides.iter().map(of_side).collect()
     }
 
     /// Returns this camera with rows that are exposed from the top to the bottom within so many seconds, from the first

@@ -5,7 +5,7 @@ use strum::{AsRefStr, VariantArray};
 use crate::camera::CameraModel;
 use cadet_base::actor::{ActorState, AnnotatedBox};
 use cadet_base::error::{Result, variant};
-use cadet_base::math::{self, DPose3, DVec3};
+use cadet_base::math::{self, DPose3, DVec2, DVec3};
 
 /// Boxes are clipped at this depth before they are projected.
 const NEAR_M: f64 = 0.1;
@@ -120,8 +120,8 @@ impl BoxCam {
         })
     }
 
-    /// The rectangle round the projection of the part beyond 0.1 m depth, not clipped to the image.
-    /// `None` where the whole box is behind that.
+    /// The rectangle round the projection of the part beyond 0.1 m depth, of a fisheye inside its rim, not clipped to the
+    /// image. `None` where the whole box is behind that.
     #[must_use]
     pub fn project(&self, camera: &CameraModel) -> Option<Rect> {
         const EDGES: [(usize, usize); 12] =
@@ -132,22 +132,31 @@ impl BoxCam {
             ((a.z < NEAR_M) != (b.z < NEAR_M)).then(|| a + (b - a) * ((NEAR_M - a.z) / (b.z - a.z)))
         });
         // A lens bends the edges, so that their ends do not bound them.
-        let num_between = if camera.warp().is_some() { 15 } else { 0 };
+        let num_between = if camera.warp().is_some() || camera.fisheye().is_some() { 15 } else { 0 };
         let between = EDGES.iter().flat_map(|(i, j)| {
             let (a, b) = (corners[*i], corners[*j]);
             (1..=num_between).map(move |k| a + (b - a) * (f64::from(k) / f64::from(num_between + 1)))
         });
-        let points = corners.into_iter().chain(between).filter(|p| p.z >= NEAR_M).chain(crossings);
-        points.filter_map(|p| camera.project(p)).map(|p| p.uv).fold(None, |rect, p| {
-            let r: Rect = rect.unwrap_or(Rect { left_px: p.x, top_px: p.y, right_px: p.x, bottom_px: p.y });
-            Some(Rect {
-                left_px: r.left_px.min(p.x),
-                top_px: r.top_px.min(p.y),
-                right_px: r.right_px.max(p.x),
-                bottom_px: r.bottom_px.max(p.y),
-            })
-        })
+        let points = corners.into_iter().chain(between);
+        if let Some(fisheye) = camera.fisheye() {
+            let optical_center = camera.optical_center_cam();
+            return rect_round(points.filter_map(|p| fisheye.pixel_within_rim(p - optical_center)));
+        }
+        let points = points.filter(|p| p.z >= NEAR_M).chain(crossings);
+        rect_round(points.filter_map(|p| camera.project(p)).map(|p| p.uv))
     }
+}
+
+fn rect_round(pixels: impl Iterator<Item = DVec2>) -> Option<Rect> {
+    pixels.fold(None, |rect, p| {
+        let r: Rect = rect.unwrap_or(Rect { left_px: p.x, top_px: p.y, right_px: p.x, bottom_px: p.y });
+        Some(Rect {
+            left_px: r.left_px.min(p.x),
+            top_px: r.top_px.min(p.y),
+            right_px: r.right_px.max(p.x),
+            bottom_px: r.bottom_px.max(p.y),
+        })
+    })
 }
 
 /// 1 - visible area / whole area of a projected box.

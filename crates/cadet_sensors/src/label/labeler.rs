@@ -8,7 +8,7 @@ use cadet_base::math::{self, DPose3};
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::sighting::{Placed, Sighting};
-use super::silhouette::{ActorInstances, Hidden, SAMPLES_PER_PIXEL, silhouette};
+use super::silhouette::{ActorInstances, Hidden, SAMPLES_PER_PIXEL, Silhouette, silhouette};
 
 /// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
 #[must_use]
@@ -34,6 +34,16 @@ fn put_labeled_first(sightings: &mut [Sighting]) {
     sightings.sort_by_key(|s| (!s.is_labeled, s.actor_id));
 }
 
+/// What one of a camera's pinholes sees ([`CameraModel::pinholes`]).
+pub struct PinholeLook<'a> {
+    /// The pinhole camera.
+    pub camera: CameraModel,
+    /// The pose of its frame.
+    pub world_from_cam: DPose3,
+    /// What it sees.
+    pub seen: &'a Visibility,
+}
+
 /// Every actor that the camera sees well enough to be labeled or left out of scoring: labeled ones first, each group
 /// in the order of their ids; [`add_points`] adds the returns.
 ///
@@ -46,7 +56,7 @@ pub fn sightings(
     scene: &PosedScene,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    seen: &Visibility,
+    looks: &[PinholeLook<'_>],
     extinction_per_m: f64,
 ) -> Vec<Sighting> {
     let cam_from_world = world_from_cam.inverse();
@@ -54,11 +64,15 @@ pub fn sightings(
     // By default what is hidden altogether gets nothing.
     let is_wanted_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
     let hidden = if is_wanted_hidden { Hidden::Drawn } else { Hidden::Skipped };
-    let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
+    let instances = ActorInstances::new(scene);
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some(placed) = Placed::new(actor, config.boxes, camera, &cam_from_world) else { continue };
-        let outline = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, hidden, &mut buffer);
+        let outlines = looks.iter().map(|look| {
+            let PinholeLook { camera, world_from_cam, seen } = look;
+            silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, hidden, &mut buffer)
+        });
+        let outline = outlines.reduce(Silhouette::together).unwrap_or_default();
         let uncovered_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         // Koschmieder: contrast falls exponentially with the way through the air.
@@ -66,7 +80,15 @@ pub fn sightings(
         let contrast = math::exp(-extinction_per_m * away_m);
         let visible_fraction = uncovered_fraction * contrast;
         let visible_pixels = outline.visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
-        let corner_visible = visible_corners(&placed.box_cam.corners_cam(), &pinhole, seen, config.corner_tolerance_m);
+        let corners_cam = placed.box_cam.corners_cam();
+        let mut corner_visible = [false; 8];
+        for PinholeLook { camera, world_from_cam: world_from_look, seen } in looks {
+            let look_from_cam = world_from_look.inverse() * *world_from_cam;
+            let is_own = world_from_look == world_from_cam;
+            let corners = if is_own { corners_cam } else { corners_cam.map(|p| look_from_cam.transform_point(p)) };
+            let visible = visible_corners(&corners, camera, seen, config.corner_tolerance_m);
+            corner_visible = std::array::from_fn(|k| corner_visible[k] || visible[k]);
+        }
         let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
         let occlusion_level = match config.method {
             OcclusionMethod::Pixels => {
@@ -96,7 +118,7 @@ pub fn sightings(
             num_points: 0,
             least_points: actor.annotated.least_points,
             velocity_world: actor.velocity_world,
-            silhouette_bbox: outline.bounds.filter(|_| camera.warp().is_none()),
+            silhouette_bbox: outline.bounds.filter(|_| camera.warp().is_none() && camera.fisheye().is_none()),
             corner_visible,
             box_cam,
         });
@@ -154,7 +176,8 @@ mod tests {
         let rotation = DQuat::from_mat3(&frames::cam_axes_from_velo_axes().transpose());
         let (camera, world_from_cam) = (kitti_like(), DPose3 { rotation, translation: EYE });
         let seen = visibility_pass(&scene, &View::new(&camera, &world_from_cam)).expect("a view");
-        sightings(config, &actors, &scene, &camera, &world_from_cam, &seen, extinction_per_m)
+        let looks = [PinholeLook { camera: camera.clone(), world_from_cam, seen: &seen }];
+        sightings(config, &actors, &scene, &camera, &world_from_cam, &looks, extinction_per_m)
     }
 
     fn exact() -> LabelConfig {

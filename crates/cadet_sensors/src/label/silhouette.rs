@@ -11,7 +11,7 @@ use super::box_cam::Rect;
 pub(super) const SAMPLES_PER_PIXEL: usize = 2;
 
 /// How much of an actor there is in the image, and how much of it is seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Silhouette {
     /// Samples of the outline inside the image.
     pub samples: usize,
@@ -19,6 +19,14 @@ pub(super) struct Silhouette {
     pub visible_samples: usize,
     /// Rectangle round the outline inside the image.
     pub bounds: Option<Rect>,
+}
+
+impl Silhouette {
+    /// What two pinholes see, of which each has images of its own.
+    pub fn together(self, other: Self) -> Self {
+        let (samples, visible) = (self.samples + other.samples, self.visible_samples + other.visible_samples);
+        Self { samples, visible_samples: visible, bounds: None }
+    }
 }
 
 /// What becomes of actors of which nothing is seen.

@@ -145,16 +145,15 @@ def _kinds_of_cameras(rig: Rig, extras: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(
         camera_kind(name, kind)
         for name in rig.mounted_cameras
-        for kind in (*("image_2", *(() if _is_fisheye(rig, name) else ("calib", "label_2"))), *maps)
+        for kind in ("image_2", "label_2", *(() if _is_fisheye(rig, name) else ("calib",)), *maps)
     )
 
 
 def _of_camera(sample: Sample, name: str, extras: tuple[str, ...]) -> dict[str, bytes]:
-    files = {"image_2": sample.png(name)}
-    # Neither fits a projection by a matrix.
+    files = {"image_2": sample.png(name), "label_2": text_from_labels(labels_of(sample, name)).encode("ascii")}
+    # No projection by a matrix.
     if not _is_fisheye(sample.rig, name):
         files["calib"] = calibration_of(sample.rig, name).to_text().encode("ascii")
-        files["label_2"] = text_from_labels(labels_of(sample, name)).encode("ascii")
     return files | _maps(sample, name, extras)
 
 

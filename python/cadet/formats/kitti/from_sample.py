@@ -137,7 +137,7 @@ def _seen(sample: Sample, camera: str | None) -> list[_cadet.Sighting]:
         raise CadetError(f"no image of the camera {shown(camera)}; there are {', '.join(sample.image_names)}")
     sightings = sample._sightings(camera)
     if sightings is None:
-        raise CadetError(f"the camera {camera} has no labels: it is a fisheye, or they were not asked for")
+        raise CadetError(f"the camera {camera} has no labels: they were not asked for")
     return sightings
 
 
