@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use cadet_core::geometry::{LodSet, Mesh, MeshBuilder};
 use cadet_core::instance::Instance;
-use cadet_core::lidar::{LidarSpec, ideal_scan, scan};
+use cadet_core::lidar::{LidarSpec, SceneInMotion, ideal_scan, scan, scan_in_motion};
 use cadet_core::material::{Material, Palette, Pattern, Semantic};
 use cadet_core::math::{self, DPose3, DQuat, DVec3, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{Hits, PinholeGrid, PosedScene, RayCaster, SurfaceFilter, cast};
+use cadet_core::sense::{FaceTrees, Hits, PinholeGrid, PosedScene, RayCaster, RigidMotion, SurfaceFilter, cast};
+use cadet_core::spray::Spray;
 use cadet_core::weather::Weather;
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -89,6 +90,15 @@ fn benches(c: &mut Criterion) {
     let _ = group.bench_function("ideal scan, kitti", |b| b.iter(|| ideal_scan(black_box(&scene), &sensor, &kitti)));
     let _ = group.bench_function("scan, kitti", |b| {
         b.iter(|| scan(black_box(&scene), &sensor, &kitti, &weather, &mut Stream::from_seed("bench", 1)));
+    });
+    let mut trees = FaceTrees::default();
+    let driving = |mps: f64| RigidMotion { velocity_world: DVec3::X * mps, ..RigidMotion::default() };
+    let _ = group.bench_function("scan in motion, kitti", |b| {
+        b.iter(|| {
+            let still = Arc::clone(black_box(&scene));
+            let moving = SceneInMotion::new(still, &mut trees, &kitti, sensor, driving(14.0), |_| driving(-8.0));
+            scan_in_motion(&moving, &kitti, (&weather, &Spray::default()), &mut Stream::from_seed("bench", 1))
+        });
     });
     let axes = cadet_core::frames::cam_axes_from_velo_axes().transpose();
     let camera = DPose3 { rotation: sensor.rotation * DQuat::from_mat3(&axes), translation: sensor.translation };
