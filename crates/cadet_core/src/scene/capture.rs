@@ -108,8 +108,7 @@ struct Looked {
 /// What a camera sees.
 enum Seen {
     Pinhole(View, Box<Visibility>),
-    /// It looks when its image is taken.
-    Fisheye(Arc<Fisheye>),
+    Fisheye(Arc<Fisheye>, Vec<(View, Visibility)>),
 }
 
 impl Looked {
@@ -183,24 +182,27 @@ impl Scene {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let Mounted { sensor, mount, .. } = &self.rig.cameras()[index];
         let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);
-        let sightings_of = |looks: &[PinholeLook<'_>]| {
-            let (actors, air) = (as_labeled(&snapshot, &self.rig), self.weather.extinction_per_m());
-            sightings(&self.label, &actors, &posed, sensor, &world_from_cam, looks, air)
+        let pinholes = sensor.pinholes(&world_from_cam);
+        let see = |(camera, world_from_cam): &(CameraModel, DPose3)| {
+            let view = View::new(camera, world_from_cam);
+            visibility_pass(&posed, &view).map(|seen| (view, seen))
         };
-        if let Some(fisheye) = sensor.fisheye() {
-            let pinholes = if with_sightings { sensor.pinholes(&world_from_cam) } else { Vec::new() };
-            let seen = pinholes.iter().map(|(camera, pose)| visibility_pass(&posed, &View::new(camera, pose)));
-            let seen: Vec<Visibility> = seen.collect::<Result<_>>()?;
-            let look = |((camera, world_from_cam), seen)| PinholeLook { camera, world_from_cam, seen };
-            let looks: Vec<_> = pinholes.into_iter().zip(&seen).map(look).collect();
-            let sightings = with_sightings.then(|| sightings_of(&looks));
-            return Ok(Looked { seen: Seen::Fisheye(Arc::clone(fisheye)), sightings });
-        }
-        let view = View::new(sensor, &world_from_cam);
-        let seen = visibility_pass(&posed, &view)?;
-        let look = || PinholeLook { camera: sensor.pinhole(), world_from_cam, seen: &seen };
-        let sightings = with_sightings.then(|| sightings_of(&[look()]));
-        Ok(Looked { seen: Seen::Pinhole(view, Box::new(seen)), sightings })
+        let mut sides = pinholes.iter().map(see).collect::<Result<Vec<_>>>()?;
+        let sightings = with_sightings.then(|| {
+            let (actors, air) = (as_labeled(&snapshot, &self.rig), self.weather.extinction_per_m());
+            let both = pinholes.iter().zip(&sides);
+            let looks = both.map(|((camera, world_from_cam), (_, seen))| PinholeLook { camera, world_from_cam, seen });
+            let looks: Vec<_> = looks.collect();
+            sightings(&self.label, &actors, &posed, sensor, &world_from_cam, &looks, air)
+        });
+        let seen = match sensor.fisheye() {
+            Some(fisheye) => Seen::Fisheye(Arc::clone(fisheye), sides),
+            None => {
+                let (view, seen) = sides.swap_remove(0);
+                Seen::Pinhole(view, Box::new(seen))
+            }
+        };
+        Ok(Looked { seen, sightings })
     }
 
     fn finish(&mut self, request: &CaptureRequest, first: Looked) -> Result<CapturedFrame> {
@@ -275,10 +277,10 @@ impl Scene {
         let world_from_cam = mount.world_from_sensor(&snapshot.ego.world_from_ego);
         let motions = Motions { camera, of_actor: &motion_of };
         let rendered = match looked.seen {
-            Seen::Fisheye(fisheye) => {
+            Seen::Fisheye(fisheye, sides) => {
                 let maps = request.maps.as_ref().map(|kinds| (kinds, &motions));
-                let sensor = (sensor, &*fisheye);
-                render_fisheye(&posed, sensor, &world_from_cam, &self.weather, &foreground, maps, &mut stream)?
+                let sensor = (sensor, &*fisheye, sides);
+                render_fisheye(&posed, sensor, &world_from_cam, &self.weather, &foreground, maps, &mut stream)
             }
             Seen::Pinhole(..) if !sensor.is_instantaneous() => {
                 let moving = Moving { scene: &posed, world_from_cam: &world_from_cam, camera, motion_of, foreground };
@@ -348,8 +350,9 @@ impl Scene {
             return scan_through(&posed, &world_from_velo, spec, air, &mut stream);
         }
         let spec = &spec.clone().at_time(snapshot.time_s);
-        let motion_of = |id| if spec.rolling { motion_of_actor(&snapshot, id) } else { RigidMotion::default() };
-        let ego = if spec.rolling { motion_of_ego(&snapshot) } else { RigidMotion::default() };
+        let while_it_scans = |motion| if spec.rolling { motion } else { RigidMotion::default() };
+        let motion_of = |id| while_it_scans(motion_of_actor(&snapshot, id));
+        let ego = while_it_scans(motion_of_ego(&snapshot));
         let scene = SceneInMotion::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
         let scan = scan_in_motion(&scene, spec, air, &mut stream);
         self.trees.forget_unused();

@@ -9,10 +9,9 @@ use super::noise::{ROWS_BEFORE, blur};
 use super::render::{Foreground, Rendered, Scratch, radiance};
 use super::spray;
 use super::surface_maps::{Motions, SurfaceMapKinds};
-use super::visibility_pass::{View, visibility_pass};
+use super::visibility_pass::{View, Visibility};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
-use cadet_base::error::Result;
 use cadet_base::material::Semantic;
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_base::rng::Stream;
@@ -20,27 +19,23 @@ use cadet_base::rng::Stream;
 /// Renders as [`super::render_through`] does, through a fisheye, with its maps: depth is the distance from the optical center, and
 /// what lies beyond the rim is sky in maps and without light in the image.
 ///
-/// `world_from_cam` is the pose of the camera's frame; `maps` says which are made, and how what is seen moves.
-///
-/// # Errors
-/// Those of [`visibility_pass`].
+/// `sides` are the views of the camera's [`CameraModel::pinholes`] and what is seen in them, `world_from_cam` is the pose of the
+/// camera's frame; `maps` says which are made, and how what is seen moves.
+#[must_use]
 pub fn render_fisheye(
     scene: &PosedScene,
-    (camera, fisheye): (&CameraModel, &Fisheye),
+    (camera, fisheye, sides): (&CameraModel, &Fisheye, Vec<(View, Visibility)>),
     world_from_cam: &DPose3,
     weather: &Weather,
     foreground: &Foreground<'_>,
     maps: Option<(&SurfaceMapKinds, &Motions<'_>)>,
     stream: &mut Stream,
-) -> Result<Rendered> {
+) -> Rendered {
     let (width, height, is_night) = (camera.width, camera.height, weather.is_night());
-    let optical = camera.optical_pose(world_from_cam);
     let (mut rgb, mut scratch) = (vec![0.0; width * height * 3], Scratch::default());
     let mut found = maps.map(|(kinds, motions)| (kinds, motions, sky(width * height, kinds)));
     let mut ceiling = f32::INFINITY;
-    for (number, side) in fisheye.sides.iter().enumerate() {
-        let view = view_of(side, &optical);
-        let seen = visibility_pass(scene, &view)?;
+    for ((number, side), (view, seen)) in fisheye.sides.iter().enumerate().zip(sides) {
         let light = radiance(scene, &view, weather, &seen, &mut scratch);
         let below = &mut scratch.rgb[ROWS_BEFORE * view.width * 3..];
         spray::draw(&foreground.spray, below, &view, &seen, &light);
@@ -72,14 +67,7 @@ pub fn render_fisheye(
     let exposed =
         MeteredPixels::of(&lit).exposure(sums, lit.len(), is_night, *metering, development.response.aim_factor());
     let rendered = foreground.develop(&rgb, (width, height), exposed, stream);
-    Ok(Rendered { maps: found.map(|(.., maps)| maps), ..rendered })
-}
-
-/// The pinhole view of a side; `optical` is the pose of the optical center.
-fn view_of(side: &Side, optical: &DPose3) -> View {
-    let &Side { cam_from_side, intrinsics_px, width, height } = side;
-    let world_from_cam = DPose3 { rotation: optical.rotation * cam_from_side, translation: optical.translation };
-    View { intrinsics_px, width, height, world_from_cam }
+    Rendered { maps: found.map(|(.., maps)| maps), ..rendered }
 }
 
 /// Maps that show the sky alone.

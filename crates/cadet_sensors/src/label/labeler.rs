@@ -37,9 +37,9 @@ fn put_labeled_first(sightings: &mut [Sighting]) {
 /// What one of a camera's pinholes sees ([`CameraModel::pinholes`]).
 pub struct PinholeLook<'a> {
     /// The pinhole camera.
-    pub camera: CameraModel,
-    /// The pose of its frame.
-    pub world_from_cam: DPose3,
+    pub camera: &'a CameraModel,
+    /// The pose of its frame in the world.
+    pub world_from_cam: &'a DPose3,
     /// What it sees.
     pub seen: &'a Visibility,
 }
@@ -84,7 +84,7 @@ pub fn sightings(
         let mut corner_visible = [false; 8];
         for PinholeLook { camera, world_from_cam: world_from_look, seen } in looks {
             let look_from_cam = world_from_look.inverse() * *world_from_cam;
-            let is_own = world_from_look == world_from_cam;
+            let is_own = *world_from_look == world_from_cam;
             let corners = if is_own { corners_cam } else { corners_cam.map(|p| look_from_cam.transform_point(p)) };
             let visible = visible_corners(&corners, camera, seen, config.corner_tolerance_m);
             corner_visible = std::array::from_fn(|k| corner_visible[k] || visible[k]);
@@ -176,7 +176,7 @@ mod tests {
         let rotation = DQuat::from_mat3(&frames::cam_axes_from_velo_axes().transpose());
         let (camera, world_from_cam) = (kitti_like(), DPose3 { rotation, translation: EYE });
         let seen = visibility_pass(&scene, &View::new(&camera, &world_from_cam)).expect("a view");
-        let looks = [PinholeLook { camera: camera.clone(), world_from_cam, seen: &seen }];
+        let looks = [PinholeLook { camera: &camera, world_from_cam: &world_from_cam, seen: &seen }];
         sightings(config, &actors, &scene, &camera, &world_from_cam, &looks, extinction_per_m)
     }
 
