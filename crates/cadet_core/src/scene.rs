@@ -338,8 +338,7 @@ impl Scene {
     pub fn ideal_scan(&mut self, lidar: Option<&LidarSpec>) -> IdealScan {
         let world_from_velo = self.world_from_velo();
         let posed = self.triangles();
-        let lidar = lidar.unwrap_or(self.rig.lidar()).clone().at_time(self.time_s());
-        ideal_scan(&posed, &world_from_velo, &lidar)
+        ideal_scan(&posed, &world_from_velo, lidar.unwrap_or(self.rig.lidar()))
     }
 
     /// Casts arbitrary rays against the present instant, by parry.

@@ -209,9 +209,9 @@ impl Scene {
             if !ideal {
                 return scene.scan(spec, sample);
             }
-            let scan = scene.ideal_scan(spec);
-            let posed = scene.triangles();
             let spec = spec.unwrap_or(scene.rig().lidar()).clone().at_time(scene.time_s());
+            let scan = scene.ideal_scan(Some(&spec));
+            let posed = scene.triangles();
             let (ring, column) = spec.beam_numbers();
             Ok(Scan {
                 points_velo: scan.points_velo(&spec),

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::firing::Firing;
 use super::half_scan::HalfScan;
+use super::scan_path::{Aim, azimuths_of};
 use super::spec::{LidarSpec, Scanner};
 use crate::sense::{HalfTurn, LaserRing, RigidMotion, SpinningGrid};
 use cadet_base::math::{self, DPose3, DVec3, TAU, wrap_angle};
@@ -63,17 +65,19 @@ impl LidarSpec {
     pub(super) fn beams(&self, ring: usize) -> impl Fn(usize) -> BeamLine + '_ {
         let (laser, offset_rad) = (self.rings()[ring], self.azimuth_offsets_rad[ring]);
         let level = laser.directions_velo();
-        move |column| match &self.scanner {
-            Scanner::Spinning(grid, _) => {
-                let heading = grid.headings(ring)[column];
-                BeamLine { origin_velo: laser.origin_velo(heading), direction_velo: level(heading) }
+        // Of a ring, so that it is not looked up for each of its beams.
+        let (headings, aims): (&[[f64; 2]], &[Aim]) = match &self.scanner {
+            Scanner::Spinning(grid, _) => (grid.headings(ring), &[]),
+            Scanner::Path(aims) => (&[], aims),
+        };
+        move |column| {
+            if let Some(heading) = headings.get(column) {
+                return BeamLine { origin_velo: laser.origin_velo(*heading), direction_velo: level(*heading) };
             }
-            Scanner::Path(aims) => {
-                let azimuth_rad = aims[column].azimuth_rad + offset_rad;
-                let heading = [math::cos(azimuth_rad), math::sin(azimuth_rad)];
-                let raised = LaserRing::on_axis(laser.elevation_rad + aims[column].elevation_rad, laser.height_m);
-                BeamLine { origin_velo: raised.origin_velo(heading), direction_velo: raised.directions_velo()(heading) }
-            }
+            let azimuth_rad = aims[column].azimuth_rad + offset_rad;
+            let heading = [math::cos(azimuth_rad), math::sin(azimuth_rad)];
+            let raised = LaserRing::on_axis(laser.elevation_rad + aims[column].elevation_rad, laser.height_m);
+            BeamLine { origin_velo: raised.origin_velo(heading), direction_velo: raised.directions_velo()(heading) }
         }
     }
 
@@ -160,8 +164,10 @@ impl LidarSpec {
     /// This sensor with the path of the scan whose instant is `start_s`, where paths go on from scan to scan.
     #[must_use]
     pub fn at_time(mut self, start_s: f64) -> Self {
-        if let Ok(Some(aims)) = self.firing().aims(start_s) {
-            self.azimuths_rad = aims.iter().map(|aim| aim.azimuth_rad).collect();
+        if let Firing::Rosette(rosette) = self.firing()
+            && let Ok(aims) = rosette.aims(start_s)
+        {
+            self.azimuths_rad = azimuths_of(&aims);
             self.scanner = Scanner::Path(aims);
         }
         self

@@ -12,7 +12,7 @@ use cadet_base::math::wrap_angle;
 
 /// What the halos of a turn's beams meet.
 pub(super) struct Blooming {
-    /// Of each beam; none at all where nothing blooms.
+    /// Of each beam.
     halos: Vec<Halo>,
 }
 
@@ -33,11 +33,12 @@ struct Window {
 }
 
 impl Blooming {
-    pub(super) fn of<C: Casting>(casting: &C, spec: &LidarSpec, met: &TurnHits) -> Self {
+    /// None where nothing blooms.
+    pub(super) fn of<C: Casting>(casting: &C, spec: &LidarSpec, met: &TurnHits) -> Option<Self> {
         let (scene, receiver) = (casting.scene(), spec.receiver());
         let hits = &met.opaque;
-        if receiver.halo_share == 0.0 || receiver.halo_rad == 0.0 || !spec.spins() {
-            return Self { halos: Vec::new() };
+        if receiver.halo_share == 0.0 || !spec.spins() {
+            return None;
         }
         let is_retro = |at: &usize| {
             let instance = scene.instances.get(hits.instance[*at] as usize);
@@ -45,7 +46,7 @@ impl Blooming {
         };
         let retro: Vec<usize> = (0..hits.depth_m.len()).filter(is_retro).collect();
         if retro.is_empty() {
-            return Self { halos: Vec::new() };
+            return None;
         }
         let azimuths_rad = spec.azimuths_rad();
         let windows: Vec<(Vec<Window>, f64)> = (0..hits.rows).map(|ring| windows(spec, ring)).collect();
@@ -69,13 +70,12 @@ impl Blooming {
             halo.reflectance *= share;
             halo.reflectance_m *= share;
         }
-        Self { halos }
+        Some(Self { halos })
     }
 
     /// Adds to the echoes of a beam's surfaces, by rising range, what its halo brings back.
-    #[inline]
     pub(super) fn join<C: Casting>(&self, echoes: &mut [Option<Echo>; 4], casting: &C, hits: &Hits, beam: usize) {
-        let Some(halo) = self.halos.get(beam) else { return };
+        let halo = &self.halos[beam];
         let Some(nearest) = halo.nearest.map(|at| at as usize) else { return };
         // A retroreflector that it meets itself outshines it.
         if echoes.iter().flatten().any(|echo| echo.retro) || echoes[3].is_some() {

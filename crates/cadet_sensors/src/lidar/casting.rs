@@ -85,7 +85,7 @@ impl<'a> StillCasting<'a> {
 
     fn in_range(&self, spec: &LidarSpec) -> impl Fn(&PosedInstance) -> bool {
         let (sensor_world, reach_m) = (self.world_from_velo.translation, reach_m(spec));
-        move |i| (i.center_world - sensor_world).length() - i.radius_m < reach_m
+        move |i| i.is_within(sensor_world, reach_m)
     }
 }
 

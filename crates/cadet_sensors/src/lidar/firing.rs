@@ -1,6 +1,6 @@
 //! Where a LIDAR points when its lasers fire: the azimuths of a turn, or a path of beams that do not spin.
 
-use super::scan_path::{Aim, Raster, Rosette, check_aims};
+use super::scan_path::{Aim, Raster, Rosette, azimuths_of, check_aims};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::math::{self, TAU};
 
@@ -85,7 +85,7 @@ impl Firing {
             }
             Self::Listed(azimuths_rad) => Ok(azimuths_rad.clone()),
             Self::Raster(_) | Self::Rosette(_) | Self::Table(_) => {
-                Ok(self.aims(0.0)?.iter().flatten().map(|aim| aim.azimuth_rad).collect())
+                Ok(azimuths_of(&self.aims(0.0)?.unwrap_or_default()))
             }
         }
     }

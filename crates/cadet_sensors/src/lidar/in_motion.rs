@@ -43,13 +43,9 @@ impl SceneInMotion {
         let sensor_m = sensor.reach_m((world_from_velo.translation - sensor.pivot_world).length(), span_s);
         // Whoever is faster than 100 m/s may be missed at the edge of the range.
         let reach_m = reach_m(spec) + sensor_m + 100.0 * span_s;
-        let is_in_reach = |i: &PosedInstance| is_within(i, world_from_velo.translation, reach_m);
-        let caster = MovingCaster::new(scene, trees, motion_of, span_s, is_in_reach);
+        let keep = |i: &PosedInstance| i.is_within(world_from_velo.translation, reach_m);
+        let caster = MovingCaster::new(scene, trees, motion_of, span_s, keep);
         Self { caster, world_from_velo, sensor, reach_m }
-    }
-
-    fn is_in_reach(&self, instance: &PosedInstance) -> bool {
-        is_within(instance, self.world_from_velo.translation, self.reach_m)
     }
 
     /// The sensor at every column's firing.
@@ -60,11 +56,6 @@ impl SceneInMotion {
         };
         Firings { scene: self, columns: (0..spec.num_columns()).map(at).collect() }
     }
-}
-
-/// True if an instance is nearer to a place than `reach_m`.
-fn is_within(instance: &PosedInstance, place_world: DVec3, reach_m: f64) -> bool {
-    (instance.center_world - place_world).length() - instance.radius_m < reach_m
 }
 
 /// One scan, column by column.
@@ -123,10 +114,9 @@ impl Casting for Firings<'_> {
                 let origin = world_from_velo.transform_point(origin_velo);
                 out[*k] = divergent.directions_velo(beams[*k]).map(|direction_velo| {
                     let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
-                    found.map_or(BeamHit::MISS, |f| BeamHit {
-                        range_m: f.range_m as f32,
-                        instance: f.instance,
-                        face: f.face,
+                    found.map_or(BeamHit::MISS, |FaceHit { range_m, instance, face }| {
+                        let range_m = range_m as f32;
+                        BeamHit { range_m, instance, face }
                     })
                 });
             }
@@ -150,14 +140,15 @@ impl Firings<'_> {
     /// What beams meet, found by the kernel among points that have moved to where beams meet them: right but for those that
     /// pass an edge by less than what is left out, as points of a triangle between its corners move a little otherwise.
     fn cast_nearly(&self, rows: usize, columns: usize, halves: &[HalfScan]) -> TurnHits {
-        let SceneInMotion { caster, world_from_velo, sensor, .. } = self.scene;
+        let SceneInMotion { caster, world_from_velo, sensor, reach_m } = self.scene;
         let mut all = TurnHits { opaque: Hits::new(rows, columns), first: Hits::new(rows, columns) };
         for HalfScan { half, grid, columns } in halves {
             let as_met =
                 MetWhileTurning::new(*half, caster.scene(), (world_from_velo, sensor), |index| caster.motion_of(index));
             let grid = grid.at(*world_from_velo);
             let cast = |filter, hits: &mut Hits| {
-                cast_as_met(caster.scene(), (&grid, &as_met), filter, |i| self.scene.is_in_reach(i), hits);
+                let keep = |i: &PosedInstance| i.is_within(world_from_velo.translation, *reach_m);
+                cast_as_met(caster.scene(), (&grid, &as_met), filter, keep, hits);
             };
             let mut opaque = Hits::new(rows, columns.len());
             cast(SurfaceFilter::Opaque, &mut opaque);

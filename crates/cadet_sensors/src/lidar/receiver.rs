@@ -32,8 +32,8 @@ pub struct Receiver {
 
 impl Default for Receiver {
     /// Velodyne's HDL-64E: by its data sheet pulses of 5 ns and beams of 2 mrad; the noise is that of KITTI's scans of roads
-    /// at 5 to 20 m. About plates of KITTI's cars nothing blooms. The detection range is fitted to the returns of KITTI's cars over range, height, and reading: at 40 to
-    /// 70 m they lose fewer beams than the data sheet's 10 % of reflectance at 50 m would tell.
+    /// at 5 to 20 m. The detection range is fitted to the returns of KITTI's cars over range, height, and reading: at 40 to
+    /// 70 m they lose fewer beams than the data sheet's 10 % of reflectance at 50 m would tell. About their plates nothing blooms.
     fn default() -> Self {
         Self {
             pulse_s: 5e-9,

@@ -40,7 +40,7 @@ const MOST_ECHOES: usize = 7;
 /// the last; `spray` says what spray does to a beam up to a range. A lone echo may be too weak to be detected.
 #[inline]
 pub(super) fn arrivals(
-    echoes: [Option<Echo>; 4],
+    echoes: &[Option<Echo>; 4],
     air: &Air,
     spray: impl Fn(f64) -> Sprayed,
     (mode, receiver, draws): (ReturnMode, &RingReceiver, &Draws),

@@ -1,8 +1,8 @@
 //! One scan of the LIDAR: exact, or as the sensor reports it.
 //!
 //! A scan is made in steps: casting says what beams meet (`casting`, `in_motion`), surfaces are looked up (`surfaces`),
-//! beams at depth edges are split (`divergence`), halos are added (`blooming`), what arrives is found (`returns`, `air`), and the receiver writes points
-//! (`echo_batch`).
+//! beams at depth edges are split (`divergence`), halos are added (`blooming`), what arrives is found (`returns`, `air`), and
+//! the receiver writes points (`echo_batch`).
 
 use std::sync::Arc;
 
@@ -221,7 +221,9 @@ fn scan_by<C: Casting>(
                 let opaque = behind.at(met.opaque(beam), column, origin_velo, direction_velo);
                 [first_echo(transparent, opaque, &draws), None, None, None]
             };
-            blooming.join(&mut echoes, casting, &met.opaque, beam);
+            if let Some(blooming) = &blooming {
+                blooming.join(&mut echoes, casting, &met.opaque, beam);
+            }
             let sprayed = |range_m| {
                 if plumes.is_empty() {
                     return Sprayed::NOT;
@@ -231,7 +233,7 @@ fn scan_by<C: Casting>(
                 plumes.meet(origin, ahead - origin, range_m, receiver.laser.focus_m, draws.air_key)
             };
             let turn = spec.reporting_turns()[column];
-            arrivals(echoes, air, sprayed, (spec.returns, receiver, &draws), |arrival| {
+            arrivals(&echoes, air, sprayed, (spec.returns, receiver, &draws), |arrival| {
                 let reported = [origin_velo, direction_velo].map(|v| turned(v, turn).to_array());
                 batch.push(arrival, &draws, column, reported);
                 if batch.is_full() {

@@ -22,6 +22,11 @@ pub struct Aim {
     pub elevation_rad: f64,
 }
 
+/// The azimuth of every firing of a path.
+pub(super) fn azimuths_of(aims: &[Aim]) -> Vec<f64> {
+    aims.iter().map(|aim| aim.azimuth_rad).collect()
+}
+
 /// Lines from the left to the right, from the top line to the bottom one, evenly through a period that is centered on the
 /// scan's instant.
 #[derive(Debug, Clone, Copy, PartialEq)]

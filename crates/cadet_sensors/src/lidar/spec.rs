@@ -9,7 +9,7 @@ use super::laser_receiver::LaserReceiver;
 use super::receiver::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
 use super::ring_receiver::RingReceiver;
-use super::scan_path::Aim;
+use super::scan_path::{Aim, azimuths_of};
 use super::spin::Spin;
 use crate::sense::{LaserRing, SpinningGrid};
 use cadet_base::error::{Error, Result, finite, within};
@@ -89,12 +89,15 @@ impl LidarSpec {
     /// # Errors
     /// As [`Firing::azimuths_rad`] and [`SpinningGrid::new`].
     pub fn with_firing(name: &str, rings: Vec<LaserRing>, firing: Firing) -> Result<Self> {
-        let azimuths_rad = firing.azimuths_rad()?;
-        let scanner = match firing.aims(0.0)? {
-            None => Scanner::spinning(SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?),
+        let (azimuths_rad, scanner) = match firing.aims(0.0)? {
+            None => {
+                let azimuths_rad = firing.azimuths_rad()?;
+                let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
+                (azimuths_rad, Scanner::spinning(grid))
+            }
             Some(aims) => {
                 check_lasers_of_path(&rings, &aims)?;
-                Scanner::Path(aims)
+                (azimuths_of(&aims), Scanner::Path(aims))
             }
         };
         Ok(Self {

@@ -4,7 +4,7 @@ use super::azimuth_ticks::azimuth_rad_of;
 use super::motion::RigidMotion;
 use super::posed::PosedScene;
 use cadet_base::geometry::LANES;
-use cadet_base::math::{DPose3, DVec3, PI};
+use cadet_base::math::{DPose3, DVec3, PI, wrap_angle};
 
 /// Moves points to where beams meet them.
 pub(crate) trait AsMet {
@@ -52,9 +52,7 @@ impl HalfTurn {
     /// When the beam passes a place.
     #[inline(always)]
     fn time_s(&self, x: f64, y: f64) -> f64 {
-        let off_rad = f64::from(azimuth_rad_of(x as f32, y as f32)) - self.middle_rad;
-        let off_rad = if off_rad > PI { off_rad - 2.0 * PI } else { off_rad };
-        let off_rad = if off_rad < -PI { off_rad + 2.0 * PI } else { off_rad };
+        let off_rad = wrap_angle(f64::from(azimuth_rad_of(x as f32, y as f32)) - self.middle_rad);
         let most_rad = 0.5 * PI + BEYOND_RAD;
         self.middle_s + off_rad.clamp(-most_rad, most_rad) * self.slope_s_per_rad
     }

@@ -148,6 +148,18 @@ impl Moment<'_> {
         SurfaceHits { opaque, transparent: transparent.filter(|t| opaque.is_none_or(|o| t.range_m < o.range_m)) }
     }
 
+    /// A ray as it stands to the bodies of a motion where the scene has them.
+    #[inline]
+    fn ray_at_instant(&self, motion: Option<usize>, origin_world: DVec3, direction_world: DVec3) -> (DVec3, DVec3) {
+        match motion {
+            None => (origin_world, direction_world),
+            Some(index) => {
+                let back = &self.instant_from_moment[index];
+                (back.transform_point(origin_world), back.rotation * direction_world)
+            }
+        }
+    }
+
     /// Where a ray meets a triangle; None if it passes beside.
     pub(crate) fn range_of(
         &self,
@@ -156,10 +168,7 @@ impl Moment<'_> {
         face: u32,
     ) -> Option<f64> {
         let motion = self.caster.instances[instance as usize].as_ref()?.motion;
-        let back = motion.map(|index| &self.instant_from_moment[index]);
-        let (origin, direction) = back.map_or((origin_world, direction_world), |back| {
-            (back.transform_point(origin_world), back.rotation * direction_world)
-        });
+        let (origin, direction) = self.ray_at_instant(motion, origin_world, direction_world);
         meet(self.caster.scene.corners(instance, face).map(|p| p.as_dvec3()), origin, direction)
     }
 
@@ -176,13 +185,7 @@ impl Moment<'_> {
         let (opaque, transparent) = (Cell::new(None::<FaceHit>), Cell::new(None::<FaceHit>));
         let _ = caster.over_instances.cast_ray(&ray_world, f32::MAX, |instance, _| {
             let moving = caster.instances[instance as usize].as_ref()?;
-            let (origin, direction) = match moving.motion {
-                None => (origin_world, direction_world),
-                Some(index) => {
-                    let back = &self.instant_from_moment[index];
-                    (back.transform_point(origin_world), back.rotation * direction_world)
-                }
-            };
+            let (origin, direction) = self.ray_at_instant(moving.motion, origin_world, direction_world);
             let local = |v: DVec3| (moving.local_from_world * v).as_vec3();
             let ray = Ray::new(local(origin - moving.origin_world), local(direction));
             let limit_m = opaque.get().map_or(f32::MAX, |o| outward(o.range_m));

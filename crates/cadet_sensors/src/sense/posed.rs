@@ -101,6 +101,12 @@ impl PosedInstance {
         self.sheds_snow && material.semantic.is_vehicle()
     }
 
+    /// True if some of its bounding sphere is nearer to a place than `reach_m`.
+    #[must_use]
+    pub fn is_within(&self, place_world: DVec3, reach_m: f64) -> bool {
+        (self.center_world - place_world).length() - self.radius_m < reach_m
+    }
+
     /// The corners of a face in the world.
     #[inline]
     #[must_use]

@@ -40,7 +40,7 @@ fn written(
 ) -> Vec<(u8, Return)> {
     let mut batch = EchoBatch::new();
     let push = |arrival: &Arrival| batch.push(arrival, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
-    arrivals(echoes, air, |_| Sprayed::NOT, (mode, receiver, draws), push);
+    arrivals(&echoes, air, |_| Sprayed::NOT, (mode, receiver, draws), push);
     let mut out = Scan::default();
     batch.receive(receiver, 0, false, &mut out);
     let point = |i: usize| Return {
