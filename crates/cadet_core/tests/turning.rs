@@ -281,6 +281,8 @@ fn a_path_meets_a_wall_at_the_moment_of_each_firing() {
         // Sums of a laser's and the scanner's angles.
         let elevation_rad = |i: usize| math::asin(rays.directions_velo[i].z);
         assert!((elevation_rad(0) - elevation_rad(spec.num_columns()) - 0.05).abs() < 1e-12);
+        let azimuth_rad = |i: usize| math::atan2(rays.directions_velo[i].y, rays.directions_velo[i].x);
+        assert!((azimuth_rad(0) - azimuth_rad(spec.num_columns()) - 0.15).abs() < 1e-12);
         for (forward_mps, world_mps) in [(0.0, 0.0), (speed_mps, 0.0), (0.0, -speed_mps)] {
             let scan = turn(&scene, &spec, moving(DVec3::new(forward_mps, 0.0, 0.0)), |_| {
                 moving(DVec3::new(world_mps, 0.0, 0.0))
