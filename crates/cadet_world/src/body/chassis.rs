@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rapier3d::control::{DynamicRayCastVehicleController, WheelTuning};
-use rapier3d::prelude::{MassProperties, RigidBodyBuilder, RigidBodyHandle, Vector};
+use rapier3d::prelude::{MassProperties, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, Vector};
 
 use super::Body;
 use super::wheels::wheel_pose;
@@ -21,6 +21,10 @@ pub(crate) const MAX_STEER_RAD: f64 = 0.62;
 pub(crate) const STEER_RATE_RADPS: f64 = 0.9;
 /// Below this speed a car that means to stop is held where it is, as by its brakes.
 const HOLD_SPEED_MPS: f64 = 0.12;
+/// A held car whose springs have been slower than this for so many steps is at rest.
+const REST_SPEED_MPS: f32 = 2e-3;
+const REST_SPEED_RADPS: f32 = 2e-3;
+const REST_STEPS: u32 = 30;
 
 /// A car's physics.
 pub(crate) struct Chassis {
@@ -32,6 +36,8 @@ pub(crate) struct Chassis {
     accel_mps2: f64,
     /// The pose of its box at which the brakes hold the car, once it stands.
     held: Option<DPose3>,
+    /// Steps for which a held car has been at rest.
+    rest_steps: u32,
 }
 
 /// Moments of inertia of a box about its middle.
@@ -84,7 +90,7 @@ impl Chassis {
                 &tuning,
             );
         }
-        Self { body, model, controller, mass_kg, steer_rad: 0.0, accel_mps2: 0.0, held: None }
+        Self { body, model, controller, mass_kg, steer_rad: 0.0, accel_mps2: 0.0, held: None, rest_steps: 0 }
     }
 
     /// Sets what the driver wants from now on. `stand` asks for a stop that holds.
@@ -106,9 +112,26 @@ impl Chassis {
         self.held.is_some()
     }
 
-    /// Casts the wheels' rays and pushes the body; to be followed by the physics step.
+    /// Casts the wheels' rays and pushes the body; to be followed by the physics step. A held car at rest is a fixed body,
+    /// until its driver lets it go.
     pub fn apply(&mut self, physics: &mut Physics) {
-        let body = &physics.world.bodies[self.body];
+        for wheel in &mut self.controller.wheels_mut()[..2] {
+            wheel.steering = self.steer_rad as f32;
+        }
+        let body = &mut physics.world.bodies[self.body];
+        let is_slow = body.linvel().length() < REST_SPEED_MPS && body.angvel().length() < REST_SPEED_RADPS;
+        self.rest_steps = if self.held.is_some() && is_slow { self.rest_steps + 1 } else { 0 };
+        if self.rest_steps >= REST_STEPS {
+            if self.rest_steps == REST_STEPS {
+                body.set_linvel(Vector::ZERO, false);
+                body.set_angvel(Vector::ZERO, false);
+                body.set_body_type(RigidBodyType::Fixed, false);
+            }
+            return;
+        }
+        if body.is_fixed() {
+            body.set_body_type(RigidBodyType::Dynamic, true);
+        }
         let pose = pose_f64(body.position());
         let (forward, left) = (pose.rotation * DVec3::X, pose.rotation * DVec3::Y);
         let on_ground = self.controller.wheels().iter().filter(|w| w.raycast_info().is_in_contact).count();
@@ -123,10 +146,7 @@ impl Chassis {
         // would not move any more.
         let is_undefined = force == 0.0 && body.mass() == 0.0;
         let force = if is_undefined { f64::from(f32::MIN_POSITIVE) } else { force };
-        for (i, wheel) in self.controller.wheels_mut().iter_mut().enumerate() {
-            wheel.engine_force = force as f32;
-            wheel.steering = if i < 2 { self.steer_rad as f32 } else { 0.0 };
-        }
+        self.controller.wheels_mut().iter_mut().for_each(|wheel| wheel.engine_force = force as f32);
         physics.push_wheels(&mut self.controller);
         // The tires carry the slope's pull sideways at once; rapier's friction alone would let the car creep. It goes
         // last, or that friction would take it for a sideways motion and fight it.
@@ -163,6 +183,7 @@ impl Chassis {
         self.steer_rad = 0.0;
         self.accel_mps2 = 0.0;
         self.held = Some(*world_from_box);
+        self.rest_steps = 0;
     }
 
     /// Distance between the axles.
