@@ -21,7 +21,7 @@ use cadet_town::LaneId;
 /// Distance to the line in the old lane up to which a vehicle needs no change to return.
 const HARDLY_LEFT_M: f64 = 0.4;
 /// Looks between two decisions.
-const LOOKS: u64 = 6;
+const LOOKS: u64 = 3;
 
 /// What a gap takes off a driver's acceleration; nothing where the lane is free.
 fn interaction_accel(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::lane_use::LaneUse;
+use crate::params::LOOK_STEPS;
 use crate::slot::Slot;
 use crate::streets::LaneGraph;
 use crate::tests::towns::crossing;
@@ -83,7 +84,7 @@ fn who_has_to_give_way_waits_for_who_would_arrive_before_it_is_over() {
     // After a while it goes when its turn comes.
     let mut junctions = Junctions::new(&town.0);
     let major = Request { stage: Stage::Comes, ..town.request(2, NORTH, Turn::Straight, RightOfWay::Priority) };
-    let waited = (0..2000).step_by(3).find(|step| {
+    let waited = (0..2000).step_by(LOOK_STEPS as usize).find(|step| {
         junctions.resolve(&[minor(RightOfWay::Yield), major.clone()], &LaneUse::default(), &town.0, *step);
         junctions.holds_any(1)
     });

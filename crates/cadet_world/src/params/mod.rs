@@ -10,8 +10,8 @@ pub(super) mod walking;
 
 use super::physics::DT_S;
 
-/// Steps between two looks, and the time: nobody needs more than 20 a second.
-pub(super) const LOOK_STEPS: u64 = 3;
+/// Steps between two looks, and the time: nobody needs more than ten a second.
+pub(super) const LOOK_STEPS: u64 = 6;
 pub(super) const LOOK_S: f64 = LOOK_STEPS as f64 * DT_S;
 /// Slower vehicles stand.
 pub(super) const STANDS_MPS: f64 = 0.1;

@@ -103,5 +103,5 @@ fn prams_and_cases_are_seldom_within_anything() {
     }
     assert!(seen > 300, "{seen}");
     assert!(in_people * 100 <= 8 * seen, "{in_people} of {seen}");
-    assert!(in_vehicles.len() * 25 <= things.len(), "{} of {}", in_vehicles.len(), things.len());
+    assert!(in_vehicles.len() * 20 <= things.len(), "{} of {}", in_vehicles.len(), things.len());
 }
