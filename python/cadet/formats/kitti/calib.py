@@ -259,12 +259,12 @@ def is_at_zero_depth(points_velo: NDArray[Any], calib: Calibration) -> NDArray[n
     if points_velo.shape[1] < _XYZ:
         raise ShapeError(f"points_velo: expected (N, 3) or wider, got {points_velo.shape}")
     a, b, c, d = calib.cam_from_velo[2].tolist()
-    kind = np.result_type(points_velo.dtype, np.float32)
-    # Few points come near, and looking at those alone is fast.
-    near = np.flatnonzero(np.abs(points_velo[:, :_XYZ] @ np.array([a, b, c], kind) + kind.type(d)) < _NEAR_ZERO_M)
+    # Written out: a product of matrices adds up in another order on other machines, and its threads spin for a while.
+    x, y, z = points_velo[:, :_XYZ].T
+    # Few points come near, and looking at those alone in double precision is fast.
+    near = np.flatnonzero(np.abs(a * x + b * y + c * z + d) < _NEAR_ZERO_M)
     x, y, z = points_velo[near, :_XYZ].astype(np.float64).T
     is_zero = np.zeros(len(points_velo), bool)
-    # Written out, since the order in which a product of matrices adds up differs between machines.
     is_zero[near] = np.abs(a * x + b * y + c * z + d) < ZERO_DEPTH_M
     return is_zero
 
