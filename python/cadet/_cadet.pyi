@@ -14,16 +14,13 @@ __all__ = [
     "BevConfig",
     "Camera",
     "Capture",
-    "LabelConfig",
     "Lidar",
     "Pose",
-    "PropConfig",
     "Request",
     "Rig",
     "Scene",
     "SceneConfig",
     "Sighting",
-    "SuburbConfig",
     "Weather",
     "__version__",
     "_panic",
@@ -39,6 +36,7 @@ __all__ = [
     "nms_bev",
     "read_detections",
     "read_truths",
+    "settings",
     "weather_names",
     "weather_preset",
     "weather_recorded_scan",
@@ -114,102 +112,10 @@ class Lidar:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 
 @final
-class LabelConfig:
-    """What gets a label (see `cadet.LabelConfig`)."""
-
-    def __new__(
-        cls,
-        *,
-        method: str,
-        boxes: str,
-        min_height_px: float,
-        min_visible_fraction: float,
-        max_depth_m: float,
-        min_depth_m: float,
-        max_truncation: float,
-        min_contrast: float,
-        min_points: int,
-        dontcare_min_pixels: float,
-        occlusion_levels: tuple[float, float],
-        corner_tolerance_m: float,
-        max_hidden_corners: int,
-    ) -> LabelConfig: ...
-    @staticmethod
-    def settings() -> _Settings: ...
-
-@final
-class SuburbConfig:
-    """What kind of suburb is generated (see `cadet.SuburbConfig`)."""
-
-    def __new__(
-        cls,
-        *,
-        blocks: tuple[int, int],
-        block_m: tuple[float, float],
-        parking_share: float,
-        angled_share: float,
-        main_share: float,
-        cycle_lane_share: float,
-        sidewalk_m: tuple[float, float],
-        signal_share: float,
-        roundabout_share: float,
-        tram_share: float,
-        country_share: float,
-        aisle_share: float,
-        industrial_share: float,
-        campus_share: float,
-        motorway_share: float,
-        hilly_share: float,
-        max_slope: float,
-    ) -> SuburbConfig: ...
-    @staticmethod
-    def settings() -> _Settings: ...
-
-@final
-class PropConfig:
-    """Houses, gardens, and trees along the streets (see `cadet.PropConfig`)."""
-
-    def __new__(
-        cls,
-        *,
-        house_shares: Sequence[float],
-        greenery: float,
-        belt_m: float,
-        clutter: float,
-        city_share: float,
-        car_park_share: float,
-        industrial_share: float,
-        campus_share: float,
-    ) -> PropConfig: ...
-    @staticmethod
-    def settings() -> _Settings: ...
-
-@final
 class SceneConfig:
     """How full a scene is, what stands in it, and its sun (see `cadet.SceneConfig`)."""
 
-    def __new__(
-        cls,
-        *,
-        num_cars: int,
-        num_pedestrians: int,
-        num_cyclists: int,
-        num_trams: int,
-        parking_occupancy: float,
-        car_radius_m: float,
-        pedestrian_radius_m: float,
-        cyclist_radius_m: float,
-        parking_radius_m: float,
-        seat_occupancy: float,
-        vehicle_shares: Sequence[tuple[str, float]],
-        suburb: SuburbConfig,
-        props: PropConfig,
-        sun_elevation_deg: float | None,
-        sun_azimuth_deg: float | None,
-        label: LabelConfig,
-    ) -> SceneConfig: ...
-    @staticmethod
-    def settings() -> _Settings: ...
+    def __new__(cls, config: object) -> SceneConfig: ...
     @staticmethod
     def vehicle_classes() -> list[str]: ...
 
@@ -436,6 +342,7 @@ def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDAr
 def check_props(files: Sequence[tuple[str, str]]) -> None: ...
 def limits() -> dict[str, tuple[float, float]]: ...
 def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...
+def settings() -> dict[str, _Settings]: ...
 
 @final
 class BevConfig:

@@ -38,12 +38,25 @@ impl Setting {
 }
 
 /// A field of a configuration: one number or several.
-pub trait Numbers {
+pub trait Numbers: Sized {
     /// Whether they count.
     const IS_WHOLE: bool;
 
     /// All of them.
     fn numbers(&self) -> Vec<f64>;
+
+    /// The field with these numbers; `None` for another count of them, or for what does not count.
+    fn of(numbers: &[f64]) -> Option<Self>;
+
+    /// As [`Numbers::of`].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`], naming the setting.
+    fn named(name: &'static str, numbers: &[f64]) -> Result<Self> {
+        let expected = if Self::IS_WHOLE { "whole numbers" } else { "numbers" }.to_owned() + ", as many as the default";
+        let value = format!("{numbers:?}");
+        Self::of(numbers).ok_or(Error::OutOfRange { what: name, value, expected })
+    }
 }
 
 impl Numbers for f64 {
@@ -51,6 +64,10 @@ impl Numbers for f64 {
 
     fn numbers(&self) -> Vec<f64> {
         vec![*self]
+    }
+
+    fn of(numbers: &[f64]) -> Option<Self> {
+        if let [number] = numbers { Some(*number) } else { None }
     }
 }
 
@@ -60,13 +77,21 @@ impl Numbers for usize {
     fn numbers(&self) -> Vec<f64> {
         vec![*self as f64]
     }
+
+    fn of(numbers: &[f64]) -> Option<Self> {
+        f64::of(numbers).filter(|n| *n >= 0.0 && n.fract() == 0.0).map(|n| n as Self)
+    }
 }
 
-impl<T: Numbers, const N: usize> Numbers for [T; N] {
-    const IS_WHOLE: bool = T::IS_WHOLE;
+impl<const N: usize> Numbers for [f64; N] {
+    const IS_WHOLE: bool = false;
 
     fn numbers(&self) -> Vec<f64> {
-        self.iter().flat_map(T::numbers).collect()
+        self.to_vec()
+    }
+
+    fn of(numbers: &[f64]) -> Option<Self> {
+        numbers.try_into().ok()
     }
 }
 
@@ -75,6 +100,10 @@ impl<T: Numbers> Numbers for (T, T) {
 
     fn numbers(&self) -> Vec<f64> {
         [self.0.numbers(), self.1.numbers()].concat()
+    }
+
+    fn of(numbers: &[f64]) -> Option<Self> {
+        if let [first, second] = numbers { Some((T::of(&[*first])?, T::of(&[*second])?)) } else { None }
     }
 }
 
@@ -108,6 +137,20 @@ macro_rules! settings {
                 }),*]
             }
 
+            /// The configuration with the numbers that `read` gives by name, unchecked; what else it has is as by default.
+            ///
+            /// # Errors
+            /// What `read` returns; [`Error::OutOfRange`]($crate::error::Error::OutOfRange) for another count of numbers.
+            pub fn from_numbers<E: From<$crate::error::Error>>(
+                mut read: impl FnMut(&'static str) -> std::result::Result<Vec<f64>, E>,
+            ) -> std::result::Result<Self, E> {
+                use $crate::settings::Numbers;
+                Ok(Self {
+                    $($other: $other_default,)*
+                    $($name: <$Kind as Numbers>::named(stringify!($name), &read(stringify!($name))?)?,)*
+                })
+            }
+
             fn check_settings(&self) -> $crate::error::Result<()> {
                 let numbers = [$($crate::settings::Numbers::numbers(&self.$name)),*];
                 Self::settings().iter().zip(&numbers).try_for_each(|(setting, values)| setting.check(values))
@@ -124,6 +167,8 @@ macro_rules! settings {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
     settings! {
         /// Some numbers.
         Some;
@@ -149,6 +194,21 @@ mod tests {
         assert_eq!(height.most, f64::INFINITY);
         assert_eq!((Some::default().name, Some::default().counts), ("x", (3, 4)));
         Some::default().check_settings().expect("the defaults are in their limits");
+    }
+
+    #[test]
+    fn numbers_are_read_by_their_names() {
+        let numbers = |name| Ok::<_, Error>(if name == "counts" { vec![5.0, 6.0] } else { vec![0.25] });
+        let some = Some::from_numbers(numbers).expect("numbers");
+        assert_eq!((some.name, some.share, some.counts, some.height_px), ("x", 0.25, (5, 6), 0.25));
+        let refused = |counts: Vec<f64>| {
+            Some::from_numbers(|name| Ok::<_, Error>(if name == "counts" { counts.clone() } else { vec![0.0] }))
+                .expect_err("bad")
+                .to_string()
+        };
+        for counts in [vec![5.0], vec![5.0, 6.5], vec![5.0, -6.0], vec![5.0, f64::NAN]] {
+            assert!(refused(counts).contains("counts"));
+        }
     }
 
     #[test]

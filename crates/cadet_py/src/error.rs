@@ -19,13 +19,19 @@ pub(crate) enum BorderError {
     Panic(String),
     /// An object that can't be used now: why.
     Unusable(&'static str),
-    /// What a signal handler of Python's raised.
+    /// What Python raised: a signal's handler, or an object of another kind.
     Raised(PyErr),
 }
 
 impl From<cadet_core::Error> for BorderError {
     fn from(error: cadet_core::Error) -> Self {
         Self::Core(error)
+    }
+}
+
+impl From<PyErr> for BorderError {
+    fn from(error: PyErr) -> Self {
+        Self::Raised(error)
     }
 }
 

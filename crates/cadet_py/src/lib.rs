@@ -42,10 +42,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rig::Pose>()?;
     module.add_class::<rig::Rig>()?;
     module.add_class::<scene::Scene>()?;
-    module.add_class::<settings::LabelConfig>()?;
-    module.add_class::<settings::PropConfig>()?;
     module.add_class::<settings::SceneConfig>()?;
-    module.add_class::<settings::SuburbConfig>()?;
     module.add_function(wrap_pyfunction!(assets::check_props, module)?)?;
     module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
@@ -58,6 +55,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(image::decode_image, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
     module.add_function(wrap_pyfunction!(settings::limits, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::settings, module)?)?;
     module.add_class::<weather::Weather>()?;
     module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_preset, module)?)?;

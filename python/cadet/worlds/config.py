@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, TypeVar
 
 from cadet import _cadet
@@ -21,8 +21,8 @@ MAX_WEIGHT = 1e9
 class _Numbers:
     """A configuration's numbers as the core states them: how many there are, limits, and whether they count."""
 
-    def __init__(self, owner: str, settings: list[tuple[str, tuple[list[float], float, float, bool]]]) -> None:
-        self._owner, self._settings = owner, dict(settings)
+    def __init__(self, owner: str) -> None:
+        self._owner, self._settings = owner, dict(_cadet.settings()[owner])
 
     def limits(self, name: str) -> tuple[float, float]:
         """Return a number's least and greatest value, as messages show them: 8 for 8.0."""
@@ -45,10 +45,10 @@ def _shortest(limit: float) -> float:
     return int(limit) if limit.is_integer() else limit
 
 
-_LABEL = _Numbers("LabelConfig", _cadet.LabelConfig.settings())
-_PROPS = _Numbers("PropConfig", _cadet.PropConfig.settings())
-_SCENE = _Numbers("SceneConfig", _cadet.SceneConfig.settings())
-_SUBURB = _Numbers("SuburbConfig", _cadet.SuburbConfig.settings())
+_LABEL = _Numbers("LabelConfig")
+_PROPS = _Numbers("PropConfig")
+_SCENE = _Numbers("SceneConfig")
+_SUBURB = _Numbers("SuburbConfig")
 scene_limits = _SCENE.limits
 
 
@@ -138,10 +138,6 @@ class LabelConfig(_Overrides):
             raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
         make_plain(self)
 
-    def _to_native(self) -> _cadet.LabelConfig:
-        """Return the numbers as the core takes them."""
-        return _cadet.LabelConfig(**asdict(self))
-
 
 def as_vehicle_shares(owner: str, shares: object) -> dict[str, float] | None:
     """Return weights of vehicle classes in a dictionary of their own; None, for KITTI's mix, stays None.
@@ -218,10 +214,6 @@ class SuburbConfig(_Overrides):
                 raise CadetError(f"SuburbConfig.{name}: expected the second to be the larger, got {(least, most)!r}")
         make_plain(self)
 
-    def _to_native(self) -> _cadet.SuburbConfig:
-        """Return the numbers as the core takes them."""
-        return _cadet.SuburbConfig(**asdict(self))
-
 
 @dataclass(frozen=True, kw_only=True)
 class PropConfig(_Overrides):
@@ -253,10 +245,6 @@ class PropConfig(_Overrides):
         if sum(self.house_shares) <= 0:
             raise CadetError(f"PropConfig.house_shares: expected a weight above 0, got {shown(self.house_shares)}")
         make_plain(self)
-
-    def _to_native(self) -> _cadet.PropConfig:
-        """Return the numbers as the core takes them."""
-        return _cadet.PropConfig(**asdict(self))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -332,7 +320,4 @@ class SceneConfig(_Overrides):
 
     def _to_native(self) -> _cadet.SceneConfig:
         """Return the configuration as the core takes it."""
-        numbers = {f.name: getattr(self, f.name) for f in fields(self)}
-        parts = {name: getattr(self, name)._to_native() for name in ("suburb", "props", "label")}
-        shares = list((self.vehicle_shares or {}).items())
-        return _cadet.SceneConfig(**{**numbers, **parts, "vehicle_shares": shares})
+        return _cadet.SceneConfig(self)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, fields
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -105,16 +106,29 @@ def test_the_normative_thresholds_are_the_defaults() -> None:
     }
 
 
-@pytest.mark.parametrize("cls", [LabelConfig, PropConfig, SceneConfig, SuburbConfig])
+PARTS: dict[type[Any], str | None] = {
+    LabelConfig: "label",
+    PropConfig: "props",
+    SceneConfig: None,
+    SuburbConfig: "suburb",
+}
+
+
+def unchecked(config: Any, **changes: Any) -> SimpleNamespace:
+    """Return an object with a configuration's fields, and with others that it would refuse."""
+    return SimpleNamespace(**{f.name: getattr(config, f.name) for f in fields(config)} | changes)
+
+
+@pytest.mark.parametrize("cls", PARTS)
 def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any, cls: type[Any]) -> None:
-    native = getattr(core, cls.__name__)
-    defaults = {f.name: getattr(cls(), f.name) for f in fields(cls)}
-    parts = {name: value._to_native() for name, value in defaults.items() if hasattr(value, "_to_native")}
-    # Weights by class are no number: the core takes them as pairs.
-    pairs: dict[str, Any] = {"vehicle_shares": []} if cls is SceneConfig else {}
-    numbers = dict(native.settings())
-    others = {"method", "boxes", "vehicle_shares", *parts}
-    assert set(numbers) == set(defaults) - others
+    numbers = dict(core.settings()[cls.__name__])
+    others = {"method", "boxes", "vehicle_shares", "label", "props", "suburb"}
+    assert set(numbers) == {f.name for f in fields(cls)} - others
+
+    def to_core(**changes: Any) -> None:
+        own, part = unchecked(cls(), **changes), PARTS[cls]
+        core.SceneConfig(own if part is None else unchecked(SceneConfig(), **{part: own}))
+
     for name, (default, least, most, is_whole) in numbers.items():
         kind: Any = int if is_whole else float
 
@@ -122,20 +136,24 @@ def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any, cls: type
             return tuple([kind(value)] * count) if count > 1 else kind(value)
 
         for limit in {least, most} - {float("inf")}:
-            if name != "house_shares" or limit > 0.0:
-                cls(**{**defaults, name: filled(limit)})._to_native()
+            if name not in {"house_shares", "occlusion_levels"} or limit > 0.0:
+                cls(**{name: filled(limit)})
+                to_core(**{name: filled(limit)})
         with pytest.raises(CadetError, match=f"{cls.__name__}.{name}"):
-            cls(**{**defaults, name: filled(least - 1)})
+            cls(**{name: filled(least - 1)})
         # The core refuses it by itself.
-        if most < float("inf"):
+        for bad in [filled(least - 1), *([filled(most + 1)] if most < float("inf") else [])]:
             with pytest.raises(CadetError, match=name):
-                native(**{**defaults, **parts, **pairs, name: filled(most + 1)})
+                to_core(**{name: bad})
+        if default:
+            with pytest.raises(CadetError, match=name):
+                to_core(**{name: (*default, *default)})
 
 
-@pytest.mark.parametrize("cls", [LabelConfig, PropConfig, SceneConfig, SuburbConfig])
+@pytest.mark.parametrize("cls", PARTS)
 def test_the_defaults_are_the_cores(core: Any, cls: type[Any]) -> None:
     literal = {f.name: f.default for f in fields(cls)}
-    for name, (default, _, _, is_whole) in getattr(core, cls.__name__).settings():
+    for name, (default, _, _, is_whole) in core.settings()[cls.__name__]:
         value = literal[name]
         values = [] if value is None else [value] if not isinstance(value, tuple) else list(value)
         assert values == default, name
