@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import cadet
+from cadet.sensors.sample import Wanted
+from cadet.simulation.episode import request
 from cadet.worlds.weather import air_of
 from mesh_files.obj_meshes import WALL, assets_folder
 from scans.sensed import objects_of
@@ -133,3 +135,21 @@ def test_what_has_too_few_returns_becomes_dontcare() -> None:
     for min_points in (least, least + 1):
         found = cars_ahead("clear_noon", exact(min_points=min_points))
         assert is_labeled(found) == {actor_id: count >= min_points for actor_id, count in counts.items()}
+
+
+def test_an_object_that_the_scan_takes_away_makes_no_new_view() -> None:
+    scene = cadet.Scene.empty(config=exact(min_points=60))
+    near = scene.add("car", x_m=12.0, y_m=4.0)
+    far = scene.add("pedestrian", x_m=45.0, y_m=-12.0, yaw_rad=1.57, speed_mps=1.5)
+    native: Any = scene._native
+
+    def labeled() -> list[int] | None:
+        """Return who is labeled in a view that is new."""
+        captured = native.capture_labeled(request(cadet.Rig(), 0, Wanted()))
+        return captured and [sighting.actor_id for sighting in captured.sightings(0) if sighting.is_labeled]
+
+    assert labeled() == [near]
+    scene.step(3.0)
+    (seen,) = [agent for agent in scene.agents if agent.id == far]
+    assert seen.velocity_world[1] > 1.0
+    assert labeled() is None

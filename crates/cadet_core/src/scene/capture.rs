@@ -111,12 +111,6 @@ enum Seen {
     Fisheye(Arc<Fisheye>, Vec<(View, Visibility)>),
 }
 
-impl Looked {
-    fn labeled(&self) -> impl Iterator<Item = &Sighting> {
-        self.sightings.iter().flatten().filter(|s| s.is_labeled)
-    }
-}
-
 impl Scene {
     /// What the rig sees now.
     ///
@@ -142,18 +136,17 @@ impl Scene {
             return Ok(None);
         }
         let looked = self.look(0, true)?;
-        if looked.labeled().next().is_none() {
-            return Ok(None);
-        }
-        let (world_from_ego, width) = (self.snapshot().ego.world_from_ego, self.rig.camera().width);
-        let first = looked.sightings.as_deref().unwrap_or_default();
-        let has_moved = |t: &TakenView| t.ego_has_moved(&world_from_ego) || t.object_has_moved(first, width);
-        if self.taken.as_ref().is_some_and(|t| !has_moved(t)) {
+        let (world_from_ego, width, taken) = (snapshot.ego.world_from_ego, self.rig.camera().width, self.taken.clone());
+        let is_new = |sightings: &[Sighting]| {
+            let has_moved = |t: &TakenView| t.ego_has_moved(&world_from_ego) || t.object_has_moved(sightings, width);
+            sightings.iter().any(|s| s.is_labeled) && taken.as_ref().is_none_or(has_moved)
+        };
+        if !is_new(looked.sightings.as_deref().unwrap_or_default()) {
             return Ok(None);
         }
         let frame = self.finish(request, looked)?;
-        // The scan may have taken the last label away.
-        if !frame.sightings().iter().any(|s| s.is_labeled) {
+        // The scan may have taken labels away.
+        if !is_new(frame.sightings()) {
             return Ok(None);
         }
         self.taken = Some(TakenView::new(world_from_ego, frame.sightings()));
