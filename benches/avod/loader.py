@@ -19,6 +19,7 @@ import torch
 from numpy.typing import NDArray
 
 from avod.augmentation_config import AugmentationConfig
+from avod.cli.process import set_up_process
 from avod.config import Config
 from avod.data.augmentation import Augmentation
 from avod.data.build import _points_cam_in_image, build_sample, ground_plane
@@ -57,6 +58,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=5)
     parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
+    set_up_process()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     config = Config.named(args.config)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import sys
+
+from avod.cli.process import set_up_process
 
 _NAME = "python -m tools.experiments"
 _NEEDED = ("torch", "safetensors", "matplotlib", "scipy")
@@ -15,8 +16,7 @@ def main() -> None:
     missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
     if missing:
         sys.exit(f"{_NAME} needs {' and '.join(missing)}: `make build-dev` installs the development tools")
-    # Read when OpenMP is loaded, with torch: threads that wait for others must not take processor time.
-    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+    set_up_process()
     from cadet.cli.errors import run
     from tools.experiments.command import experiments
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import sys
+
+from avod.cli.process import set_up_process
 
 _NEEDED = ("torch", "safetensors", "click", "rich")
 
@@ -15,8 +16,7 @@ def run_avod() -> None:
     if missing:
         sys.stderr.write(f"avod needs {' and '.join(missing)}: pip install 'cadet-sim[avod]'\n")
         sys.exit(2)
-    # Read when OpenMP is loaded, with torch: threads that wait for others must not take processor time.
-    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+    set_up_process()
     try:
         from avod.cli.commands import avod
         from cadet.cli.errors import run

@@ -24,8 +24,9 @@ from cadet.errors import CadetError
 from cadet.formats.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
 
 _MIN_UPRIGHT: Final = 0.5
-_ROUGH_ERROR: Final = 1e-5
-"""Of sums of four products in single precision, as a share of the greatest product."""
+_ROUGH_ERROR: Final = 2e-6
+"""Of sums of four products in single precision, as a share of the greatest product: sixteen times its precision."""
+_PART: Final = 8192
 _MAX_ROUGH: Final = 1e30
 _HEIGHT_M: Final = 1.65
 """Of KITTI's camera over the road."""
@@ -152,20 +153,25 @@ def _points_cam_in_image(
 ) -> NDArray[np.float64]:
     """Return the points (M, 3) that the image sees, cam frame.
 
-    Most are dropped in single precision first, by limits so wide that no point is lost: an eighth of the time.
+    Most are dropped in single precision first, by limits so wide that no point is lost, in parts that stay in the cache
+    and take a single thread of NumPy's: a tenth of the time.
     """
     img_from_velo = calib.P2 @ calib.cam_from_velo
     largest = max(float(points_velo.max(initial=1.0)), -float(points_velo.min(initial=-1.0)))
     reach = float(np.abs(img_from_velo).max()) * largest
     if reach < _MAX_ROUGH:
-        margin = np.float32(_ROUGH_ERROR * reach + 1.0)
+        margin = np.float32(_ROUGH_ERROR * reach)
         # All four columns, as they lie in memory: the intensity counts for nothing.
         weights = np.hstack([img_from_velo[:, :3], np.zeros((3, 1))]).astype(np.float32)
-        u_times_z, v_times_z, z = weights @ points_velo.T + img_from_velo[:, 3:].astype(np.float32)
-        width, height = (np.float32(size) for size in image_size)
-        is_near = (u_times_z > -margin) & (u_times_z < width * z + width * margin)
-        is_near &= (v_times_z > -margin) & (v_times_z < height * z + height * margin)
-        points_velo = points_velo.take(np.flatnonzero(is_near), axis=0)
+        offset, (width, height) = img_from_velo[:, 3:].astype(np.float32), map(np.float32, image_size)
+        kept = []
+        for start in range(0, len(points_velo), _PART):
+            part = points_velo[start : start + _PART]
+            u_times_z, v_times_z, z = weights @ part.T + offset
+            is_near = (u_times_z > -margin) & (u_times_z < width * (z + margin))
+            is_near &= (v_times_z > -margin) & (v_times_z < height * (z + margin))
+            kept.append(part.take(np.flatnonzero(is_near), axis=0))
+        points_velo = np.concatenate([points_velo[:0], *kept])
     points_cam = calib.points_cam_from_velo(points_velo)
     return points_cam[points_in_image(points_cam, calib, image_size)]
 

@@ -69,13 +69,20 @@ class Convolution(nn.Module):
         self.norm = ShiftBatchNorm(num_out, config)
         nn.init.xavier_uniform_(self.convolution.weight)
 
-    def forward(self, features: Tensor) -> Tensor:
-        """Map (B, num_in, H, W) to (B, num_out, H, W)."""
+    def forward(self, *features: Tensor) -> Tensor:
+        """Map one or more (B, c, H, W), whose channels are `num_in` together, to (B, num_out, H, W)."""
         if self.training:
-            return functional.relu_(cast("Tensor", self.norm(self.convolution(features))))
+            return functional.relu_(cast("Tensor", self.norm(self._convolved(features, self.convolution.weight))))
         scale, shift = self.norm.folded()
-        weight = self.convolution.weight * scale[:, None, None, None]
-        return functional.relu_(functional.conv2d(features, weight, shift, padding=self.convolution.padding))
+        return functional.relu_(self._convolved(features, self.convolution.weight * scale[:, None, None, None], shift))
+
+    def _convolved(self, features: tuple[Tensor, ...], weight: Tensor, bias: Tensor | None = None) -> Tensor:
+        # The sum over maps equals the convolution of their concatenation, which is never made.
+        weights = torch.split(weight, [part.shape[1] for part in features], dim=1)
+        convolved = functional.conv2d(features[0], weights[0], bias, padding=self.convolution.padding)
+        for part, its_weight in zip(features[1:], weights[1:], strict=True):
+            convolved = convolved.add_(functional.conv2d(part, its_weight, padding=self.convolution.padding))
+        return convolved
 
 
 class UpConvolution(nn.Module):
@@ -99,11 +106,16 @@ class UpConvolution(nn.Module):
     def forward(self, features: Tensor) -> Tensor:
         """Map (B, num_in, H, W) to (B, num_out, 2 H, 2 W)."""
         if self.training:
-            grown = self.convolution(features)[:, :, :-1, :-1]
-            return functional.relu_(cast("Tensor", self.norm(grown)))
+            return functional.relu_(cast("Tensor", self.norm(self._grown(features, self.convolution.weight))))
         scale, shift = self.norm.folded()
-        grown = functional.conv_transpose2d(features, self.convolution.weight * scale[:, None, None], shift, stride=2)
-        return functional.relu_(grown[:, :, :-1, :-1])
+        return functional.relu_(self._grown(features, self.convolution.weight * scale[:, None, None], shift))
+
+    @staticmethod
+    def _grown(features: Tensor, weight: Tensor, bias: Tensor | None = None) -> Tensor:
+        # A row and a column of zeros before the input, and four pixels less before the output, for a trimmed end: a
+        # slice of the output would be no contiguous memory, and what follows would be slow.
+        padded = functional.pad(features, (1, 0, 1, 0))
+        return functional.conv_transpose2d(padded, weight, bias, stride=2, padding=2, output_padding=1)
 
 
 class Dropout(nn.Module):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from typing import cast
-
-import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -50,5 +47,5 @@ class FeaturePyramid(nn.Module):
             skipped.append(features)
         skipped.pop()
         for upsample, fuse in zip(self.upsample, self.fuse, strict=True):
-            features = fuse(torch.cat([skipped.pop(), cast("Tensor", upsample(features))], dim=1))
+            features = fuse(skipped.pop(), upsample(features))
         return features[:, :, num_padded:]

@@ -28,26 +28,28 @@ def crop_and_resize(features: Tensor, boxes: Tensor, size: int) -> Tensor:
     channels, height, width = features.shape
     rows, row_weights = _neighbors(boxes[:, 0], boxes[:, 2], height, size)
     columns, column_weights = _neighbors(boxes[:, 1], boxes[:, 3], width, size)
-    indices = rows[:, :, None, :, None] * width + columns[:, None, :, None, :]
-    weights = row_weights[:, :, None, :, None] * column_weights[:, None, :, None, :]
+    indices = _by_sample([row[:, None] * width + column for row in rows for column in columns])
+    weights = _by_sample([row[:, None] * column for row in row_weights for column in column_weights])
     # Pixels are the rows of an embedding; a sample is the weighted sum of its four neighbors.
     pixels = features.permute(1, 2, 0).reshape(height * width, channels).to(boxes.dtype)
-    samples = functional.embedding_bag(
-        indices.reshape(-1, 4), pixels, per_sample_weights=weights.reshape(-1, 4), mode="sum"
-    )
+    samples = functional.embedding_bag(indices, pixels, per_sample_weights=weights, mode="sum")
     return samples.reshape(len(boxes), size, size, channels).permute(0, 3, 1, 2)
 
 
-def _neighbors(low: Tensor, high: Tensor, num_pixels: int, size: int) -> tuple[Tensor, Tensor]:
-    """Find the two pixels beside each sample of an axis: (N, size, 2) indices and weights, 0 for samples outside."""
-    steps = torch.arange(size, dtype=low.dtype, device=low.device)
+def _neighbors(low: Tensor, high: Tensor, num_pixels: int, size: int) -> tuple[list[Tensor], list[Tensor]]:
+    """Find the two pixels beside each sample of an axis: their indices and weights, each (size, N); 0 outside."""
+    steps = torch.arange(size, dtype=low.dtype, device=low.device)[:, None]
     last = num_pixels - 1
-    samples = low[:, None] * last + steps * ((high - low) * last / (size - 1))[:, None]
+    samples = low * last + steps * ((high - low) * last / (size - 1))
     is_inside = (samples >= 0) & (samples <= last)
     # Zeros in place of what is outside, so that neither values nor gradients of NaN and infinity come in.
     samples = torch.where(is_inside, samples, torch.zeros_like(samples))
     floor = samples.detach().floor()
     share = samples - floor
-    weights = torch.stack([1.0 - share, share], dim=-1) * is_inside[..., None]
-    index = floor.long()
-    return torch.stack([index, (index + 1).clamp(max=last)], dim=-1), weights
+    index = floor.int()
+    return [index, (index + 1).clamp(max=last)], [(1.0 - share) * is_inside, share * is_inside]
+
+
+def _by_sample(neighbors: list[Tensor]) -> Tensor:
+    """Bring four (size, size, N) to (N * size * size, 4): loops over boxes are long, over a crop's samples short."""
+    return torch.stack(neighbors, dim=-1).permute(2, 0, 1, 3).reshape(-1, 4)

@@ -66,8 +66,8 @@ def test_folded_normalization_gives_the_outputs_of_unfolded_layers(
     network = trained(config)
     folded = run(network, sample)
 
-    def plain(self: Any, features: torch.Tensor) -> torch.Tensor:
-        grown = self.convolution(features)
+    def plain(self: Any, *features: torch.Tensor) -> torch.Tensor:
+        grown = self.convolution(torch.cat(features, dim=1))
         if isinstance(self, UpConvolution):
             grown = grown[:, :, :-1, :-1]
         return torch.relu(self.norm(grown))
