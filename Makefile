@@ -119,7 +119,7 @@ bench: check-rust ## Measure the core with criterion
 	cargo bench --locked -p cadet_bench
 
 bench-peers: WITHOUT_AVOD := yes
-bench-peers: build-dev ## Time the ideal scan against Embree and parry on the same triangles
+bench-peers: build-dev ## Time the ideal scan against Embree, rays and packets, and parry
 	$(BIN)/python benches/peers.py
 
 bench-traffic: WITHOUT_AVOD := yes
