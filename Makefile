@@ -24,7 +24,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python test-fast emulator golden \
-	fuzz faults bench bench-peers bench-traffic bench-gpu gallery docs fmt clean
+	fuzz faults bench bench-tables bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -121,6 +121,10 @@ bench: check-rust ## Measure the core with criterion
 bench-peers: WITHOUT_AVOD := yes
 bench-peers: build-dev ## Time the ideal scan against Embree, rays and packets, and parry
 	$(BIN)/python benches/peers.py
+
+bench-tables: WITHOUT_AVOD := yes
+bench-tables: build-dev ## Print the parts of a sample, an image, and a scan (needs Linux's perf; minutes)
+	$(BIN)/python benches/tables.py
 
 bench-traffic: WITHOUT_AVOD := yes
 bench-traffic: build-dev ## Let 200 episodes run: who overlaps, floats, sinks, or stands (half an hour)

@@ -89,13 +89,14 @@ def main() -> None:
     settings = Settings(
         seed=options.seed, num_frames=options.n, policy=cadet.ResetPolicy.kitti(), format="kitti", write=extras
     )
-    clock = Clock()
+    clock, start = Clock(), time.process_time()
     with TemporaryDirectory() as folder:
         sink = LocalSink(Path(folder))
         for episode in range(-(-options.n // settings.policy.samples_per_episode)):
             make_episode(settings, episode, sink, clock)
     total = sum(clock.seconds.values()) - clock.seconds[SCAN]
-    for part, seconds in [*clock.seconds.items(), ("sum", total)]:
+    whole = time.process_time() - start - clock.seconds[SCAN]
+    for part, seconds in [*clock.seconds.items(), ("sum", total), ("whole", whole)]:
         print(f"{part:<20}{1000 * seconds / options.n:8.1f}")
 
 

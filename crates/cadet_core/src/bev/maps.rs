@@ -62,7 +62,15 @@ pub fn maps(
     }
     let grid = MapGrid::new(spec);
     let cells = rows * columns;
-    let mut filler = Filler { spec, out, cells, touched: Vec::new(), candidates: Vec::new() };
+    let mut filler = Filler {
+        spec,
+        out,
+        cells,
+        touched: Vec::new(),
+        candidates: Vec::new(),
+        slice_m: grid.slice_m,
+        cloud_m: grid.height_m[1] - grid.height_m[0],
+    };
     for (order, point) in points_cam.enumerate() {
         if let Some(place) = grid.place(point, &up) {
             filler.add(&place, order);
@@ -94,7 +102,7 @@ fn upward_unit_plane(plane: [f64; 4]) -> Result<[f64; 4]> {
 struct MapGrid {
     range_cam_m: [[f64; 2]; 3],
     cell_m: f64,
-    first: [f64; 2],
+    first: [i64; 2],
     rows: usize,
     columns: usize,
     height_m: [f64; 2],
@@ -107,11 +115,17 @@ struct PointOnMaps {
     cell: usize,
     /// Its slice; None in the hair's breadth that rounding may leave between two.
     slice: Option<usize>,
-    /// Height over the lower end of its slice, and of all slices, as shares of their thickness.
-    in_slice: f64,
-    in_cloud: f64,
-    /// Bin along y.
-    y_bin: i32,
+    /// Height over the lower end of its slice, and of all slices.
+    in_slice_m: f64,
+    in_cloud_m: f64,
+    y_m: f64,
+}
+
+/// The largest whole number up to a value of the size of cell numbers, without a call: the baseline has no such command.
+#[inline(always)]
+fn floor(value: f64) -> i64 {
+    let whole = value as i64;
+    whole - i64::from(whole as f64 > value)
 }
 
 impl MapGrid {
@@ -121,7 +135,7 @@ impl MapGrid {
         Self {
             range_cam_m: spec.range_cam_m,
             cell_m: spec.cell_m,
-            first: [(x[0] / spec.cell_m).round(), (z[0] / spec.cell_m).round()],
+            first: [x[0], z[0]].map(|from_m| (from_m / spec.cell_m).round() as i64),
             rows,
             columns,
             height_m: spec.height_m,
@@ -130,7 +144,7 @@ impl MapGrid {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn place(&self, [x, y, z]: [f64; 3], [a, b, c, d]: &[f64; 4]) -> Option<PointOnMaps> {
         let inside = |v: f64, [from, to]: [f64; 2]| from < v && v < to;
         let [range_x, range_y, range_z] = self.range_cam_m;
@@ -143,20 +157,23 @@ impl MapGrid {
             return None;
         }
         // Divided as the reference does: at the edges of cells a multiplication would round another way.
-        let column = (((x / self.cell_m).floor() - self.first[0]) as usize).min(self.columns - 1);
-        let ahead = (((z / self.cell_m).floor() - self.first[1]) as usize).min(self.rows - 1);
+        let cell = |v: f64, first: i64, count: usize| ((floor(v / self.cell_m) - first).max(0) as usize).min(count - 1);
+        let column = cell(x, self.first[0], self.columns);
+        let ahead = cell(z, self.first[1], self.rows);
         let guess = ((height_m - low) / self.slice_m) as usize;
         let floor_m = |slice: usize| low + slice as f64 * self.slice_m;
-        let slice = [guess, guess.saturating_sub(1), guess + 1]
-            .into_iter()
-            .filter(|s| *s < self.num_slices)
-            .find(|s| floor_m(*s) <= height_m && height_m < floor_m(*s) + self.slice_m);
+        let holds = |s: usize| s < self.num_slices && floor_m(s) <= height_m && height_m < floor_m(s) + self.slice_m;
+        let slice = if holds(guess) {
+            Some(guess)
+        } else {
+            [guess.saturating_sub(1), guess + 1].into_iter().find(|s| holds(*s))
+        };
         Some(PointOnMaps {
             cell: (self.rows - 1 - ahead) * self.columns + column,
             slice,
-            in_slice: slice.map_or(0.0, |s| (height_m - floor_m(s)) / self.slice_m),
-            in_cloud: (height_m - low) / (high - low),
-            y_bin: (y / self.cell_m).floor() as i32,
+            in_slice_m: slice.map_or(0.0, |s| height_m - floor_m(s)),
+            in_cloud_m: height_m - low,
+            y_m: y,
         })
     }
 }
@@ -170,6 +187,9 @@ struct Filler<'a> {
     touched: Vec<(usize, Feature)>,
     /// What [`HeightRule::Reference`] chooses from.
     candidates: Vec<HeightCandidate>,
+    /// Thickness of a slice, and of all.
+    slice_m: f64,
+    cloud_m: f64,
 }
 
 /// A point's height for a value of the maps.
@@ -184,34 +204,35 @@ struct HeightCandidate {
 }
 
 impl Filler<'_> {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, place: &PointOnMaps, order: usize) {
         let spec = self.spec;
         if let Some(slice) = place.slice {
             for (i, feature) in spec.slice_maps.iter().enumerate() {
-                self.put(slice * spec.slice_maps.len() + i, *feature, place, place.in_slice, order);
+                self.put(slice * spec.slice_maps.len() + i, *feature, place, [place.in_slice_m, self.slice_m], order);
             }
         }
         for (i, feature) in spec.cloud_maps.iter().enumerate() {
             let channel = spec.slice_maps.len() * spec.num_slices + i;
-            self.put(channel, *feature, place, place.in_cloud, order);
+            self.put(channel, *feature, place, [place.in_cloud_m, self.cloud_m], order);
         }
     }
 
-    #[inline]
-    fn put(&mut self, channel: usize, feature: Feature, place: &PointOnMaps, height: f64, order: usize) {
+    #[inline(always)]
+    fn put(&mut self, channel: usize, feature: Feature, place: &PointOnMaps, height_m: [f64; 2], order: usize) {
+        let height = || (height_m[0] / height_m[1]) as f32;
         let at = channel * self.cells + place.cell;
         let value = &mut self.out[at];
         match feature {
             Feature::MaxHeight if self.spec.height_rule == HeightRule::Reference => {
-                let (y_bin, height_share) = (place.y_bin, height as f32);
+                let (y_bin, height_share) = (floor(place.y_m / self.spec.cell_m) as i32, height());
                 self.candidates.push(HeightCandidate { at, y_bin, order, height_share });
             }
-            Feature::MaxHeight => *value = value.max(height as f32),
+            Feature::MaxHeight => *value = value.max(height()),
             // An empty cell holds +0, one with points minus its least height: the sign tells them apart.
-            Feature::MinHeight if value.is_sign_negative() => *value = value.max(-(height as f32)),
+            Feature::MinHeight if value.is_sign_negative() => *value = value.max(-height()),
             Feature::MinHeight => {
-                *value = -(height as f32);
+                *value = -height();
                 self.touched.push((at, feature));
             }
             Feature::Density | Feature::DensityLog64 => {
