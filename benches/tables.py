@@ -1,8 +1,8 @@
 """The parts of a sample, of an image, and of a scan, as the pages of `docs/` have them: `make bench-tables`.
 
-A sample's parts are timed one after the other (`sample_parts.py`). An image's and a scan's are shares of a profile (Linux's
-`perf`) of one thread in suburbs 0 to 3, by the module of the core that runs; what the compiler puts into another module
-counts as that one's. A table's rows add up to its whole.
+A sample's parts are timed one after the other (`sample_parts.py`). An image's and a scan's are shares of a profile
+(Linux's `perf`) of one thread in suburbs 0 to 3, by the module of the core that runs; what the compiler puts into
+another module counts as that one's. A table's rows add up to its whole.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -72,8 +72,8 @@ def main() -> None:
     few_beams = cadet.BeamTable(name="few_beams", rings=rings, firing=cadet.UniformFiring(columns=200))
     few = cadet.Rig(lidar=cadet.Lidar.custom(few_beams))
     scenes = {rig: [cadet.Scene.random(seed=seed, rig=rig) for seed in range(4)] for rig in (None, few)}
-    images = [scene.capture for scene in scenes[few]]
-    scans = [scene.scan for scene in scenes[None]]
+    images: list[Callable[[], object]] = [scene.capture for scene in scenes[few]]
+    scans: list[Callable[[], object]] = [scene.scan for scene in scenes[None]]
     for name, calls, parts in (("An image with its labels", images, IMAGE), ("A scan", scans, SCAN)):
         moved = [scene.step for scene in scenes[few if parts is IMAGE else None]]
         whole_ms, shares = profiled(calls, moved, args.rounds)
@@ -82,7 +82,7 @@ def main() -> None:
 
 
 def profiled(
-    calls: list[Callable[[], object]], moves: list[Callable[[float], object]], rounds: int
+    calls: Sequence[Callable[[], object]], moves: Sequence[Callable[[float], object]], rounds: int
 ) -> tuple[float, dict[str, float]]:
     """Time and profile calls by turns; milliseconds of one, and the share of each function."""
     with TemporaryDirectory() as folder:

@@ -15,22 +15,6 @@ from cadet.errors import (
     NonFiniteError,
     ShapeError,
 )
-from cadet.evaluation import (
-    Detections,
-    EvalClass,
-    GroundTruth,
-    Level,
-    Report,
-    Rules,
-    box_iou_3d,
-    box_iou_bev,
-    evaluate,
-    nms_bev,
-    read_detections,
-    read_ground_truth,
-)
-from cadet.evaluation.analysis import Analysis, Comparison, analyze
-from cadet.figures.show import view
 from cadet.formats import kitti
 from cadet.formats.kitti import Calibration, Frame, FrameObject, Label
 from cadet.sensors.beam_table import BeamTable, Laser
@@ -65,6 +49,22 @@ from cadet.worlds.weather import Weather, weather_names
 
 if TYPE_CHECKING:
     from cadet import generate
+    from cadet.evaluation import (
+        Detections,
+        EvalClass,
+        GroundTruth,
+        Level,
+        Report,
+        Rules,
+        box_iou_3d,
+        box_iou_bev,
+        evaluate,
+        nms_bev,
+        read_detections,
+        read_ground_truth,
+    )
+    from cadet.evaluation.analysis import Analysis, Comparison, analyze
+    from cadet.figures.show import view
 
 __all__ = [
     "MATERIALS",
@@ -149,7 +149,11 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> Any:
-    # Scenes and readers do without what writes datasets.
+    # Scenes and readers do without what writes datasets, and without what judges and draws them.
     if name == "generate":
         return import_module("cadet.generate")
+    for room in ("cadet.evaluation", "cadet.evaluation.analysis", "cadet.figures.show") if name in __all__ else ():
+        module = import_module(room)
+        if hasattr(module, name):
+            return getattr(module, name)
     raise AttributeError(f"module 'cadet' has no attribute {name!r}")

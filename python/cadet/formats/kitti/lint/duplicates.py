@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,6 +55,8 @@ class Signature:
 
 def signature_of(frame: Frame) -> Signature:
     """Return a frame's signature."""
+    import cv2  # here, as `import cadet` does without it
+
     gray = cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY)
     small = cv2.resize(gray, _SMALL_SIZE, interpolation=cv2.INTER_AREA).astype(np.float32).ravel()
     small -= small.mean()
