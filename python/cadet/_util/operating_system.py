@@ -27,6 +27,23 @@ def num_processors() -> int:
     return os.cpu_count() or 1
 
 
+def free_memory_gb(root: Path = Path("/")) -> float | None:
+    """Return how much memory is left for more processes, GB; None where that can't be asked.
+
+    Args:
+        root: of the system's files.
+    """
+    try:
+        lines = (root / "proc/meminfo").read_text().splitlines()
+        free = [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+        group = root / "sys/fs/cgroup"
+        if (group / "memory.max").is_file() and (most := (group / "memory.max").read_text().strip()) != "max":
+            free.append(int(most) - int((group / "memory.current").read_text()))
+    except (OSError, ValueError):
+        return None
+    return min(free) / 1e9 if free else None
+
+
 @contextlib.contextmanager
 def interrupts_blocked() -> Iterator[None]:
     """Let processes that start meanwhile ignore Ctrl-C; Windows has no such mask."""

@@ -10,7 +10,7 @@ from typing import Final
 
 from cadet._util.checks import check_kind, check_number, is_one_of, shown
 from cadet._util.notices import notice
-from cadet._util.operating_system import num_processors
+from cadet._util.operating_system import free_memory_gb, num_processors
 from cadet.errors import CadetError
 from cadet.generate.engine import Engine
 from cadet.generate.folder import open_folder
@@ -22,6 +22,9 @@ from cadet.generate.settings import Settings
 
 ENGINES: Final = ("local", "ray")
 """What makes episodes: processes of this machine, or a Ray cluster."""
+
+_WORKER_GB: Final = 0.6
+"""Memory of a worker after a thousand frames (docs/performance.md)."""
 
 
 @dataclass(frozen=True)
@@ -112,4 +115,8 @@ def _engine(
     if name == "ray":
         return RayEngine(location, settings, workers, address, num_processors(), on_warning)
     workers = num_processors() if workers is None else workers
+    count, free_gb = min(workers, settings.num_episodes), free_memory_gb()
+    if free_gb is not None and free_gb < count * _WORKER_GB:
+        what = f"{count} workers take about {count * _WORKER_GB:.1f} GB of memory, and {free_gb:.1f} GB are free"
+        notice([f"{what}: workers={max(1, int(free_gb / _WORKER_GB))} fits"], about="memory")
     return LocalEngine(location, settings, workers, max(1, num_processors() // workers), on_warning)

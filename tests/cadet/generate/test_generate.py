@@ -19,8 +19,9 @@ import pytest
 from cadet import kitti
 from cadet._util.interrupts import interrupts_held
 from cadet._util.sink import LocalSink
-from cadet.errors import CadetError
+from cadet.errors import CadetError, CadetWarning
 from cadet.generate import generate, local_engine
+from cadet.generate import run as run_module
 from cadet.generate.folder import open_folder
 from gen_process import FAILED, FINE, INTERRUPTED, SIZE, run, start, tree, wait_for, workers_of, write_whole
 from small_runs import make, small_settings
@@ -319,3 +320,16 @@ def test_extras_are_written_on_demand(tmp_path: Path) -> None:
     assert frame.depth is not None and frame.depth.shape == (32, 64)
     assert frame.semantic is not None and len(np.unique(frame.semantic)) > 2
     assert frame.instance is None
+
+
+def test_more_workers_than_memory_is_said_before_they_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def engine(workers: int, free_gb: float | None) -> None:
+        monkeypatch.setattr(run_module, "free_memory_gb", lambda: free_gb)
+        run_module._engine("local", str(tmp_path), small_settings(40), workers, None, pytest.fail)
+
+    with pytest.warns(
+        CadetWarning, match=r"10 workers take about 6\.0 GB of memory, and 2\.5 GB are free: workers=4 fits"
+    ):
+        engine(64, 2.5)
+    for workers, free_gb in ((4, 2.5), (64, 6.5), (64, None)):
+        engine(workers, free_gb)
