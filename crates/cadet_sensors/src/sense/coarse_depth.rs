@@ -28,14 +28,9 @@ impl CoarseDepth {
         let (first, last) =
             (window.columns.start / BOUND_COLUMNS, window.columns.end.saturating_sub(1) / BOUND_COLUMNS);
         for row in window.rows.clone() {
-            let row_start = grid.row_start(row);
-            let row_depths = &depths_m[row_start..row_start + columns];
-            let bounds = &mut self.bounds[row_start / columns * self.per_row..][..self.per_row];
-            for block in first..=last {
-                let bound = &mut bounds[block];
-                if *bound < near_m {
-                    continue;
-                }
+            let bounds = &mut self.bounds[row * self.per_row..][first..=last];
+            for (bound, block) in bounds.iter_mut().zip(first..).filter(|(bound, _)| **bound >= near_m) {
+                let row_depths = &depths_m[grid.row_start(row)..][..columns];
                 let (from, to) = (block * BOUND_COLUMNS, ((block + 1) * BOUND_COLUMNS).min(columns));
                 *bound = farthest(&row_depths[from..to]);
                 if *bound >= near_m {

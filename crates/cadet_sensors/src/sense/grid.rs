@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::edges::EdgePlanes;
 use super::hits::Hits;
 use cadet_base::geometry::{LANES, Lanes};
 use cadet_base::math::{DPose3, DVec3, Vec3};
@@ -107,11 +106,11 @@ pub trait BeamGrid {
     }
 
     /// Calls `visit(row * columns + column, depth)` for every beam of the window that meets the triangle.
-    fn cover(&self, triangle: &EdgePlanes, window: &Window, visit: impl FnMut(usize, f64));
+    fn cover(&self, triangle: &[DVec3; 3], window: &Window, visit: impl FnMut(usize, f64));
 
     /// Keeps the triangle, a face of an instance, where it is the nearest that a beam of the window meets.
     #[inline(always)]
-    fn cast(&self, triangle: &EdgePlanes, window: &Window, hits: &mut Hits, [instance, face]: [u32; 2]) {
+    fn cast(&self, triangle: &[DVec3; 3], window: &Window, hits: &mut Hits, [instance, face]: [u32; 2]) {
         self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, instance, face));
     }
 }

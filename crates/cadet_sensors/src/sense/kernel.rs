@@ -5,7 +5,6 @@ use macro_rules_attribute::apply;
 use super::as_met::{AsMet, Still};
 use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
 use super::coarse_depth::CoarseDepth;
-use super::edges::EdgePlanes;
 use super::grid::{BeamGrid, Window};
 use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
@@ -174,9 +173,9 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
                 continue;
             }
             for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
-                let planes = EdgePlanes::new(self.scratch.triangle(cluster, face));
+                let triangle = self.scratch.triangle(cluster, face);
                 for window in windows.iter().filter(|w| !w.is_empty()) {
-                    self.grid.cast(&planes, window, self.hits, [item.instance, cluster.faces[face]]);
+                    self.grid.cast(&triangle, window, self.hits, [item.instance, cluster.faces[face]]);
                 }
             }
         }

@@ -180,7 +180,8 @@ impl BeamGrid for PinholeGrid {
     }
 
     #[inline]
-    fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
+    fn cover(&self, triangle: &[DVec3; 3], window: &Window, mut visit: impl FnMut(usize, f64)) {
+        let triangle = EdgePlanes::new(*triangle);
         let volume = triangle.volume6_m3.abs();
         if volume == 0.0 {
             return;

@@ -1,68 +1,110 @@
 //! A triangle as the beams of one row of a spinning LIDAR meet it.
 
-use super::edges::EdgePlanes;
 use super::hits::Hits;
 use super::row_lookup::SortedRow;
+use cadet_base::math::DVec3;
 
 /// Beams that are tested together.
 pub(super) const EIGHT: usize = 8;
 
+/// A number for each edge and, last, for the normal: what the compiler puts into one vector register.
+type PerPlane = [f64; 4];
+
+/// [`super::edges::EdgePlanes`], axis by axis.
+pub(super) struct PlaneLanes {
+    /// x, y and z of a x b, b x c, c x a, and of the normal.
+    cross: [PerPlane; 3],
+    /// x, y and z of b - a, c - b, a - c, and of nothing.
+    delta: [PerPlane; 3],
+    volume6_m3: f64,
+}
+
+impl PlaneLanes {
+    /// The planes of a triangle given in the grid's frame.
+    #[inline(always)]
+    pub(super) fn new([a, b, c]: &[DVec3; 3]) -> Self {
+        let (ab, ac) = (*b - *a, *c - *a);
+        let from = [[a.x, b.x, c.x, ab.x], [a.y, b.y, c.y, ab.y], [a.z, b.z, c.z, ab.z]];
+        let to = [[b.x, c.x, a.x, ac.x], [b.y, c.y, a.y, ac.y], [b.z, c.z, a.z, ac.z]];
+        let (mut cross, mut delta) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
+        for axis in 0..3 {
+            let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+            for i in 0..4 {
+                cross[axis][i] = from[j][i] * to[k][i] - to[j][i] * from[k][i];
+                delta[axis][i] = if i < 3 { to[axis][i] - from[axis][i] } else { 0.0 };
+            }
+        }
+        let volume6_m3 = a.x * cross[0][3] + a.y * cross[1][3] + a.z * cross[2][3];
+        Self { cross, delta, volume6_m3 }
+    }
+}
+
 /// A triangle as one row sees it from one of its sides: in the beam's azimuth, its edges, its normal and the volume that
 /// it spans with the laser are `a cos + b sin + c`.
 pub(super) struct RowPlanes {
-    pub(super) edges: [[f64; 3]; 3],
-    normal: [f64; 3],
+    /// a, b and c of the edges and, last, of the normal.
+    planes: [PerPlane; 3],
     /// By the secant of the row's elevation; positive where the laser is on this side.
     volume: [f64; 3],
 }
 
 impl RowPlanes {
-    /// The side that the row's laser is on; both for a laser beside the axis that may go around the triangle's plane.
+    /// The volume that a triangle spans with a row's laser, not yet by the secant, and the sides that the laser is on: both
+    /// for one beside the axis that may go around the triangle's plane.
     #[inline(always)]
-    pub(super) fn sides(triangle: &EdgePlanes, row: &SortedRow) -> [Option<Self>; 2] {
-        let (n, left) = (triangle.normal, row.left_m);
-        let volume = [-left * n.y, left * n.x, triangle.volume6_m3 - row.height_m * n.z];
+    pub(super) fn sides(triangle: &PlaneLanes, row: &SortedRow) -> ([f64; 3], &'static [f64]) {
+        let ([x, y, z], left) = (triangle.cross.map(|axis| axis[3]), row.left_m);
+        let volume = [-left * y, left * x, triangle.volume6_m3 - row.height_m * z];
         let changes = volume[0].abs() + volume[1].abs();
-        if volume[2].abs() > changes {
-            let sign = if volume[2] > 0.0 { 1.0 } else { -1.0 };
-            [Some(Self::seen_from(triangle, row, volume, sign)), None]
+        let sides: &[f64] = if volume[2].abs() > changes {
+            if volume[2] > 0.0 { &[1.0] } else { &[-1.0] }
         } else if changes > 0.0 {
-            [1.0, -1.0].map(|sign| Some(Self::seen_from(triangle, row, volume, sign)))
+            &[1.0, -1.0]
         } else {
-            [None, None]
-        }
+            &[]
+        };
+        (volume, sides)
     }
 
-    /// The beam's direction times (A - origin) x (B - origin) for each edge AB, where the origin turns with the beam.
+    /// The triangle from one of its [`RowPlanes::sides`]: the beam's direction times (A - origin) x (B - origin) for each
+    /// edge AB, where the origin turns with the beam.
     #[inline(always)]
-    fn seen_from(triangle: &EdgePlanes, row: &SortedRow, volume: [f64; 3], sign: f64) -> Self {
+    pub(super) fn seen_from(side: f64, triangle: &PlaneLanes, row: &SortedRow, volume: [f64; 3]) -> Self {
         let SortedRow { tangent, secant, height_m: h, left_m: left } = *row;
         let aside = tangent * left;
-        let edge = |i: usize| {
-            let (n, d) = (triangle.cross[i], triangle.delta[i]);
-            let along_x = n.x + h * d.y + aside * d.x;
-            let along_y = n.y - h * d.x + aside * d.y;
-            [sign * along_x, sign * along_y, sign * (n.z * tangent - left * d.z)]
-        };
-        let n = triangle.normal;
-        Self {
-            edges: [edge(0), edge(1), edge(2)],
-            normal: [sign * n.x, sign * n.y, sign * n.z * tangent],
-            volume: volume.map(|v| sign * v * secant),
+        let ([nx, ny, nz], [dx, dy, dz]) = (&triangle.cross, &triangle.delta);
+        let mut planes = [[0.0; 4]; 3];
+        for i in 0..4 {
+            planes[0][i] = side * (nx[i] + h * dy[i] + aside * dx[i]);
+            planes[1][i] = side * (ny[i] - h * dx[i] + aside * dy[i]);
+            planes[2][i] = side * (nz[i] * tangent - left * dz[i]);
         }
+        Self { planes, volume: volume.map(|v| side * v * secant) }
     }
 
+    /// a, b and c of an edge.
     #[inline(always)]
-    pub(super) fn edges_at(&self, cos: f64, sin: f64) -> [f64; 3] {
-        self.edges.map(|p| p[0] * cos + p[1] * sin + p[2])
+    pub(super) fn edge(&self, i: usize) -> [f64; 3] {
+        let [a, b, c] = &self.planes;
+        [a[i], b[i], c[i]]
+    }
+
+    /// The edges and, last, the normal, at a heading.
+    #[inline(always)]
+    pub(super) fn at(&self, [cos, sin]: [f64; 2]) -> PerPlane {
+        let ([a, b, c], mut out) = (&self.planes, [0.0; 4]);
+        for i in 0..4 {
+            out[i] = a[i] * cos + b[i] * sin + c[i];
+        }
+        out
     }
 
     /// The range of the beam with this heading, if it meets the triangle from this side.
     #[inline(always)]
     pub(super) fn depth(&self, [cos, sin]: [f64; 2]) -> Option<f64> {
-        let is_inside = self.edges_at(cos, sin).iter().all(|e| *e >= 0.0);
-        let [facing, volume] = [&self.normal, &self.volume].map(|p| p[0] * cos + p[1] * sin + p[2]);
-        (is_inside && facing > 0.0 && volume > 0.0).then(|| volume / facing)
+        let [p, q, r, facing] = self.at([cos, sin]);
+        let volume = self.volume[0] * cos + self.volume[1] * sin + self.volume[2];
+        (p >= 0.0 && q >= 0.0 && r >= 0.0 && facing > 0.0 && volume > 0.0).then(|| volume / facing)
     }
 
     /// Finds the ranges of eight beams, the first of them at `at`, and keeps what is nearer.
@@ -74,13 +116,13 @@ impl RowPlanes {
         at: usize,
         [instance, face]: [u32; 2],
     ) {
-        let ([p, q, r], n) = (&self.edges, &self.normal);
+        let [p, q, r, n] = [0, 1, 2, 3].map(|i| self.edge(i));
         let (mut inside, mut facing) = ([false; EIGHT], [0.0; EIGHT]);
         let mut any = false;
         for i in 0..EIGHT {
             let on = |p: &[f64; 3]| p[0] * cos[i] + p[1] * sin[i] + p[2];
-            facing[i] = on(n);
-            inside[i] = (on(p) >= 0.0) & (on(q) >= 0.0) & (on(r) >= 0.0) & (facing[i] > 0.0);
+            facing[i] = on(&n);
+            inside[i] = (on(&p) >= 0.0) & (on(&q) >= 0.0) & (on(&r) >= 0.0) & (facing[i] > 0.0);
             any |= inside[i];
         }
         if !any {

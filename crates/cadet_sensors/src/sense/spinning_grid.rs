@@ -5,11 +5,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::azimuth_ticks::{AZIMUTH_MARGIN_RAD, TURN_RAD, azimuth_rad_of};
-use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use super::hits::Hits;
 use super::laser_ring::LaserRing;
-use super::row_planes::{EIGHT, RowPlanes};
+use super::row_planes::{EIGHT, PlaneLanes, RowPlanes};
 use super::spinning_table::{POLAR_SHARE, SpinningTable};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::geometry::{LANES, Lanes};
@@ -225,20 +224,24 @@ impl BeamGrid for SpinningGrid {
 
     #[inline(always)]
     fn near_m(&self, corners_grid: &[DVec3; 4]) -> f32 {
-        let [lowest, highest] = self.table.height_span_m.map(f64::from);
-        let middle = DVec3::new(0.0, 0.0, 0.5 * (lowest + highest));
-        let [a, b, c, d] = corners_grid.map(|p| p - middle);
-        let corner =
-            lesser(lesser(a.length_squared(), b.length_squared()), lesser(c.length_squared(), d.length_squared()));
-        let sides = greater((b - a).length_squared(), (c - b).length_squared());
-        let edge = greater(
-            greater(sides, (a - c).length_squared()),
-            greater((d - c).length_squared(), (a - d).length_squared()),
-        );
+        let [lowest, highest] = self.table.height_span_m;
+        let middle = 0.5 * (lowest + highest);
+        let (x, y) = (corners_grid.map(|p| p.x as f32), corners_grid.map(|p| p.y as f32));
+        let z = corners_grid.map(|p| p.z as f32 - middle);
+        let (mut corners, mut sides) = ([0.0; 4], [0.0; 4]);
+        let square = |x: f32, y: f32, z: f32| x * x + y * y + z * z;
+        for i in 0..4 {
+            let k = (i + 1) % 4;
+            corners[i] = square(x[i], y[i], z[i]);
+            sides[i] = square(x[k] - x[i], y[k] - y[i], z[k] - z[i]);
+        }
+        let corner = lesser(lesser(corners[0], corners[1]), lesser(corners[2], corners[3]));
+        let side = greater(greater(sides[0], sides[1]), greater(sides[2], sides[3]));
+        let edge = greater(side, square(x[2] - x[0], y[2] - y[0], z[2] - z[0]));
         // Of both triangles: no point is farther from all corners than the longest edge / sqrt 3, the nearest point to the
-        // origin included; and seen from there the corners lie beyond it or at a right angle.
-        let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();
-        (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left_m) - 1e-5) as f32
+        // origin included; and seen from there the corners lie beyond it or at a right angle. Ten times what rounding takes.
+        let nearest = (corner * 0.999_995 - edge * 0.333_34).max(0.0).sqrt();
+        nearest * 0.999_99 - 0.5 * (highest - lowest) - self.table.most_left_m - 1e-4
     }
 
     #[inline(always)]
@@ -257,11 +260,15 @@ impl BeamGrid for SpinningGrid {
     }
 
     #[inline]
-    fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
+    fn cover(&self, triangle: &[DVec3; 3], window: &Window, mut visit: impl FnMut(usize, f64)) {
+        let triangle = PlaneLanes::new(triangle);
         for row in window.rows.clone() {
             let base = self.row_start(row);
             let headings = self.table.headings(self.table.ring_of_row[row] as usize);
-            for planes in RowPlanes::sides(triangle, &self.table.rows[row]).into_iter().flatten() {
+            let row = &self.table.rows[row];
+            let (volume, sides) = RowPlanes::sides(&triangle, row);
+            for side in sides {
+                let planes = RowPlanes::seen_from(*side, &triangle, row, volume);
                 for column in window.columns.clone() {
                     if let Some(depth) = planes.depth(headings[column]) {
                         visit(base + column, depth);
@@ -272,15 +279,19 @@ impl BeamGrid for SpinningGrid {
     }
 
     #[inline(always)]
-    fn cast(&self, triangle: &EdgePlanes, window: &Window, hits: &mut Hits, ids: [u32; 2]) {
+    fn cast(&self, triangle: &[DVec3; 3], window: &Window, hits: &mut Hits, ids: [u32; 2]) {
         let table = &*self.table;
         if table.azimuths_rad.len() < EIGHT {
             return self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, ids[0], ids[1]));
         }
+        let triangle = PlaneLanes::new(triangle);
         for row in window.rows.clone() {
             let ring = table.ring_of_row[row] as usize;
             let base = [ring * table.azimuths_rad.len(), table.headings_of_ring[ring] as usize];
-            for planes in RowPlanes::sides(triangle, &table.rows[row]).into_iter().flatten() {
+            let row = &table.rows[row];
+            let (volume, sides) = RowPlanes::sides(&triangle, row);
+            for side in sides {
+                let planes = RowPlanes::seen_from(*side, &triangle, row, volume);
                 self.cast_row(&planes, base, &window.columns, hits, ids);
             }
         }
@@ -296,7 +307,7 @@ impl SpinningGrid {
         }
         // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
         let table = &*self.table;
-        let edges_at = |column: usize| planes.edges_at(table.cos[base[1] + column], table.sin[base[1] + column]);
+        let edges_at = |column: usize| planes.at([table.cos[base[1] + column], table.sin[base[1] + column]]);
         let last = columns.end - 1;
         let mut start = columns.start;
         let mut here = edges_at(start);
@@ -306,7 +317,7 @@ impl SpinningGrid {
             let width = f64::from(table.azimuths_rad[stop] - table.azimuths_rad[start]);
             // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
             let is_outside = (0..3).any(|i| {
-                let [a, b, c] = planes.edges[i];
+                let [a, b, c] = planes.edge(i);
                 let reach = a.abs() + b.abs();
                 here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
             });
