@@ -2,7 +2,7 @@
 
 use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
-use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SpinningGrid, SurfaceFilter, cast};
+use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SpinningGrid, Still, SurfaceFilter, cast, cast_layers};
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DMat3, DPose3, DVec3};
 
@@ -26,6 +26,13 @@ impl BeamHit {
         Self { range_m: hits.depth_m[at], instance: hits.instance[at], face: hits.face[at] }
     }
 
+    /// Nearer, or of two equally near ones the earlier instance and face.
+    #[inline]
+    fn is_before(&self, other: &Self) -> bool {
+        self.range_m < other.range_m
+            || (self.range_m == other.range_m && (self.instance, self.face) < (other.instance, other.face))
+    }
+
     /// True where something was met.
     #[inline]
     pub(super) fn is_hit(&self) -> bool {
@@ -37,8 +44,8 @@ impl BeamHit {
 pub(super) struct TurnHits {
     /// The first opaque surface.
     pub opaque: Hits,
-    /// The first opaque surface, or a transparent one where it stands before that.
-    pub first: Hits,
+    /// The first transparent surface; some that stand behind the opaque one are left out.
+    pub transparent: Hits,
 }
 
 /// Finds what beams meet: the kernel for a sensor that spins at rest, parry for one that moves meanwhile or does not spin.
@@ -95,12 +102,8 @@ impl Casting for StillCasting<'_> {
     }
 
     fn cast(&self, spec: &LidarSpec) -> TurnHits {
-        let mut opaque = Hits::new(spec.rings().len(), spec.num_columns());
-        cast(self.scene, &self.grid, SurfaceFilter::Opaque, self.in_range(spec), &mut opaque);
-        // Only transparent surfaces in front of opaque ones matter: they alone replace them.
-        let mut first = opaque.clone();
-        cast(self.scene, &self.grid, SurfaceFilter::Transparent, self.in_range(spec), &mut first);
-        TurnHits { opaque, first }
+        let [opaque, transparent] = cast_layers(self.scene, &self.grid, &Still, self.in_range(spec));
+        TurnHits { opaque, transparent }
     }
 
     fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
@@ -135,11 +138,17 @@ impl Casting for StillCasting<'_> {
 }
 
 impl TurnHits {
+    /// No hit yet.
+    pub(super) fn none(rings: usize, columns: usize) -> Self {
+        let [opaque, transparent] = [(); 2].map(|()| Hits::new(rings, columns));
+        Self { opaque, transparent }
+    }
+
     /// The transparent surface before a beam's opaque one.
     #[inline]
     pub(super) fn transparent(&self, at: usize) -> Option<BeamHit> {
-        let (first, opaque) = (BeamHit::of(&self.first, at), BeamHit::of(&self.opaque, at));
-        ((first.instance, first.face) != (opaque.instance, opaque.face)).then_some(first)
+        let hit = BeamHit::of(&self.transparent, at);
+        (hit.is_hit() && hit.is_before(&self.opaque(at))).then_some(hit)
     }
 
     /// A beam's opaque surface.

@@ -14,8 +14,8 @@ use super::divergence::DivergentBeams;
 use super::half_scan::HalfScan;
 use super::spec::LidarSpec;
 use crate::sense::{
-    FaceHit, FaceTrees, Hits, MetWhileTurning, Moment, MovingCaster, PosedInstance, PosedScene, RigidMotion,
-    SurfaceFilter, SurfaceHits, cast_as_met,
+    FaceHit, FaceTrees, MetWhileTurning, Moment, MovingCaster, PosedInstance, PosedScene, RigidMotion, SurfaceHits,
+    cast_layers,
 };
 use cadet_base::math::{DPose3, DVec3};
 
@@ -78,7 +78,7 @@ impl Casting for Firings<'_> {
     fn cast(&self, spec: &LidarSpec) -> TurnHits {
         let (rows, columns) = (spec.rings().len(), spec.num_columns());
         let nearly = spec.half_scans().map(|halves| self.cast_nearly(rows, columns, &halves));
-        let mut exact = TurnHits { opaque: Hits::new(rows, columns), first: Hits::new(rows, columns) };
+        let mut exact = TurnHits::none(rows, columns);
         let beams: Vec<_> = (0..rows).map(|ring| spec.beams(ring)).collect();
         for (column, ColumnFiring { time_s, world_from_velo }) in self.columns.iter().enumerate() {
             let moment = self.scene.caster.at(*time_s);
@@ -89,8 +89,8 @@ impl Casting for Firings<'_> {
                 let at = ring * columns + column;
                 let expected = nearly.as_ref().and_then(|nearly| met_as_expected(nearly, at, &moment, ray_world));
                 let found = expected.unwrap_or_else(|| moment.cast(ray_world[0], ray_world[1]));
-                let first = found.transparent.or(found.opaque);
-                for (hits, found) in [(&mut exact.opaque, found.opaque), (&mut exact.first, first)] {
+                let TurnHits { opaque, transparent } = &mut exact;
+                for (hits, found) in [(opaque, found.opaque), (transparent, found.transparent)] {
                     if let Some(found) = found {
                         hits.put(at, &found);
                     }
@@ -141,21 +141,15 @@ impl Firings<'_> {
     /// pass an edge by less than what is left out, as points of a triangle between its corners move a little otherwise.
     fn cast_nearly(&self, rows: usize, columns: usize, halves: &[HalfScan]) -> TurnHits {
         let SceneInMotion { caster, world_from_velo, sensor, reach_m } = self.scene;
-        let mut all = TurnHits { opaque: Hits::new(rows, columns), first: Hits::new(rows, columns) };
+        let mut all = TurnHits::none(rows, columns);
         for HalfScan { half, grid, columns } in halves {
             let as_met =
                 MetWhileTurning::new(*half, caster.scene(), (world_from_velo, sensor), |index| caster.motion_of(index));
             let grid = grid.at(*world_from_velo);
-            let cast = |filter, hits: &mut Hits| {
-                let keep = |i: &PosedInstance| i.is_within(world_from_velo.translation, *reach_m);
-                cast_as_met(caster.scene(), (&grid, &as_met), filter, keep, hits);
-            };
-            let mut opaque = Hits::new(rows, columns.len());
-            cast(SurfaceFilter::Opaque, &mut opaque);
+            let keep = |i: &PosedInstance| i.is_within(world_from_velo.translation, *reach_m);
+            let [opaque, transparent] = cast_layers(caster.scene(), &grid, &as_met, keep);
             all.opaque.put_columns(&opaque, columns);
-            // Transparent surfaces in front of opaque ones replace them.
-            cast(SurfaceFilter::Transparent, &mut opaque);
-            all.first.put_columns(&opaque, columns);
+            all.transparent.put_columns(&transparent, columns);
         }
         all
     }

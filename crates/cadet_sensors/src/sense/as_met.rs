@@ -16,7 +16,7 @@ pub(crate) trait AsMet {
 }
 
 /// A world that stands still.
-pub(super) struct Still;
+pub(crate) struct Still;
 
 impl AsMet for Still {
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! Azimuths of a spinning LIDAR: of points, and of its columns on the ticks of an encoder.
 
+use cadet_base::math::greater;
+
 /// Error of the single-precision azimuth, in radians: its polynomial and the rounding of coordinates.
 pub(super) const AZIMUTH_MARGIN_RAD: f32 = 4e-5;
 /// Triangles narrower than this are bounded by their corners, with [`super::row_lookup::BULGE_SHARE`] for their edges.
@@ -47,7 +49,7 @@ impl Ticks {
     #[inline(always)]
     pub(super) fn between(&self, lo_rad: f32, hi_rad: f32) -> (u16, u16) {
         // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
-        let after = |t: f32| ((t.max(-0.5) + 0.5 + 8_388_608.0).to_bits() & 0xffff) as u16;
+        let after = |t: f32| ((greater(t, -0.5) + 0.5 + 8_388_608.0).to_bits() & 0xffff) as u16;
         (after(lo_rad * self.per_rad - self.margin), after(hi_rad * self.per_rad + self.margin))
     }
 
@@ -65,7 +67,7 @@ impl Ticks {
 pub(super) fn azimuth_rad_of(x: f32, y: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
-    let t = small / large.max(f32::MIN_POSITIVE);
+    let t = small / greater(large, f32::MIN_POSITIVE);
     let s = t * t;
     let p = -0.011_721_2_f32;
     let p = p * s + 0.052_653_32;

@@ -35,36 +35,43 @@ pub fn cast<G: BeamGrid>(
     keep: impl Fn(&PosedInstance) -> bool,
     hits: &mut Hits,
 ) {
-    cast_as_met(scene, (grid, &Still), filter, keep, hits);
+    cast_filters(scene, (grid, &Still), [Some(filter), None], keep, [hits, &mut Hits::new(0, 0)]);
 }
 
-/// [`cast`] where points have moved until beams meet them.
-pub(crate) fn cast_as_met<G: BeamGrid, M: AsMet>(
+/// The first opaque and the first transparent surfaces; of the latter some that stand behind the former are left out.
+/// `as_met` says where points have moved until beams meet them.
+pub(crate) fn cast_layers<G: BeamGrid, M: AsMet>(
+    scene: &PosedScene,
+    grid: &G,
+    as_met: &M,
+    keep: impl Fn(&PosedInstance) -> bool,
+) -> [Hits; 2] {
+    let mut layers = [(); 2].map(|()| Hits::new(grid.rows(), grid.columns()));
+    let filters = [SurfaceFilter::Opaque, SurfaceFilter::Transparent].map(Some);
+    cast_filters(scene, (grid, as_met), filters, keep, layers.each_mut());
+    layers
+}
+
+/// Casts into several `Hits`, each with its filter; what the first one has met hides all others'.
+fn cast_filters<G: BeamGrid, M: AsMet>(
     scene: &PosedScene,
     (grid, as_met): (&G, &M),
-    filter: SurfaceFilter,
+    filters: [Option<SurfaceFilter>; 2],
     keep: impl Fn(&PosedInstance) -> bool,
-    hits: &mut Hits,
+    hits: [&mut Hits; 2],
 ) {
-    if (hits.rows, hits.columns) != (grid.rows(), grid.columns()) {
-        *hits = Hits::new(grid.rows(), grid.columns());
+    if (hits[0].rows, hits[0].columns) != (grid.rows(), grid.columns()) {
+        *hits[0] = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
-    let slots: Vec<u64> = scene.instances.iter().map(|i| noticed_slots(i, filter)).collect();
+    let noticed = |i: &PosedInstance| filters.map(|filter| filter.map_or(0, |filter| noticed_slots(i, filter)));
+    let slots: Vec<[u64; 2]> = scene.instances.iter().map(noticed).collect();
     let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
-    let noticed = kept.map(|((index, _), slots)| (index, *slots));
+    let noticed = kept.map(|((index, _), slots)| (index, slots[0] | slots[1]));
     let clusters = visible_clusters(scene, grid, &to_grid, |index| as_met.reach_m(index), noticed);
-    let mut caster = Caster {
-        scene,
-        grid,
-        as_met,
-        to_grid,
-        filter,
-        slots,
-        farthest: CoarseDepth::new(hits.rows, hits.columns),
-        scratch: Box::default(),
-        hits,
-    };
+    let farthest = CoarseDepth::new(hits[0].rows, hits[0].columns);
+    let scratch = Box::default();
+    let mut caster = Caster { scene, grid, as_met, to_grid, filters, slots, farthest, scratch, hits };
     cast_clusters(&mut caster, &clusters);
 }
 
@@ -84,12 +91,12 @@ struct Caster<'a, G: BeamGrid, M> {
     grid: &'a G,
     as_met: &'a M,
     to_grid: ToGrid,
-    filter: SurfaceFilter,
-    /// The bits of the material slots that the beams notice, for each instance.
-    slots: Vec<u64>,
+    filters: [Option<SurfaceFilter>; 2],
+    /// The bits of the material slots that the beams notice, for each instance and filter.
+    slots: Vec<[u64; 2]>,
     farthest: CoarseDepth,
     scratch: Box<VerticesOnGrid<G::Footprint>>,
-    hits: &'a mut Hits,
+    hits: [&'a mut Hits; 2],
 }
 
 /// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
@@ -131,8 +138,8 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
     #[inline(always)]
     fn is_hidden(&mut self, windows: &[Window; 2], near_m: f32) -> bool {
         let [a, b] = windows;
-        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, a, near_m))
-            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth_m, b, near_m))
+        (a.is_empty() || self.farthest.hides(self.grid, &self.hits[0].depth_m, a, near_m))
+            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits[0].depth_m, b, near_m))
     }
 
     /// True if every beam starts behind one of a cluster's faces.
@@ -149,14 +156,14 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
         let num_candidates = self.find_candidates(cluster);
         let slots = self.slots[item.instance as usize];
         // Bit 63 may stand for several slots.
-        let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
+        let is_all = |slots: &u64| cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
+        let of_all = slots.iter().position(is_all);
         let one_sided = if item.is_solid { cluster.closed_faces } else { 0 };
         for candidate in 0..num_candidates {
             let piece = &cluster.pieces[usize::from(self.scratch.candidates[candidate])];
             let first = usize::from(piece.first);
-            if !uniform && !is_noticed(instance, cluster.faces[first], self.filter) {
-                continue;
-            }
+            let noticed = of_all.or_else(|| notices(&self.filters, instance, cluster.faces[first]));
+            let Some(layer) = noticed else { continue };
             let has_one_side = one_sided >> first & 1 == 1;
             let may_be_seen = |face: usize| !(has_one_side && self.is_turned_away(cluster, face));
             let may_be_seen = [may_be_seen(first), piece.is_quad() && may_be_seen(first + 1)];
@@ -175,7 +182,7 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
             for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
                 let triangle = self.scratch.triangle(cluster, face);
                 for window in windows.iter().filter(|w| !w.is_empty()) {
-                    self.grid.cast(&triangle, window, self.hits, [item.instance, cluster.faces[face]]);
+                    self.grid.cast(&triangle, window, self.hits[layer], [item.instance, cluster.faces[face]]);
                 }
             }
         }
@@ -193,8 +200,13 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
             x.copy_from_slice(&points[0]);
             y.copy_from_slice(&points[1]);
             z.copy_from_slice(&points[2]);
-            let points = points.map(|axis| axis.map(|v| v as f32));
-            self.grid.footprints(&points, out.try_into().expect("a chunk of that length"));
+            let mut rounded = [[0.0; LANES]; 3];
+            for (to, from) in rounded.iter_mut().zip(&points) {
+                for i in 0..LANES {
+                    to[i] = from[i] as f32;
+                }
+            }
+            self.grid.footprints(&rounded, out.try_into().expect("a chunk of that length"));
         }
     }
 
@@ -222,6 +234,13 @@ fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
     }
 }
 
-fn is_noticed(instance: &PosedInstance, face: u32, filter: SurfaceFilter) -> bool {
-    filter == SurfaceFilter::All || instance.material(face).is_transparent() == (filter == SurfaceFilter::Transparent)
+/// Which filter notices a face.
+fn notices(filters: &[Option<SurfaceFilter>; 2], instance: &PosedInstance, face: u32) -> Option<usize> {
+    let is_transparent = instance.material(face).is_transparent();
+    filters.iter().position(|filter| match filter {
+        Some(SurfaceFilter::All) => true,
+        Some(SurfaceFilter::Opaque) => !is_transparent,
+        Some(SurfaceFilter::Transparent) => is_transparent,
+        None => false,
+    })
 }

@@ -27,14 +27,14 @@ mod spinning_table;
 mod to_grid;
 mod visibility_buffer;
 
-pub(crate) use as_met::{HalfTurn, MetWhileTurning};
+pub(crate) use as_met::{HalfTurn, MetWhileTurning, Still};
 pub use depth_test::{ROW_BITS, bits_by_column};
 pub use detail::Resolution;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;
 pub use grid::{Beam, BeamGrid, Window};
 pub use hits::{Hits, NO_HIT};
-pub(crate) use kernel::cast_as_met;
+pub(crate) use kernel::cast_layers;
 pub use kernel::{SurfaceFilter, cast};
 pub use laser_ring::LaserRing;
 pub use motion::RigidMotion;

@@ -1,5 +1,7 @@
 //! Which of a spinning LIDAR's rows may pass through a point: tables by the tangent of its elevation and its distance.
 
+use cadet_base::math::{greater, lesser};
+
 /// An edge is an arc of a great circle. Between corners `w` apart in azimuth it rises over the tangent of their
 /// elevations by a factor of at most 1 / cos(w / 2), which is 1.0008 for [`super::azimuth_ticks::NARROW_RAD`].
 pub(super) const BULGE_SHARE: f32 = 1e-3;
@@ -37,7 +39,7 @@ impl Lookup {
 
     #[inline]
     pub(super) fn bin(&self, x: f32) -> u32 {
-        let bin = (x * self.scale + self.offset).max(0.0).min((self.counts.len() - 1) as f32);
+        let bin = lesser(greater(x * self.scale + self.offset, 0.0), (self.counts.len() - 1) as f32);
         // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
         (bin + 8_388_608.0).to_bits() & 0xf_ffff
     }

@@ -52,16 +52,17 @@ impl RowPlanes {
     /// The volume that a triangle spans with a row's laser, not yet by the secant, and the sides that the laser is on: both
     /// for one beside the axis that may go around the triangle's plane.
     #[inline(always)]
-    pub(super) fn sides(triangle: &PlaneLanes, row: &SortedRow) -> ([f64; 3], &'static [f64]) {
+    pub(super) fn sides(triangle: &PlaneLanes, row: &SortedRow) -> ([f64; 3], [Option<f64>; 2]) {
         let ([x, y, z], left) = (triangle.cross.map(|axis| axis[3]), row.left_m);
         let volume = [-left * y, left * x, triangle.volume6_m3 - row.height_m * z];
         let changes = volume[0].abs() + volume[1].abs();
-        let sides: &[f64] = if volume[2].abs() > changes {
-            if volume[2] > 0.0 { &[1.0] } else { &[-1.0] }
+        let sides = if volume[2].abs() > changes {
+            // Without a branch, which would be guessed wrong half of the time.
+            [Some(1_f64.copysign(volume[2])), None]
         } else if changes > 0.0 {
-            &[1.0, -1.0]
+            [Some(1.0), Some(-1.0)]
         } else {
-            &[]
+            [None; 2]
         };
         (volume, sides)
     }

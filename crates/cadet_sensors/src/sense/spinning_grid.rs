@@ -173,10 +173,10 @@ impl BeamGrid for SpinningGrid {
     fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
         let table = &*self.table;
         let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
-        let mut ticks = [(0_u16, 0_u16); LANES];
+        let (mut first_tick, mut end_tick) = ([0_u16; LANES], [0_u16; LANES]);
         let middle = table.middle_height_m();
         for i in 0..LANES {
-            rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-6);
+            rho[i] = greater((x[i] * x[i] + y[i] * y[i]).sqrt(), 1e-6);
             azimuth[i] = azimuth_rad_of(x[i], y[i]);
             bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
@@ -188,20 +188,25 @@ impl BeamGrid for SpinningGrid {
                 | (azimuth[i] < 2.0 * AZIMUTH_MARGIN_RAD + table.max_offset_rad + aside)
                 | (azimuth[i] > TURN_RAD - 2.0 * AZIMUTH_MARGIN_RAD - aside);
             let (first, end) = table.ticks.between(azimuth[i] - table.max_offset_rad - aside, azimuth[i] + aside);
-            ticks[i] = if awkward { (0, u16::MAX) } else { (first, end) };
+            first_tick[i] = if awkward { 0 } else { first };
+            end_tick[i] = if awkward { 0 } else { u16::MAX - end };
         }
+        let mut rows = [[0_u16; 2]; LANES];
         if let Some(rows_of_bin) = &table.rows_of_bin {
             for i in 0..LANES {
-                let [first, end] = rows_of_bin[bin[i] as usize];
-                let (first_tick, end_tick) = ticks[i];
-                out[i] = [first, u16::MAX - end, first_tick, u16::MAX - end_tick];
+                rows[i] = rows_of_bin[bin[i] as usize];
             }
-            return;
+        } else {
+            let mut place = [0_u32; LANES];
+            for i in 0..LANES {
+                place[i] = SpinningTable::place(1.0 / rho[i], bin[i]);
+            }
+            for i in 0..LANES {
+                rows[i] = table.rows_of_place[place[i] as usize];
+            }
         }
         for i in 0..LANES {
-            let [first, end] = table.rows_of_place(1.0 / rho[i], bin[i]);
-            let (first_tick, end_tick) = ticks[i];
-            out[i] = [first, u16::MAX - end, first_tick, u16::MAX - end_tick];
+            out[i] = [rows[i][0], u16::MAX - rows[i][1], first_tick[i], end_tick[i]];
         }
     }
 
@@ -267,8 +272,8 @@ impl BeamGrid for SpinningGrid {
             let headings = self.table.headings(self.table.ring_of_row[row] as usize);
             let row = &self.table.rows[row];
             let (volume, sides) = RowPlanes::sides(&triangle, row);
-            for side in sides {
-                let planes = RowPlanes::seen_from(*side, &triangle, row, volume);
+            for side in sides.into_iter().flatten() {
+                let planes = RowPlanes::seen_from(side, &triangle, row, volume);
                 for column in window.columns.clone() {
                     if let Some(depth) = planes.depth(headings[column]) {
                         visit(base + column, depth);
@@ -290,8 +295,8 @@ impl BeamGrid for SpinningGrid {
             let base = [ring * table.azimuths_rad.len(), table.headings_of_ring[ring] as usize];
             let row = &table.rows[row];
             let (volume, sides) = RowPlanes::sides(&triangle, row);
-            for side in sides {
-                let planes = RowPlanes::seen_from(*side, &triangle, row, volume);
+            for side in sides.into_iter().flatten() {
+                let planes = RowPlanes::seen_from(side, &triangle, row, volume);
                 self.cast_row(&planes, base, &window.columns, hits, ids);
             }
         }

@@ -9,7 +9,7 @@ use super::row_lookup::{
     BULGE_SHARE, INVERSE_RHO_BINS, INVERSE_RHO_STEP_PER_M, Lookup, PLACE_STRIDE, SHARED_BITS, SortedRow, TANGENT_BINS,
     rows_of_place,
 };
-use cadet_base::math::{self, Vec3};
+use cadet_base::math::{self, Vec3, greater, lesser};
 
 /// Points this many times as far from the axis as the lasers are look alike to all of them but for their azimuth: a
 /// beam that passes the axis at `left` meets the distance rho after sqrt(rho^2 - left^2), 0.03 % less.
@@ -143,13 +143,13 @@ impl SpinningTable {
         self.rows_from_guess(rho_m, z_m, self.row_of_tangent.guess((middle - z_m) / rho_m))
     }
 
-    /// About [`SpinningTable::rows_at`], for lasers at several heights, without a search: by 1 / rho and a bin of tangents.
+    /// Which of `rows_of_place` has about [`SpinningTable::rows_at`], by 1 / rho and a bin of tangents.
     #[inline(always)]
-    pub(super) fn rows_of_place(&self, inverse_rho_per_m: f32, tangent_bin: u32) -> [u16; 2] {
-        let near = (inverse_rho_per_m * (1.0 / INVERSE_RHO_STEP_PER_M)).min(INVERSE_RHO_BINS as f32 - 0.75) - 0.5;
+    pub(super) fn place(inverse_rho_per_m: f32, tangent_bin: u32) -> u32 {
+        let near = lesser(inverse_rho_per_m * (1.0 / INVERSE_RHO_STEP_PER_M), INVERSE_RHO_BINS as f32 - 0.75) - 0.5;
         // As in [`Lookup::bin`].
-        let near = (near.max(0.0) + 8_388_608.0).to_bits() & 0xff;
-        self.rows_of_place[near as usize * PLACE_STRIDE + (tangent_bin >> SHARED_BITS) as usize]
+        let near = (greater(near, 0.0) + 8_388_608.0).to_bits() & 0xff;
+        near * PLACE_STRIDE as u32 + (tangent_bin >> SHARED_BITS)
     }
 
     #[inline]
