@@ -32,9 +32,10 @@ struct Echoes {
     range_m: PerEcho,
     /// Reflectance / range^2 at the receiver.
     power: PerEcho,
-    detected_power: PerEcho,
     saturates: [bool; BATCH_SIZE],
-    peak_share: PerEcho,
+    is_surface: [bool; BATCH_SIZE],
+    /// Of surfaces, otherwise 1.
+    cos_incidence: PerEcho,
     reading_noise: PerEcho,
     detection: PerEcho,
     saturation: PerEcho,
@@ -84,9 +85,9 @@ impl EchoBatch {
         self.surface[i] = arrival.surface;
         e.range_m[i] = arrival.range_m;
         e.power[i] = arrival.power;
-        e.detected_power[i] = arrival.detected_power;
         e.saturates[i] = arrival.saturates;
-        e.peak_share[i] = arrival.peak_share;
+        e.is_surface[i] = arrival.cos_incidence.is_some();
+        e.cos_incidence[i] = arrival.cos_incidence.unwrap_or(1.0);
         e.reading_noise[i] = arrival.reading_noise * draws.gain_deviate;
         e.detection[i] = draws.detection_chance;
         e.saturation[i] = draws.saturation_chance;
@@ -127,10 +128,14 @@ impl EchoBatch {
 #[apply(for_wide_registers)]
 fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
     let RingReceiver { receiver, laser, min_range_m, max_range_m, .. } = ring;
-    let mut reading: PerEcho = [0.0; BATCH_SIZE];
+    let (mut reading, mut detected_power): (PerEcho, PerEcho) = ([0.0; BATCH_SIZE], [0.0; BATCH_SIZE]);
+    for i in 0..BATCH_SIZE {
+        let share = ring.detected_share(e.range_m[i], e.cos_incidence[i]);
+        detected_power[i] = e.power[i] * if e.is_surface[i] { share } else { 1.0 };
+    }
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        let peak = power * range_m * range_m * e.peak_share[i];
+        let peak = power * range_m * range_m * ring.peak_share(range_m, e.cos_incidence[i]);
         reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i]);
     }
     for i in 0..BATCH_SIZE {
@@ -150,7 +155,7 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
         }
         // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
         let written_m = (square[0] + square[1] + square[2]).sqrt();
-        let is_detected = receiver.detects(e.detected_power[i], e.detection[i]);
+        let is_detected = receiver.detects(detected_power[i], e.detection[i]);
         out.is_kept[i] = is_detected & (written_m >= min_range_m) & (written_m < max_range_m);
     }
 }

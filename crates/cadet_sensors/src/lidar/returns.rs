@@ -15,12 +15,10 @@ pub(super) struct Arrival {
     pub range_m: f64,
     /// Reflectance / range^2.
     pub power: f64,
-    /// The power by which it is detected: its peak, as far as it falls on the detector.
-    pub detected_power: f64,
     /// True if it overflows the receiver.
     pub saturates: bool,
-    /// What the slant of a surface leaves of its peak.
-    pub peak_share: f64,
+    /// Cosine of the incidence angle; None for fog, a drop or a flake, whose power is what falls on the detector.
+    pub cos_incidence: Option<f64>,
     /// Standard deviation of its reading.
     pub reading_noise: f64,
     pub actor_id: i32,
@@ -29,6 +27,13 @@ pub(super) struct Arrival {
     /// Its place among the echoes of its pulse that are detected, the nearest 1.
     pub number: u8,
     pub surface: ReturnSurface,
+}
+
+impl Arrival {
+    /// The power by which it is detected: its peak, as far as it falls on the detector.
+    fn detected_power(&self, receiver: &RingReceiver) -> f64 {
+        self.power * self.cos_incidence.map_or(1.0, |cosine| receiver.detected_share(self.range_m, cosine))
+    }
 }
 
 /// Standard deviation of the reading of a drop, a flake or fog.
@@ -48,14 +53,14 @@ pub(super) fn arrivals(
 ) {
     if air.is_clear() && echoes[1].is_none() {
         if let Some(echo) = &echoes[0] {
-            report(&of_surface(echo, air, 1.0, receiver));
+            report(&of_surface(echo, air, 1.0));
         }
         return;
     }
     let mut pulse = Pulse { arrivals: [None; MOST_ECHOES], n: 0 };
     for echo in echoes.iter().flatten() {
         let left = air.meet(echo.range_m, draws.air_key).transmittance * spray(echo.range_m).transmittance;
-        pulse.push(of_surface(echo, air, left, receiver));
+        pulse.push(of_surface(echo, air, left));
     }
     let end_m = echoes.iter().flatten().last().map_or(f64::INFINITY, |e| e.range_m);
     let sprayed = spray(end_m).echo.map(|e| AirEcho { power: e.power * air.transmittance(e.range_m), ..e });
@@ -79,7 +84,7 @@ impl Pulse {
 
     /// Calls `report` for those of the detected that the mode takes; of several within a pulse's length the strongest counts.
     fn report(self, mode: ReturnMode, receiver: &RingReceiver, chance: f64, mut report: impl FnMut(&Arrival)) {
-        let is_detected = |a: &&Arrival| receiver.receiver.detects(a.detected_power, chance);
+        let is_detected = |a: &&Arrival| receiver.receiver.detects(a.detected_power(receiver), chance);
         let mut found = self.arrivals.iter().flatten().filter(is_detected);
         let Some(first) = found.next() else { return };
         let Some(second) = found.next() else { return report(first) };
@@ -89,12 +94,12 @@ impl Pulse {
         let mut detected: Vec<Arrival> = Vec::with_capacity(sorted.len());
         for arrival in sorted {
             match detected.last_mut().filter(|last| arrival.range_m - last.range_m < pulse_m) {
-                Some(last) if last.detected_power >= arrival.detected_power => {}
+                Some(last) if last.detected_power(receiver) >= arrival.detected_power(receiver) => {}
                 Some(last) => *last = arrival,
                 None => detected.push(arrival),
             }
         }
-        let powers: Vec<f64> = detected.iter().map(|arrival| arrival.detected_power).collect();
+        let powers: Vec<f64> = detected.iter().map(|arrival| arrival.detected_power(receiver)).collect();
         for k in (0..powers.len()).filter(|k| mode.reports(&powers, *k)) {
             report(&Arrival { number: k as u8 + 1, ..detected[k] });
         }
@@ -103,19 +108,17 @@ impl Pulse {
 
 /// The echo of a surface, of which the air leaves a share.
 #[inline]
-fn of_surface(echo: &Echo, air: &Air, left: f64, receiver: &RingReceiver) -> Arrival {
+fn of_surface(echo: &Echo, air: &Air, left: f64) -> Arrival {
     let reflectance = if echo.semantic.is_ground() {
         air.ground(echo.semantic, echo.reflectance, echo.cos_incidence)
     } else {
         echo.reflectance
     };
-    let power = reflectance / (echo.range_m * echo.range_m) * left;
     Arrival {
         range_m: echo.range_m,
-        power,
-        detected_power: power * receiver.detected_share(echo),
+        power: reflectance / (echo.range_m * echo.range_m) * left,
         saturates: echo.retro,
-        peak_share: receiver.peak_share(echo),
+        cos_incidence: Some(echo.cos_incidence),
         reading_noise: reading_noise(echo.pattern),
         actor_id: echo.actor_id,
         semantic: echo.semantic,
@@ -134,9 +137,8 @@ fn of_air(echo: &AirEcho) -> Arrival {
     Arrival {
         range_m: echo.range_m,
         power: echo.power,
-        detected_power: echo.power,
         saturates: false,
-        peak_share: 1.0,
+        cos_incidence: None,
         reading_noise: AIR_NOISE,
         actor_id: 0,
         semantic: Semantic::Sky,

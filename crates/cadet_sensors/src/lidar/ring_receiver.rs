@@ -1,6 +1,5 @@
 //! The receiver of a ring: its sensor's and its laser's.
 
-use super::echo::Echo;
 use super::laser_receiver::LaserReceiver;
 use super::receiver::Receiver;
 use super::reflection::{peak_share, spot_pulses_per_m};
@@ -23,14 +22,14 @@ impl RingReceiver {
     }
 
     /// What the slant of a surface leaves of its echo's peak.
-    #[inline]
-    pub fn peak_share(&self, echo: &Echo) -> f64 {
-        peak_share(self.spot_pulses_per_m, echo.range_m, echo.cos_incidence)
+    #[inline(always)]
+    pub fn peak_share(&self, range_m: f64, cos_incidence: f64) -> f64 {
+        peak_share(self.spot_pulses_per_m, range_m, cos_incidence)
     }
 
-    /// What an echo's power counts for detection: its peak, as far as it falls on the detector.
-    #[inline]
-    pub fn detected_share(&self, echo: &Echo) -> f64 {
-        self.laser.focused(echo.range_m) * self.peak_share(echo)
+    /// What a surface's power counts for detection: its peak, as far as it falls on the detector.
+    #[inline(always)]
+    pub fn detected_share(&self, range_m: f64, cos_incidence: f64) -> f64 {
+        self.laser.focused(range_m) * self.peak_share(range_m, cos_incidence)
     }
 }

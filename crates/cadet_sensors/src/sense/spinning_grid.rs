@@ -172,17 +172,18 @@ impl BeamGrid for SpinningGrid {
     #[inline(always)]
     fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
         let table = &*self.table;
-        let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
-        let (mut first_tick, mut end_tick) = ([0_u16; LANES], [0_u16; LANES]);
+        let (mut rho, mut per_rho, mut azimuth) = ([0.0_f32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
+        let (mut bin, mut first_tick, mut end_tick) = ([0_u32; LANES], [0_u16; LANES], [0_u16; LANES]);
         let middle = table.middle_height_m();
         for i in 0..LANES {
             rho[i] = greater((x[i] * x[i] + y[i] * y[i]).sqrt(), 1e-6);
+            per_rho[i] = 1.0 / rho[i];
             azimuth[i] = azimuth_rad_of(x[i], y[i]);
-            bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
+            bin[i] = table.row_of_tangent.bin((middle - z[i]) * per_rho[i]);
         }
         for i in 0..LANES {
             // Lasers beside the axis look past it: asin x <= 1.001 x up to x = 1 / OFF_AXIS.
-            let aside = 1.001 * table.most_left_m / rho[i];
+            let aside = 1.001 * table.most_left_m * per_rho[i];
             let awkward = (rho[i] <= POLAR_SHARE * (z[i].abs() + rho[i]))
                 | (rho[i] < table.least_rho_m)
                 | (azimuth[i] < 2.0 * AZIMUTH_MARGIN_RAD + table.max_offset_rad + aside)
@@ -199,7 +200,7 @@ impl BeamGrid for SpinningGrid {
         } else {
             let mut place = [0_u32; LANES];
             for i in 0..LANES {
-                place[i] = SpinningTable::place(1.0 / rho[i], bin[i]);
+                place[i] = SpinningTable::place(per_rho[i], bin[i]);
             }
             for i in 0..LANES {
                 rows[i] = table.rows_of_place[place[i] as usize];
