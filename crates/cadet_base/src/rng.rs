@@ -168,8 +168,22 @@ impl CounterRng {
     /// A random 64-bit number.
     #[inline]
     pub fn next_u64(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        self.0 = Self::key_at(self.0, 1);
         scramble(self.0)
+    }
+
+    /// The key whose numbers are those of `key` from the `n`-th on, the first being the 0th.
+    #[inline(always)]
+    #[must_use]
+    pub fn key_at(key: u64, n: u64) -> u64 {
+        key.wrapping_add(n.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+    }
+
+    /// The `n`-th number of a key, without those before it.
+    #[inline(always)]
+    #[must_use]
+    pub fn nth(key: u64, n: u64) -> u64 {
+        scramble(Self::key_at(key, n + 1))
     }
 
     /// Uniform in [0, 1).
@@ -198,7 +212,7 @@ fn poisson_by(mean: f64, mut unit: impl FnMut() -> f64) -> usize {
     k
 }
 
-#[inline]
+#[inline(always)]
 fn scramble(key: u64) -> u64 {
     let key = (key ^ (key >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let key = (key ^ (key >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -206,7 +220,7 @@ fn scramble(key: u64) -> u64 {
 }
 
 /// A nearly normal number from 64 random bits: the sum of four uniform ones, without tails beyond 3.5 standard deviations.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn nearly_normal(bits: u64) -> f64 {
     let sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
@@ -266,6 +280,9 @@ mod tests {
         let across: Vec<f64> = (0..n).map(|k| CounterRng::new(CounterRng::key(1, [2, 3, k])).unit()).collect();
         let mut rng = CounterRng::new(5);
         let within: Vec<f64> = (0..n).map(|_| rng.unit()).collect();
+        let mut rng = CounterRng::new(5);
+        assert!((0..9).all(|k| rng.next_u64() == CounterRng::nth(5, k)));
+        assert_eq!(CounterRng::nth(CounterRng::key_at(5, 4), 3), CounterRng::nth(5, 7));
         for units in [across, within] {
             let mean = units.iter().sum::<f64>() / n as f64;
             let neighbors = units.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / n as f64;

@@ -1,33 +1,66 @@
 //! The random numbers of a beam.
 
-use cadet_base::rng::{Stream, nearly_normal};
+use crate::zeros::Zeros;
+use cadet_base::rng::{CounterRng, nearly_normal};
 
-/// The random numbers of one beam: always the same count, so that no beam's fate moves another's.
+/// The random numbers of one beam, each in a place of its own: no beam's fate moves another's, and none is made that nobody
+/// asks for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
-    /// Whether a pane is met where it is dirty, or snowed over.
-    pub(super) pane_chance: f64,
-    pub(super) detection_chance: f64,
-    pub(super) saturation_chance: f64,
-    /// Names the beam to the air.
-    pub(super) air_key: u64,
-    pub(super) range_deviate: f64,
-    pub(super) gain_deviate: f64,
+    key: u64,
+}
+
+/// Numbers of a beam.
+const NUMBERS: u64 = 5;
+
+impl Zeros for Draws {
+    const ZEROS: Self = Self { key: 0 };
 }
 
 impl Draws {
-    pub(super) fn new(stream: &mut Stream) -> Self {
-        let [a, b, c, d, e] = std::array::from_fn(|_| stream.next_u64());
-        let unit = |bits: u64| (bits & 0xffff_ffff) as f64 * (1.0 / 4_294_967_296.0);
-        Self {
-            pane_chance: unit(a >> 32),
-            detection_chance: unit(a),
-            saturation_chance: unit(b >> 32),
-            air_key: b << 32 | c >> 32,
-            range_deviate: nearly_normal(d),
-            gain_deviate: nearly_normal(e),
-        }
+    /// Those of a beam of a scan that has a key.
+    #[inline(always)]
+    pub(super) fn new(scan_key: u64, beam: usize) -> Self {
+        Self { key: CounterRng::key_at(scan_key, NUMBERS * beam as u64) }
     }
+
+    /// Whether a pane is met where it is dirty, or snowed over.
+    #[inline(always)]
+    pub(super) fn pane_chance(self) -> f64 {
+        unit(CounterRng::nth(self.key, 0) >> 32)
+    }
+
+    #[inline(always)]
+    pub(super) fn detection_chance(self) -> f64 {
+        unit(CounterRng::nth(self.key, 0) & 0xffff_ffff)
+    }
+
+    #[inline(always)]
+    pub(super) fn saturation_chance(self) -> f64 {
+        unit(CounterRng::nth(self.key, 1) >> 32)
+    }
+
+    /// Names the beam to the air.
+    #[inline(always)]
+    pub(super) fn air_key(self) -> u64 {
+        CounterRng::nth(self.key, 2)
+    }
+
+    #[inline(always)]
+    pub(super) fn range_deviate(self) -> f64 {
+        nearly_normal(CounterRng::nth(self.key, 3))
+    }
+
+    #[inline(always)]
+    pub(super) fn gain_deviate(self) -> f64 {
+        nearly_normal(CounterRng::nth(self.key, 4))
+    }
+}
+
+/// Uniform in [0, 1), from a number of 32 bits.
+#[inline(always)]
+fn unit(bits: u64) -> f64 {
+    bits as f64 * (1.0 / 4_294_967_296.0)
 }
 
 #[cfg(test)]
@@ -36,21 +69,25 @@ mod tests {
 
     #[test]
     fn draws_are_uniform_and_normal() {
-        let mut stream = Stream::from_seed("draws", 0);
         let n = 50_000;
-        let draws: Vec<Draws> = (0..n).map(|_| Draws::new(&mut stream)).collect();
+        let draws: Vec<Draws> = (0..n as usize).map(|beam| Draws::new(77, beam)).collect();
         for (pick, mean, var) in [
-            ((|d: &Draws| d.pane_chance) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
-            (|d| d.detection_chance, 0.5, 1.0 / 12.0),
-            (|d| d.saturation_chance, 0.5, 1.0 / 12.0),
-            (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
-            (|d| (d.air_key & 0xffff_ffff) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
-            (|d| d.range_deviate, 0.0, 1.0),
-            (|d| d.gain_deviate, 0.0, 1.0),
+            ((|d: &Draws| d.pane_chance()) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
+            (|d| d.detection_chance(), 0.5, 1.0 / 12.0),
+            (|d| d.saturation_chance(), 0.5, 1.0 / 12.0),
+            (|d| (d.air_key() >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key() & 0xffff_ffff) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
+            (|d| d.range_deviate(), 0.0, 1.0),
+            (|d| d.gain_deviate(), 0.0, 1.0),
         ] {
             let m = draws.iter().map(pick).sum::<f64>() / f64::from(n);
             let v = draws.iter().map(|d| (pick(d) - m) * (pick(d) - m)).sum::<f64>() / f64::from(n);
             assert!((m - mean).abs() < 0.02 && (v / var - 1.0).abs() < 0.03, "{m} {v}");
+            // Neighboring beams, and those a column apart, know nothing of each other.
+            for apart in [1, 2083] {
+                let pairs = draws.iter().zip(&draws[apart..]).map(|(a, b)| (pick(a) - mean) * (pick(b) - mean));
+                assert!((pairs.sum::<f64>() / f64::from(n) / var).abs() < 0.03);
+            }
         }
     }
 }

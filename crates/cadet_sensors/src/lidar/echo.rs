@@ -65,13 +65,13 @@ pub(super) fn first_echo(
             semantic: transparent.material.semantic,
         };
         // The other end of the draw is dirt's.
-        if draws.pane_chance > 1.0 - transparent.snow_cover {
+        if draws.pane_chance() > 1.0 - transparent.snow_cover {
             return Some(own(reflectance(&FALLEN_SNOW, transparent.cos_incidence)));
         }
         if transparent.cos_incidence > GLINT_COS {
             return Some(own(1.0));
         }
-        if draws.pane_chance < DIRTY_SHARE {
+        if draws.pane_chance() < DIRTY_SHARE {
             return Some(own(reflectance(&DIRT, transparent.cos_incidence)));
         }
         let once = f64::from(transparent.material.lidar.transmission) * (1.0 - pane(transparent.cos_incidence));

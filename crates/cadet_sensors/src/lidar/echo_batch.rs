@@ -37,9 +37,7 @@ struct Echoes {
     /// Of surfaces, otherwise 1.
     cos_incidence: PerEcho,
     reading_noise: PerEcho,
-    detection: PerEcho,
-    saturation: PerEcho,
-    range_normal: PerEcho,
+    draws: [Draws; BATCH_SIZE],
     /// The beam as it is reported.
     direction_velo: [PerEcho; 3],
     origin_velo: [PerEcho; 3],
@@ -88,10 +86,8 @@ impl EchoBatch {
         e.saturates[i] = arrival.saturates;
         e.is_surface[i] = arrival.cos_incidence.is_some();
         e.cos_incidence[i] = arrival.cos_incidence.unwrap_or(1.0);
-        e.reading_noise[i] = arrival.reading_noise * draws.gain_deviate;
-        e.detection[i] = draws.detection_chance;
-        e.saturation[i] = draws.saturation_chance;
-        e.range_normal[i] = draws.range_deviate;
+        e.reading_noise[i] = arrival.reading_noise;
+        e.draws[i] = *draws;
         for axis in 0..3 {
             e.direction_velo[axis][i] = direction_velo[axis];
             e.origin_velo[axis][i] = origin_velo[axis];
@@ -136,15 +132,15 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
         let peak = power * range_m * range_m * ring.peak_share(range_m, e.cos_incidence[i]);
-        reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i]);
+        reading[i] = intensity(peak, range_m, laser.gain, e.reading_noise[i] * e.draws[i].gain_deviate());
     }
     for i in 0..BATCH_SIZE {
-        let reading = if e.saturates[i] { saturated(e.saturation[i]) } else { reading[i] };
+        let reading = if e.saturates[i] { saturated(e.draws[i].saturation_chance()) } else { reading[i] };
         out.intensity[i] = (round(reading * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
     }
     for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        let range_m = range_m + laser.range_offset_m + receiver.noise_m(power) * e.range_normal[i];
+        let range_m = range_m + laser.range_offset_m + receiver.noise_m(power) * e.draws[i].range_deviate();
         out.range_m[i] = range_m;
         let mut square = [0.0; 3];
         for axis in 0..3 {
@@ -155,7 +151,7 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
         }
         // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
         let written_m = (square[0] + square[1] + square[2]).sqrt();
-        let is_detected = receiver.detects(detected_power[i], e.detection[i]);
+        let is_detected = receiver.detects(detected_power[i], e.draws[i].detection_chance());
         out.is_kept[i] = is_detected & (written_m >= min_range_m) & (written_m < max_range_m);
     }
 }

@@ -59,15 +59,15 @@ pub(super) fn arrivals(
     }
     let mut pulse = Pulse { arrivals: [None; MOST_ECHOES], n: 0 };
     for echo in echoes.iter().flatten() {
-        let left = air.meet(echo.range_m, draws.air_key).transmittance * spray(echo.range_m).transmittance;
+        let left = air.meet(echo.range_m, draws.air_key()).transmittance * spray(echo.range_m).transmittance;
         pulse.push(of_surface(echo, air, left));
     }
     let end_m = echoes.iter().flatten().last().map_or(f64::INFINITY, |e| e.range_m);
     let sprayed = spray(end_m).echo.map(|e| AirEcho { power: e.power * air.transmittance(e.range_m), ..e });
-    for echo in air.meet(end_m, draws.air_key).echoes.into_iter().chain([sprayed]).flatten() {
+    for echo in air.meet(end_m, draws.air_key()).echoes.into_iter().chain([sprayed]).flatten() {
         pulse.push(of_air(&echo));
     }
-    pulse.report(mode, receiver, draws.detection_chance, report);
+    pulse.report(mode, receiver, draws.detection_chance(), report);
 }
 
 /// The echoes of one pulse.

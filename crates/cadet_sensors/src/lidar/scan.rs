@@ -109,8 +109,8 @@ pub fn ideal_scan(scene: &Arc<PosedScene>, world_from_velo: &DPose3, spec: &Lida
     IdealScan { range_m: hits.depth_m, instance: hits.instance, face: hits.face, actor_id }
 }
 
-/// One turn as the sensor reports it, all of it at one instant. Every beam draws the same count of numbers from
-/// `stream`, whatever it meets.
+/// One turn as the sensor reports it, all of it at one instant. The beams' random numbers follow from one of
+/// `stream`'s.
 ///
 /// # Errors
 /// What [`LidarSpec::check`] finds.
@@ -197,6 +197,7 @@ fn scan_by<C: Casting>(
     let (mut behind, mut in_front) = (surfaces(), surfaces());
     let mut out = Scan::of_turn(spec);
     let mut batch = EchoBatch::new();
+    let scan_key = stream.next_u64();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let beam_of = spec.beams(ring);
@@ -205,8 +206,8 @@ fn scan_by<C: Casting>(
         let receiver = &spec.ring_receiver(ring);
         let air = &airs[ring];
         for (column, is_blind) in is_blind.iter().enumerate() {
-            let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");
+            let draws = Draws::new(scan_key, beam);
             let quarters = split_beams.next_if(|(edge, _)| *edge == beam);
             if *is_blind {
                 continue;
@@ -230,7 +231,7 @@ fn scan_by<C: Casting>(
                 }
                 let [origin, ahead] =
                     [origin_velo, origin_velo + direction_velo].map(|place| casting.place_world(column, place));
-                plumes.meet(origin, ahead - origin, range_m, receiver.laser.focus_m, draws.air_key)
+                plumes.meet(origin, ahead - origin, range_m, receiver.laser.focus_m, draws.air_key())
             };
             let turn = spec.reporting_turns()[column];
             arrivals(&echoes, air, sprayed, (spec.returns, receiver, &draws), |arrival| {

@@ -76,7 +76,7 @@ fn statistics(transparent: Option<HitSurface<'_>>, opaque: Option<HitSurface<'_>
     let n = 20_000;
     let lasers = LidarSpec::hdl64e_kitti().laser_receivers;
     let all: Vec<Return> = (0..n)
-        .filter_map(|i| receive(transparent, opaque, air, lasers[i % lasers.len()].gain, &Draws::new(&mut stream)))
+        .filter_map(|i| receive(transparent, opaque, air, lasers[i % lasers.len()].gain, &Draws::new(stream.next_u64(), 0)))
         .collect();
     let count = all.len().max(1) as f64;
     let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;
@@ -129,7 +129,7 @@ fn glass_answers_where_it_is_dusty_and_lets_the_rest_through() {
     let mut stream = Stream::from_seed("glass", 0);
     let (mut own, mut inside, n) = (0, 0, 20_000);
     for _ in 0..n {
-        let draws = Draws::new(&mut stream);
+        let draws = Draws::new(stream.next_u64(), 0);
         match receive(Some(surface(&glass, 8.0, 0.7, 3)), Some(surface(&seat, 9.0, 0.9, 3)), &clear(), 1.0, &draws) {
             Some(r) if r.range_m < 8.5 => own += 1,
             Some(_) => inside += 1,
@@ -152,7 +152,7 @@ fn snow_on_a_pane_returns_itself_and_snow_on_black_paint_is_bright() {
     let mut stream = Stream::from_seed("snow", 0);
     let n = 5000;
     let from_pane = (0..n).filter(|_| {
-        let returned = receive(Some(of_snow(&glass, 8.0, 0.3)), seat, &clear(), 1.0, &Draws::new(&mut stream));
+        let returned = receive(Some(of_snow(&glass, 8.0, 0.3)), seat, &clear(), 1.0, &Draws::new(stream.next_u64(), 0));
         returned.is_some_and(|r| r.range_m < 8.5)
     });
     // Beside the snow, dust.
@@ -174,7 +174,7 @@ fn plates_saturate_and_fog_takes_what_is_far() {
     let mut stream = Stream::from_seed("far", 0);
     let mut seen = |air| {
         let is_seen = |r: Return| r.range_m > 60.0;
-        (0..4000).filter(|_| receive(None, Some(far), air, 1.0, &Draws::new(&mut stream)).is_some_and(is_seen)).count()
+        (0..4000).filter(|_| receive(None, Some(far), air, 1.0, &Draws::new(stream.next_u64(), 0)).is_some_and(is_seen)).count()
     };
     let (foggy, dry) = (seen(&fog), seen(&clear()));
     assert!(dry > 2800 && foggy * 2 < dry, "{foggy} {dry}");
@@ -186,7 +186,7 @@ const MODES: [ReturnMode; 5] =
 #[test]
 fn each_mode_reports_its_echoes_of_those_that_are_detected() {
     let receiver = of_gain(1.0);
-    let draws = Draws { detection_chance: 0.5, range_deviate: 0.0, ..Draws::new(&mut Stream::from_seed("modes", 0)) };
+    let draws = Draws::new(0, 0);
     let matt = |reflectance| Material::matt(Semantic::Building, [0.5; 3], Pattern::Render, reflectance);
     let echo = |range_m, reflectance| first_echo(None, Some(surface(&matt(reflectance), range_m, 1.0, 0)), &draws);
     let of = |mode, reflectances: [f32; 4]| -> Vec<(u8, f64)> {
@@ -217,7 +217,7 @@ fn dual_is_the_strongest_and_the_last_behind_drops_and_flakes() {
     let mut stream = Stream::from_seed("last", 0);
     let (mut hidden, n) = (0, 20_000);
     for _ in 0..n {
-        let draws = Draws::new(&mut stream);
+        let draws = Draws::new(stream.next_u64(), 0);
         let echo = first_echo(None, Some(surface(&wall, 25.0, 0.9, 7)), &draws);
         let [strongest, last, first, dual, triple] =
             MODES.map(|mode| written([echo, None, None, None], &snow, mode, &receiver, &draws));
@@ -245,7 +245,7 @@ fn what_the_air_returns_does_not_grow_with_what_stands_behind_it() {
     let bumper = Material::matt(Semantic::Car, [0.9; 3], Pattern::Plain, 0.9);
     let (mut ghosts, mut of_plate) = ([0; 2], 0);
     for _ in 0..5000 {
-        let draws = Draws::new(&mut stream);
+        let draws = Draws::new(stream.next_u64(), 0);
         for (ghosts, material) in ghosts.iter_mut().zip([&plate, &bumper]) {
             let echo = first_echo(None, Some(surface(material, 40.0, 0.9, 7)), &draws);
             let points = written([echo, None, None, None], &fog, ReturnMode::Strongest, &receiver, &draws);
@@ -266,7 +266,7 @@ fn a_target_of_10_percent_is_detected_half_of_the_time_at_the_detection_range() 
             let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Render, reflectance);
             let mut stream = Stream::from_seed("sheet", 0);
             let is_detected = |_: &i32| {
-                let draws = Draws::new(&mut stream);
+                let draws = Draws::new(stream.next_u64(), 0);
                 let echo = first_echo(None, Some(surface(&wall, range_m, 1.0, 0)), &draws);
                 !written([echo, None, None, None], &clear(), ReturnMode::Strongest, &receiver, &draws).is_empty()
             };
