@@ -15,15 +15,18 @@ pub(super) struct BeamHit {
     pub instance: u32,
     /// Face of the instance's mesh.
     pub face: u32,
+    /// Cosine of the incidence angle, 0..1; NaN for a miss.
+    pub cos_incidence: f32,
 }
 
 impl BeamHit {
     /// A miss.
-    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
+    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT, cos_incidence: f32::NAN };
 
     #[inline]
     fn of(hits: &Hits, at: usize) -> Self {
-        Self { range_m: hits.depth_m[at], instance: hits.instance[at], face: hits.face[at] }
+        let (range_m, cos_incidence) = (hits.depth_m[at], hits.cos_incidence[at]);
+        Self { range_m, instance: hits.instance[at], face: hits.face[at], cos_incidence }
     }
 
     /// Nearer, or of two equally near ones the earlier instance and face.
@@ -111,8 +114,8 @@ impl Casting for StillCasting<'_> {
         let mut out = vec![[BeamHit::MISS; 4]; beams.len()];
         for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
             // The kernel keeps what is nearer: a depth below 0 switches a beam off.
-            let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
-            let mut hits = Hits { rows, columns, depth_m: depth, instance: nothing.clone(), face: nothing };
+            let mut hits = Hits::new(rows, columns);
+            hits.depth_m.fill(-1.0);
             for at in beams.iter().flat_map(|beam| DivergentBeams::cells(*beam, columns)) {
                 hits.depth_m[at] = f32::INFINITY;
             }

@@ -114,9 +114,9 @@ impl Casting for Firings<'_> {
                 let origin = world_from_velo.transform_point(origin_velo);
                 out[*k] = divergent.directions_velo(beams[*k]).map(|direction_velo| {
                     let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
-                    found.map_or(BeamHit::MISS, |FaceHit { range_m, instance, face }| {
-                        let range_m = range_m as f32;
-                        BeamHit { range_m, instance, face }
+                    found.map_or(BeamHit::MISS, |hit| {
+                        let FaceHit { range_m, instance, face, cos_incidence } = hit;
+                        BeamHit { range_m: range_m as f32, instance, face, cos_incidence }
                     })
                 });
             }
@@ -157,10 +157,7 @@ impl Firings<'_> {
 
 /// Where a ray meets the very triangles that it is expected to meet; None where it misses one.
 fn met_as_expected(nearly: &TurnHits, at: usize, moment: &Moment<'_>, ray_world: [DVec3; 2]) -> Option<SurfaceHits> {
-    let exact = |hit: BeamHit| {
-        let BeamHit { instance, face, .. } = hit;
-        Some(FaceHit { range_m: moment.range_of(ray_world, instance, face)?, instance, face })
-    };
+    let exact = |hit: BeamHit| moment.cast_at(ray_world, hit.instance, hit.face);
     let opaque = nearly.opaque(at);
     let opaque = if opaque.is_hit() { Some(exact(opaque)?) } else { None };
     let transparent = match nearly.transparent(at) {

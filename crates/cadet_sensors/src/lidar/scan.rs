@@ -193,8 +193,7 @@ fn scan_by<C: Casting>(
     let pulse_m = receiver.pulse_m();
     let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
     let snow_cover = weather.snow_cover();
-    let surfaces = || SurfaceLookup::new(casting, snow_cover, spec.records_surfaces);
-    let (mut behind, mut in_front) = (surfaces(), surfaces());
+    let surfaces = SurfaceLookup::new(casting, snow_cover, spec.records_surfaces);
     let mut out = Scan::of_turn(spec);
     let mut batch = EchoBatch::new();
     let scan_key = stream.next_u64();
@@ -213,13 +212,13 @@ fn scan_by<C: Casting>(
                 continue;
             }
             let BeamLine { origin_velo, direction_velo } = beam_of(column);
-            let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
+            let transparent = met.transparent(beam).and_then(|p| surfaces.at(p, column, origin_velo, direction_velo));
             let mut echoes = if let Some((_, quarters)) = quarters {
                 let quarters = quarters
-                    .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
+                    .map(|q| first_echo(transparent, surfaces.at(q, column, origin_velo, direction_velo), &draws));
                 echoes_of(quarters, pulse_m)
             } else {
-                let opaque = behind.at(met.opaque(beam), column, origin_velo, direction_velo);
+                let opaque = surfaces.at(met.opaque(beam), column, origin_velo, direction_velo);
                 [first_echo(transparent, opaque, &draws), None, None, None]
             };
             if let Some(blooming) = &blooming {

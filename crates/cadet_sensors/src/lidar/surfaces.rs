@@ -1,33 +1,31 @@
 //! The second step of a scan: the surface behind a hit.
+//!
+//! What casting knew of it comes with the hit; its normal is computed where more than its angle to the beam counts.
 
 use super::casting::{BeamHit, Casting};
 use super::echo::HitSurface;
 use super::ground_texture;
-use crate::sense::NO_HIT;
 use crate::surface_cover::snow_share;
 use cadet_base::math::DVec3;
 
-/// Looks surfaces up. Neighbors often meet the same face, so the last one is remembered.
+/// Looks surfaces up.
 pub(super) struct SurfaceLookup<'a, C> {
     casting: &'a C,
     /// Share of level surfaces under snow.
     snow_cover: f64,
     /// Whether anyone asks for normals.
     records_surfaces: bool,
-    /// Instance and face.
-    last: [u32; 2],
-    normal_world: DVec3,
 }
 
 impl<'a, C: Casting> SurfaceLookup<'a, C> {
     pub(super) fn new(casting: &'a C, snow_cover: f64, records_surfaces: bool) -> Self {
-        Self { casting, snow_cover, records_surfaces, last: [NO_HIT; 2], normal_world: DVec3::ZERO }
+        Self { casting, snow_cover, records_surfaces }
     }
 
     /// The surface that a beam of a column met in a direction.
     #[inline]
     pub(super) fn at(
-        &mut self,
+        &self,
         hit: BeamHit,
         column: usize,
         origin_velo: DVec3,
@@ -38,15 +36,6 @@ impl<'a, C: Casting> SurfaceLookup<'a, C> {
         }
         let (instance, face) = (hit.instance, hit.face);
         let posed = &self.casting.scene().instances[instance as usize];
-        if self.last != [instance, face] {
-            let [a, b, c] = posed.mesh.faces[face as usize];
-            let corner = |i: u32| posed.mesh.vertices[i as usize].as_dvec3();
-            let a = corner(a);
-            let normal_local = (corner(b) - a).cross(corner(c) - a).normalize_or_zero();
-            self.normal_world = posed.placement.rotation * normal_local;
-            self.last = [instance, face];
-        }
-        let direction_world = self.casting.direction_world(column, instance, direction_velo);
         let range_m = f64::from(hit.range_m);
         let material = posed.material(face);
         let texture = if ground_texture::is_varied(material) {
@@ -55,17 +44,20 @@ impl<'a, C: Casting> SurfaceLookup<'a, C> {
         } else {
             1.0
         };
-        let cosine = self.normal_world.dot(direction_world);
+        // Of the side that is seen.
+        let normal_world = || {
+            let normal_world = posed.normal_world(face);
+            let direction_world = self.casting.direction_world(column, instance, direction_velo);
+            if normal_world.dot(direction_world) > 0.0 { -normal_world } else { normal_world }
+        };
         let snow = if self.snow_cover == 0.0 || material.semantic.is_ground() || posed.is_without_snow(material) {
             0.0
         } else {
-            // Of the side that is seen.
-            let rise = if cosine > 0.0 { -self.normal_world.z } else { self.normal_world.z };
-            self.snow_cover * f64::from(snow_share(rise as f32))
+            self.snow_cover * f64::from(snow_share(normal_world().z as f32))
         };
         let normal_velo = if self.records_surfaces {
-            let toward = if cosine > 0.0 { -self.normal_world } else { self.normal_world };
-            let along = |axis| toward.dot(self.casting.direction_world(column, instance, axis)) as f32;
+            let normal_world = normal_world();
+            let along = |axis| normal_world.dot(self.casting.direction_world(column, instance, axis)) as f32;
             [DVec3::X, DVec3::Y, DVec3::Z].map(along)
         } else {
             [0.0; 3]
@@ -73,7 +65,7 @@ impl<'a, C: Casting> SurfaceLookup<'a, C> {
         Some(HitSurface {
             range_m,
             normal_velo,
-            cos_incidence: cosine.abs().min(1.0),
+            cos_incidence: f64::from(hit.cos_incidence).min(1.0),
             material,
             texture_factor: texture,
             snow_cover: snow,

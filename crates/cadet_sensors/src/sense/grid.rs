@@ -110,7 +110,7 @@ pub trait BeamGrid {
 
     /// Keeps the triangle, a face of an instance, where it is the nearest that a beam of the window meets.
     #[inline(always)]
-    fn cast(&self, triangle: &[DVec3; 3], window: &Window, hits: &mut Hits, [instance, face]: [u32; 2]) {
-        self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, instance, face));
+    fn cast(&self, triangle: &[DVec3; 3], window: &Window, hits: &mut Hits, ids: [u32; 2]) {
+        self.cover(triangle, window, |at, depth| hits.keep_nearer(at, [depth as f32, f32::NAN], ids));
     }
 }

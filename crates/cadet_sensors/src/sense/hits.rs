@@ -18,6 +18,8 @@ pub struct Hits {
     pub instance: Vec<u32>,
     /// Face of the instance's mesh, [`NO_HIT`] for a miss.
     pub face: Vec<u32>,
+    /// Cosine of the incidence angle, 0..1, of a LIDAR's beams; NaN for a miss, and for a camera's.
+    pub cos_incidence: Vec<f32>,
 }
 
 impl Hits {
@@ -25,7 +27,8 @@ impl Hits {
     #[must_use]
     pub fn new(rows: usize, columns: usize) -> Self {
         let n = rows * columns;
-        Self { rows, columns, depth_m: vec![f32::INFINITY; n], instance: vec![NO_HIT; n], face: vec![NO_HIT; n] }
+        let (depth_m, cos_incidence) = (vec![f32::INFINITY; n], vec![f32::NAN; n]);
+        Self { rows, columns, depth_m, instance: vec![NO_HIT; n], face: vec![NO_HIT; n], cos_incidence }
     }
 
     /// Forgets every hit.
@@ -33,6 +36,7 @@ impl Hits {
         self.depth_m.fill(f32::INFINITY);
         self.instance.fill(NO_HIT);
         self.face.fill(NO_HIT);
+        self.cos_incidence.fill(f32::NAN);
     }
 
     /// Notes what a beam meets.
@@ -40,6 +44,7 @@ impl Hits {
         self.depth_m[at] = hit.range_m as f32;
         self.instance[at] = hit.instance;
         self.face[at] = hit.face;
+        self.cos_incidence[at] = hit.cos_incidence;
     }
 
     /// Takes over the hits of a grid that has some of the columns.
@@ -50,18 +55,20 @@ impl Hits {
                 self.depth_m[to] = part.depth_m[from];
                 self.instance[to] = part.instance[from];
                 self.face[to] = part.face[from];
+                self.cos_incidence[to] = part.cos_incidence[from];
             }
         }
     }
 
     /// Keeps the nearer hit; of two equal ones the earlier instance and face.
     #[inline(always)]
-    pub(super) fn keep_nearer(&mut self, at: usize, depth_m: f32, instance: u32, face: u32) {
+    pub(super) fn keep_nearer(&mut self, at: usize, [depth_m, cos_incidence]: [f32; 2], [instance, face]: [u32; 2]) {
         let nearest = self.depth_m[at];
         if depth_m < nearest || (depth_m == nearest && (instance, face) < (self.instance[at], self.face[at])) {
             self.depth_m[at] = depth_m;
             self.instance[at] = instance;
             self.face[at] = face;
+            self.cos_incidence[at] = cos_incidence;
         }
     }
 }

@@ -42,6 +42,8 @@ pub struct FaceHit {
     pub instance: u32,
     /// Face of the instance's mesh.
     pub face: u32,
+    /// Cosine of the incidence angle, 0..1.
+    pub cos_incidence: f32,
 }
 
 impl FaceHit {
@@ -160,16 +162,17 @@ impl Moment<'_> {
         }
     }
 
-    /// Where a ray meets a triangle; None if it passes beside.
-    pub(crate) fn range_of(
+    /// How a ray meets a triangle; None if it passes beside.
+    pub(crate) fn cast_at(
         &self,
         [origin_world, direction_world]: [DVec3; 2],
         instance: u32,
         face: u32,
-    ) -> Option<f64> {
+    ) -> Option<FaceHit> {
         let motion = self.caster.instances[instance as usize].as_ref()?.motion;
         let (origin, direction) = self.ray_at_instant(motion, origin_world, direction_world);
-        meet(self.caster.scene.corners(instance, face).map(|p| p.as_dvec3()), origin, direction)
+        let corners = self.caster.scene.corners(instance, face).map(|p| p.as_dvec3());
+        meet(corners, origin, direction).map(|(range_m, cos_incidence)| FaceHit { range_m, instance, face, cos_incidence })
     }
 
     /// The first triangle on a ray, opaque or transparent.
@@ -191,8 +194,8 @@ impl Moment<'_> {
             let limit_m = opaque.get().map_or(f32::MAX, |o| outward(o.range_m));
             let _ = moving.over_faces.cast_ray(&ray, limit_m, |face, _| {
                 let corners = caster.scene.corners(instance, face).map(|p| p.as_dvec3());
-                let range_m = meet(corners, origin, direction)?;
-                let hit = FaceHit { range_m, instance, face };
+                let (range_m, cos_incidence) = meet(corners, origin, direction)?;
+                let hit = FaceHit { range_m, instance, face, cos_incidence };
                 let is_transparent = caster.scene.instances[instance as usize].material(face).is_transparent();
                 let best = if is_transparent { &transparent } else { &opaque };
                 if best.get().is_none_or(|b| hit.is_before(&b)) {
@@ -212,12 +215,13 @@ fn outward(range_m: f64) -> f32 {
     (range_m * (1.0 + 1e-5) + 1e-3) as f32
 }
 
-/// Distance to a triangle along a unit direction, from either side.
-fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
+/// Distance to a triangle along a unit direction, from either side, and the cosine of the incidence angle.
+fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, f32)> {
     let (a, b, c) = (a - origin, b - origin, c - origin);
     let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(direction));
     let inside = sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0);
     let normal = (b - a).cross(c - a);
-    let range = a.dot(normal) / normal.dot(direction);
-    (inside && range.is_finite() && range > 0.0).then_some(range)
+    let facing = normal.dot(direction);
+    let range = a.dot(normal) / facing;
+    (inside && range.is_finite() && range > 0.0).then(|| (range, (facing.abs() / normal.length()) as f32))
 }

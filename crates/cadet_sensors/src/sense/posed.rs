@@ -89,6 +89,7 @@ pub struct PosedInstance {
 
 impl PosedInstance {
     /// The material of a face.
+    #[inline]
     #[must_use]
     pub fn material(&self, face: u32) -> &Material {
         &self.palette.materials()[usize::from(self.mesh.slots[face as usize])]
@@ -112,6 +113,13 @@ impl PosedInstance {
     #[must_use]
     pub fn corners_world(&self, face: u32) -> [Vec3; 3] {
         self.mesh.faces[face as usize].map(|i| self.placement.pose(self.mesh.vertices[i as usize]))
+    }
+
+    /// The unit normal of a face in the world; zero for a face without area.
+    #[must_use]
+    pub fn normal_world(&self, face: u32) -> DVec3 {
+        let [a, b, c] = self.mesh.faces[face as usize].map(|i| self.mesh.vertices[i as usize].as_dvec3());
+        self.placement.rotation * (b - a).cross(c - a).normalize_or_zero()
     }
 
     /// Its vertices in the world, in the mesh's order.

@@ -77,7 +77,7 @@ impl RayCaster {
         }
         let direction_world = (direction_world / largest).normalize();
         let first = self.0.at(0.0).first(origin_world, direction_world);
-        Ok(first.map(|FaceHit { range_m, instance, face }| {
+        Ok(first.map(|FaceHit { range_m, instance, face, .. }| {
             let posed = &self.scene().instances[instance as usize];
             let [a, b, c] = self.scene().corners(instance, face).map(|p| p.as_dvec3());
             let normal = (b - a).cross(c - a).normalize_or_zero();

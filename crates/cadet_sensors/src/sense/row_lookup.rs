@@ -11,6 +11,8 @@ pub(super) const BULGE_SHARE: f32 = 1e-3;
 pub(super) struct SortedRow {
     pub(super) tangent: f64,
     pub(super) secant: f64,
+    /// Cosine of the elevation.
+    pub(super) level: f64,
     pub(super) height_m: f64,
     pub(super) left_m: f64,
 }

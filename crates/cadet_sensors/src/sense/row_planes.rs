@@ -17,6 +17,8 @@ pub(super) struct PlaneLanes {
     /// x, y and z of b - a, c - b, a - c, and of nothing.
     delta: [PerPlane; 3],
     volume6_m3: f64,
+    /// Square of the normal's length.
+    normal2_m4: f64,
 }
 
 impl PlaneLanes {
@@ -35,7 +37,8 @@ impl PlaneLanes {
             }
         }
         let volume6_m3 = a.x * cross[0][3] + a.y * cross[1][3] + a.z * cross[2][3];
-        Self { cross, delta, volume6_m3 }
+        let normal2_m4 = cross[0][3] * cross[0][3] + cross[1][3] * cross[1][3] + cross[2][3] * cross[2][3];
+        Self { cross, delta, volume6_m3, normal2_m4 }
     }
 }
 
@@ -46,6 +49,8 @@ pub(super) struct RowPlanes {
     planes: [PerPlane; 3],
     /// By the secant of the row's elevation; positive where the laser is on this side.
     volume: [f64; 3],
+    level: f64,
+    normal2_m4: f64,
 }
 
 impl RowPlanes {
@@ -71,7 +76,7 @@ impl RowPlanes {
     /// edge AB, where the origin turns with the beam.
     #[inline(always)]
     pub(super) fn seen_from(side: f64, triangle: &PlaneLanes, row: &SortedRow, volume: [f64; 3]) -> Self {
-        let SortedRow { tangent, secant, height_m: h, left_m: left } = *row;
+        let SortedRow { tangent, secant, level, height_m: h, left_m: left } = *row;
         let aside = tangent * left;
         let ([nx, ny, nz], [dx, dy, dz]) = (&triangle.cross, &triangle.delta);
         let mut planes = [[0.0; 4]; 3];
@@ -80,7 +85,7 @@ impl RowPlanes {
             planes[1][i] = side * (ny[i] - h * dx[i] + aside * dy[i]);
             planes[2][i] = side * (nz[i] * tangent - left * dz[i]);
         }
-        Self { planes, volume: volume.map(|v| side * v * secant) }
+        Self { planes, volume: volume.map(|v| side * v * secant), level, normal2_m4: triangle.normal2_m4 }
     }
 
     /// a, b and c of an edge.
@@ -100,12 +105,19 @@ impl RowPlanes {
         out
     }
 
-    /// The range of the beam with this heading, if it meets the triangle from this side.
+    /// What turns the normal's product with a level heading and the elevation's tangent into the cosine of the angle.
     #[inline(always)]
-    pub(super) fn depth(&self, [cos, sin]: [f64; 2]) -> Option<f64> {
+    fn cosine_scale(&self) -> f64 {
+        self.level / self.normal2_m4.sqrt()
+    }
+
+    /// The range of the beam with this heading and the cosine of its incidence angle, if it meets the triangle from this side.
+    #[inline(always)]
+    pub(super) fn meet(&self, [cos, sin]: [f64; 2]) -> Option<[f64; 2]> {
         let [p, q, r, facing] = self.at([cos, sin]);
         let volume = self.volume[0] * cos + self.volume[1] * sin + self.volume[2];
-        (p >= 0.0 && q >= 0.0 && r >= 0.0 && facing > 0.0 && volume > 0.0).then(|| volume / facing)
+        (p >= 0.0 && q >= 0.0 && r >= 0.0 && facing > 0.0 && volume > 0.0)
+            .then(|| [volume / facing, facing * self.cosine_scale()])
     }
 
     /// Finds the ranges of eight beams, the first of them at `at`, and keeps what is nearer.
@@ -134,26 +146,30 @@ impl RowPlanes {
         for i in 0..EIGHT {
             inside[i] &= volume[i] > 0.0;
         }
-        let (Ok(depths), Ok(instances), Ok(faces)) = (
+        let scale = self.cosine_scale();
+        let (Ok(depths), Ok(instances), Ok(faces), Ok(cosines)) = (
             <&mut [f32; EIGHT]>::try_from(&mut hits.depth_m[at..at + EIGHT]),
             <&mut [u32; EIGHT]>::try_from(&mut hits.instance[at..at + EIGHT]),
             <&mut [u32; EIGHT]>::try_from(&mut hits.face[at..at + EIGHT]),
+            <&mut [f32; EIGHT]>::try_from(&mut hits.cos_incidence[at..at + EIGHT]),
         ) else {
             return;
         };
         // Copies, so that the compiler knows that no store changes what is still to be read.
-        let (old, (old_instances, old_faces)) = (*depths, (*instances, *faces));
-        let (mut found, mut tie) = ([0.0_f32; EIGHT], false);
+        let (old, (old_instances, old_faces), old_cosines) = (*depths, (*instances, *faces), *cosines);
+        let (mut found, mut cosine, mut tie) = ([0.0_f32; EIGHT], [0.0_f32; EIGHT], false);
         for i in 0..EIGHT {
             found[i] = if inside[i] { (volume[i] / facing[i]) as f32 } else { f32::INFINITY };
+            cosine[i] = (facing[i] * scale) as f32;
             tie |= inside[i] & (found[i] == old[i]);
         }
         *depths = std::array::from_fn(|i| if found[i] < old[i] { found[i] } else { old[i] });
         *instances = std::array::from_fn(|i| if found[i] < old[i] { instance } else { old_instances[i] });
         *faces = std::array::from_fn(|i| if found[i] < old[i] { face } else { old_faces[i] });
+        *cosines = std::array::from_fn(|i| if found[i] < old[i] { cosine[i] } else { old_cosines[i] });
         if tie {
             for i in (0..EIGHT).filter(|i| inside[*i]) {
-                hits.keep_nearer(at + i, found[i], instance, face);
+                hits.keep_nearer(at + i, [found[i], cosine[i]], [instance, face]);
             }
         }
     }

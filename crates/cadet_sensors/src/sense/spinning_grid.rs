@@ -267,28 +267,14 @@ impl BeamGrid for SpinningGrid {
 
     #[inline]
     fn cover(&self, triangle: &[DVec3; 3], window: &Window, mut visit: impl FnMut(usize, f64)) {
-        let triangle = PlaneLanes::new(triangle);
-        for row in window.rows.clone() {
-            let base = self.row_start(row);
-            let headings = self.table.headings(self.table.ring_of_row[row] as usize);
-            let row = &self.table.rows[row];
-            let (volume, sides) = RowPlanes::sides(&triangle, row);
-            for side in sides.into_iter().flatten() {
-                let planes = RowPlanes::seen_from(side, &triangle, row, volume);
-                for column in window.columns.clone() {
-                    if let Some(depth) = planes.depth(headings[column]) {
-                        visit(base + column, depth);
-                    }
-                }
-            }
-        }
+        self.meet(triangle, window, |at, [depth, _]| visit(at, depth));
     }
 
     #[inline(always)]
     fn cast(&self, triangle: &[DVec3; 3], window: &Window, hits: &mut Hits, ids: [u32; 2]) {
         let table = &*self.table;
         if table.azimuths_rad.len() < EIGHT {
-            return self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, ids[0], ids[1]));
+            return self.meet(triangle, window, |at, met| hits.keep_nearer(at, met.map(|v| v as f32), ids));
         }
         let triangle = PlaneLanes::new(triangle);
         for row in window.rows.clone() {
@@ -305,6 +291,26 @@ impl BeamGrid for SpinningGrid {
 }
 
 impl SpinningGrid {
+    /// As [`BeamGrid::cover`], with the cosine of the incidence angle beside the depth.
+    #[inline]
+    fn meet(&self, triangle: &[DVec3; 3], window: &Window, mut visit: impl FnMut(usize, [f64; 2])) {
+        let triangle = PlaneLanes::new(triangle);
+        for row in window.rows.clone() {
+            let base = self.row_start(row);
+            let headings = self.table.headings(self.table.ring_of_row[row] as usize);
+            let row = &self.table.rows[row];
+            let (volume, sides) = RowPlanes::sides(&triangle, row);
+            for side in sides.into_iter().flatten() {
+                let planes = RowPlanes::seen_from(side, &triangle, row, volume);
+                for column in window.columns.clone() {
+                    if let Some(met) = planes.meet(headings[column]) {
+                        visit(base + column, met);
+                    }
+                }
+            }
+        }
+    }
+
     /// `base` is where the row begins among the beams, and among the headings.
     #[inline(always)]
     fn cast_row(&self, planes: &RowPlanes, base: [usize; 2], columns: &Range<usize>, hits: &mut Hits, ids: [u32; 2]) {

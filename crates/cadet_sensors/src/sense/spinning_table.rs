@@ -60,6 +60,7 @@ impl SpinningTable {
             .map(|r| SortedRow {
                 tangent: math::tan(r.elevation_rad),
                 secant: 1.0 / math::cos(r.elevation_rad),
+                level: math::cos(r.elevation_rad),
                 height_m: r.height_m,
                 left_m: r.left_m,
             })
