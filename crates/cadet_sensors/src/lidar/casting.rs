@@ -21,7 +21,8 @@ pub(super) struct BeamHit {
 
 impl BeamHit {
     /// A miss.
-    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT, cos_incidence: f32::NAN };
+    pub(super) const MISS: Self =
+        Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT, cos_incidence: f32::NAN };
 
     #[inline]
     fn of(hits: &Hits, at: usize) -> Self {

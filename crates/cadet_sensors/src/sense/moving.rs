@@ -172,7 +172,12 @@ impl Moment<'_> {
         let motion = self.caster.instances[instance as usize].as_ref()?.motion;
         let (origin, direction) = self.ray_at_instant(motion, origin_world, direction_world);
         let corners = self.caster.scene.corners(instance, face).map(|p| p.as_dvec3());
-        meet(corners, origin, direction).map(|(range_m, cos_incidence)| FaceHit { range_m, instance, face, cos_incidence })
+        meet(corners, origin, direction).map(|(range_m, cos_incidence)| FaceHit {
+            range_m,
+            instance,
+            face,
+            cos_incidence,
+        })
     }
 
     /// The first triangle on a ray, opaque or transparent.

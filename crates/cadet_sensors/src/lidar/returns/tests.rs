@@ -76,7 +76,9 @@ fn statistics(transparent: Option<HitSurface<'_>>, opaque: Option<HitSurface<'_>
     let n = 20_000;
     let lasers = LidarSpec::hdl64e_kitti().laser_receivers;
     let all: Vec<Return> = (0..n)
-        .filter_map(|i| receive(transparent, opaque, air, lasers[i % lasers.len()].gain, &Draws::new(stream.next_u64(), 0)))
+        .filter_map(|i| {
+            receive(transparent, opaque, air, lasers[i % lasers.len()].gain, &Draws::new(stream.next_u64(), 0))
+        })
         .collect();
     let count = all.len().max(1) as f64;
     let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;
@@ -174,7 +176,9 @@ fn plates_saturate_and_fog_takes_what_is_far() {
     let mut stream = Stream::from_seed("far", 0);
     let mut seen = |air| {
         let is_seen = |r: Return| r.range_m > 60.0;
-        (0..4000).filter(|_| receive(None, Some(far), air, 1.0, &Draws::new(stream.next_u64(), 0)).is_some_and(is_seen)).count()
+        (0..4000)
+            .filter(|_| receive(None, Some(far), air, 1.0, &Draws::new(stream.next_u64(), 0)).is_some_and(is_seen))
+            .count()
     };
     let (foggy, dry) = (seen(&fog), seen(&clear()));
     assert!(dry > 2800 && foggy * 2 < dry, "{foggy} {dry}");
