@@ -126,10 +126,9 @@ impl<'a> AmbientCache<'a> {
         let point_world = self.rays.eye + middle;
         // The power of two below, so that cells stay where they are as the camera moves.
         let cell_m = f32::from_bits((middle.length() / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & EXPONENT_BITS);
-        let aside = [0, ASIDE_BITS, 2 * ASIDE_BITS]
-            .map(|bits| (hash >> bits & (ASIDE_STEPS - 1)) as f32 * (1.0 / ASIDE_STEPS as f32));
-        let cell = (point_world / cell_m + Vec3::from(aside)).floor();
-        let key = (instance, cell.to_array().map(|c| c as i32));
+        let aside = |axis: u32| (hash >> (axis * ASIDE_BITS) & (ASIDE_STEPS - 1)) as f32 * (1.0 / ASIDE_STEPS as f32);
+        let cell = (point_world / cell_m + Vec3::new(aside(0), aside(1), aside(2))).floor();
+        let key = (instance, [cell.x as i32, cell.y as i32, cell.z as i32]);
         let mixed = hash2(key.1[0] ^ key.1[2].wrapping_mul(LEAF_FACTOR), key.1[1], instance);
         let (known, kept) = &mut self.leaf_cells[mixed as usize % LEAF_SLOTS];
         if *known != key {
@@ -154,7 +153,8 @@ impl<'a> AmbientCache<'a> {
     ) -> u32 {
         let &FlatSurface { instance, variant } = surface;
         let found = self.terms.len() as u32;
-        let [x, y, z] = normal.to_array().map(|n| (n * NORMAL_STEPS + NORMAL_ZERO) as u32);
+        let step = |n: f32| (n * NORMAL_STEPS + NORMAL_ZERO) as u32;
+        let (x, y, z) = (step(normal.x), step(normal.y), step(normal.z));
         let bearing = x | y << NORMAL_BITS | z << (2 * NORMAL_BITS);
         let in_cell = bearing ^ bearing >> 7 ^ instance.wrapping_mul(INSTANCE_FACTOR) ^ variant;
         let is_flat = ShaderVariant::of(variant as usize).is_flat();
@@ -177,7 +177,9 @@ impl<'a> AmbientCache<'a> {
         let (column, row) = (block % self.blocks_across, block / self.blocks_across);
         // Between two pixels a face that is seen edge-on may leave the world: its plane is behind the eye there.
         let at_hit = hit.inverse_depth_per_m.max(MIN_INVERSE_DEPTH);
-        let [first, right, below, across] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
+        let mut corners = [[0.0; 8]; PER_BLOCK];
+        for (k, ambient) in (0..).zip(&mut corners) {
+            let (i, j) = (k % 2, k / 2);
             let (du, dv) = ((i * BLOCK_COLUMNS) as f32, (j * BLOCK_ROWS) as f32);
             // The plane may end, or rise to the eye, before the corner.
             let inverse_depth = inverse_depth_per_m[0] + inverse_depth_per_m[1] * du + inverse_depth_per_m[2] * dv;
@@ -185,17 +187,21 @@ impl<'a> AmbientCache<'a> {
             let corner = (row + j) * (self.blocks_across + 1) + column + i;
             let key = (corner, instance, bearing, depth_step(inverse_depth) | u32::from(is_flat));
             let slot = corner.wrapping_mul(CORNER_FACTORS[0]) ^ in_cell.wrapping_mul(CORNER_FACTORS[1]);
-            let (known, ambient) = &mut self.corners[(slot >> SLOT_SHIFT) as usize % CORNER_SLOTS];
+            let (known, kept) = &mut self.corners[(slot >> SLOT_SHIFT) as usize % CORNER_SLOTS];
             if *known != key {
                 let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / inverse_depth);
-                (*known, *ambient) = (key, ambient_of(self.light, point_world, normal, is_flat));
+                (*known, *kept) = (key, ambient_of(self.light, point_world, normal, is_flat));
             }
-            *ambient
-        });
-        let change =
-            |from: &AmbientTerms, to: &AmbientTerms| -> AmbientTerms { std::array::from_fn(|k| to[k] - from[k]) };
-        let (rightwards, further) = (change(&first, &right), change(&below, &across));
-        self.terms.extend([first, rightwards, change(&first, &below), change(&rightwards, &further)]);
+            *ambient = *kept;
+        }
+        let [first, right, below, across] = &mut corners;
+        for k in 0..8 {
+            let further = across[k] - below[k];
+            right[k] -= first[k];
+            below[k] -= first[k];
+            across[k] = further - right[k];
+        }
+        self.terms.extend(corners);
         found
     }
 }

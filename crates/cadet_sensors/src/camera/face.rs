@@ -170,7 +170,7 @@ impl ShadingFace {
             ([Vec3::X, Vec3::Y], [rays.eye.x, rays.eye.y])
         } else if is_leaf {
             let axes = [rays.across, rays.downwards];
-            (axes, axes.map(|axis| -axis.dot(origin)))
+            (axes, [-axes[0].dot(origin), -axes[1].dot(origin)])
         } else {
             let n = normal_local;
             let flat = n.x * n.x + n.y * n.y;
@@ -190,7 +190,7 @@ impl ShadingFace {
             let (hash, middle) = window(raw.vertices, normal_local, transform.place_hash);
             // From the middle of the pane.
             let middle = turn(middle) + transform.origin;
-            (at_eye, face_hash) = (axes.map(|axis| -axis.dot(middle)), hash);
+            (at_eye, face_hash) = ([-axes[0].dot(middle), -axes[1].dot(middle)], hash);
         }
         let (nab, nac) = (nb - na, nc - na);
         let is_bent = !is_leaf && na.dot(normal_local) < UNBENT_COS;

@@ -6,6 +6,7 @@ use super::light::Light;
 use super::value_noise::hash2;
 use super::visibility_pass::{ImageRays, View};
 use crate::sense::{DrawnFace, PosedScene, VisibilityBuffer};
+use crate::wide_registers::lanes;
 use cadet_base::geometry::Mesh;
 use cadet_base::material::{Material, Pattern};
 use cadet_base::math::Vec3;
@@ -159,8 +160,8 @@ impl<'a> FaceCache<'a> {
     /// True if two drawn faces are of one plant.
     #[inline]
     pub fn are_of_one_plant(&self, first: u32, second: u32) -> bool {
-        let [a, b] = [first, second].map(|number| self.made[number as usize].plant);
-        a == b && a != NO_PLANT
+        let plant = |number: u32| self.made[number as usize].plant;
+        plant(first) == plant(second) && plant(first) != NO_PLANT
     }
 
     /// Makes the faces that were requested. They are read step by step, so that the processor waits for the memory of
@@ -179,8 +180,8 @@ impl<'a> FaceCache<'a> {
         }
         for r in &mut raw {
             let mesh = self.instances[r.instance as usize].mesh;
-            r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
-            r.normals = r.corners.map(|i| mesh.normals[i as usize]);
+            r.vertices = lanes(|k| mesh.vertices[r.corners[k] as usize]);
+            r.normals = lanes(|k| mesh.normals[r.corners[k] as usize]);
         }
         self.planes
             .extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_per_m_on_image(self.intrinsics)));
@@ -190,7 +191,8 @@ impl<'a> FaceCache<'a> {
             let (face, variant) =
                 ShadingFace::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
-            let [x, y, z] = face.face_normal.to_array().map(|n| (n * FINE_STEPS + FINE_ZERO) as u32);
+            let step = |n: f32| (n * FINE_STEPS + FINE_ZERO) as u32;
+            let (x, y, z) = (step(face.face_normal.x), step(face.face_normal.y), step(face.face_normal.z));
             let appearance = x | y << FINE_BITS | z << (2 * FINE_BITS) | u32::from(raw.slot) << REST_SHIFT;
             self.info.push(BinningInfo {
                 variant: variant.index() as u32,
@@ -212,7 +214,8 @@ impl<'a> FaceCache<'a> {
     /// body.
     #[inline]
     pub fn are_alike(&self, first: u32, second: u32) -> bool {
-        let [a, b] = [first, second].map(|number| &self.info[self.made[number as usize].index as usize]);
+        let info = |number: u32| &self.info[self.made[number as usize].index as usize];
+        let (a, b) = (info(first), info(second));
         (a.instance, a.appearance) == (b.instance, b.appearance)
     }
 
@@ -228,7 +231,7 @@ impl<'a> FaceCache<'a> {
     pub fn inverse_depth_per_m_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
         let [first, by_column, by_row] = self.planes[index as usize];
         let here = first + by_column * f64::from(u) + by_row * f64::from(v);
-        [here, by_column, by_row].map(|n| n as f32)
+        [here as f32, by_column as f32, by_row as f32]
     }
 
     /// Index of the ambient terms of a face in a block. The block's first corner is the image point (u, v) with the

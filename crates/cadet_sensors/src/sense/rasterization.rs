@@ -16,6 +16,7 @@ use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
 use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
+use crate::wide_registers::lanes;
 use crate::zeros::DefaultZeros;
 use cadet_base::geometry::{CLUSTER_VERTICES, Cluster, LANES};
 use cadet_base::math::{DVec3, greater, lesser};
@@ -119,7 +120,8 @@ impl Rasterizer<'_> {
                     place[2][i] = self.corners.z_m[corner];
                 }
             }
-            let windows = self.grid.window_lanes(places.each_ref().map(|p| &p[0]), places.each_ref().map(|p| &p[1]));
+            let [a, b, c, d] = &places;
+            let windows = self.grid.window_lanes([&a[0], &b[0], &c[0], &d[0]], [&a[1], &b[1], &c[1], &d[1]]);
             let [least_z_m, most_z_m] = z_bounds(&places);
             let one_sided = one_sided >> first & 0xFF;
             let is_turned_away = if one_sided == 0 { [false; LANES] } else { self.turned_away(&places) };
@@ -129,8 +131,8 @@ impl Rasterizer<'_> {
                     continue;
                 }
                 let [x, y, z] = &self.corners.cam;
-                let corners = piece.corners.map(|i| {
-                    let i = usize::from(i);
+                let corners: [DVec3; 4] = lanes(|k| {
+                    let i = usize::from(piece.corners[k]);
                     DVec3::new(x[i], y[i], z[i])
                 });
                 let window = windows.of_lane(i, self.grid, &corners);
@@ -193,10 +195,10 @@ impl Rasterizer<'_> {
         let corners = &mut *self.corners;
         for (local, at) in cluster.lanes.iter().zip((0..CLUSTER_VERTICES).step_by(LANES)) {
             let cam = self.to_grid.lanes(&instance.placement.pose_lanes(local));
-            for (axis, lanes) in corners.cam.iter_mut().zip(&cam) {
-                axis[at..at + LANES].copy_from_slice(lanes);
+            for (axis, cam) in corners.cam.iter_mut().zip(&cam) {
+                axis[at..at + LANES].copy_from_slice(cam);
             }
-            let lanes = cam.map(|axis| axis.map(|v| v as f32));
+            let at_once: [[f32; LANES]; 3] = lanes(|axis| lanes(|i| cam[axis][i] as f32));
             let (Some(column), Some(row), Some(z_m)) = (
                 corners.column[at..].first_chunk_mut::<LANES>(),
                 corners.row[at..].first_chunk_mut::<LANES>(),
@@ -204,9 +206,10 @@ impl Rasterizer<'_> {
             ) else {
                 return;
             };
-            self.grid.footprint_lanes(&lanes, column, row);
+            self.grid.footprint_lanes(&at_once, column, row);
+            let [x, y, z] = &at_once;
             for i in 0..LANES {
-                z_m[i] = lanes[2][i] - SLACK * (lanes[0][i].abs() + lanes[1][i].abs() + lanes[2][i].abs());
+                z_m[i] = z[i] - SLACK * (x[i].abs() + y[i].abs() + z[i].abs());
             }
         }
     }
@@ -279,8 +282,8 @@ const WIDE: usize = 3;
 fn z_bounds(corners: &[[[f32; LANES]; 3]; 4]) -> [[f32; LANES]; 2] {
     let (mut least, mut most) = (corners[0][2], corners[0][2]);
     for corner in &corners[1..] {
-        least = std::array::from_fn(|i| lesser(corner[2][i], least[i]));
-        most = std::array::from_fn(|i| greater(corner[2][i], most[i]));
+        least = lanes(|i| lesser(corner[2][i], least[i]));
+        most = lanes(|i| greater(corner[2][i], most[i]));
     }
     [least, most]
 }

@@ -7,6 +7,7 @@ use macro_rules_attribute::apply;
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
 use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, steps};
 use crate::sense::{PosedInstance, PosedScene};
+use crate::wide_registers::lanes;
 use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use cadet_base::material::Material;
 use cadet_base::math::{DMat3, Mat3, Vec3, greater, lesser};
@@ -67,7 +68,7 @@ type Points = [[[f32; LANES]; CLUSTER_VERTICES / LANES]; 3];
 #[inline(always)]
 fn point(points: &Points, i: u8) -> Vec3 {
     let i = usize::from(i);
-    Vec3::from_array(points.each_ref().map(|axis| axis.as_flattened()[i]))
+    Vec3::from_array(lanes(|axis| points[axis].as_flattened()[i]))
 }
 
 /// How the faces of a material cast shadows.
@@ -131,10 +132,11 @@ impl Map {
         up: Vec3,
     ) -> impl Iterator<Item = ClusterPiece> + 'a {
         let is_level = move |[a, b, c, _]: [u8; 4]| {
-            let [a, b, c] = [a, b, c].map(|i| {
+            let corner = |i: u8| {
                 let p = point(points, i);
                 Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z / self.steps_per_m)
-            });
+            };
+            let (a, b, c) = (corner(a), corner(b), corner(c));
             let normal = (b - a).cross(c - a);
             let rise = normal.dot(up);
             rise * rise > LEVEL * normal.length_squared()
@@ -168,27 +170,27 @@ impl Map {
     #[inline(always)]
     fn draw(&mut self, points: &Points, pieces: &[ClusterPiece], one_sided: u64, scale: f32) {
         for (some, first) in pieces.chunks(LANES).zip((0_u32..).step_by(LANES)) {
-            let mut lanes: Corners = [[[0.0; LANES]; 3]; 4];
+            let mut corners: Corners = [[[0.0; LANES]; 3]; 4];
             for (i, piece) in some.iter().enumerate() {
-                for (lanes, k) in lanes.iter_mut().zip(piece.corners) {
-                    for (lanes, axis) in lanes.iter_mut().zip(points) {
-                        lanes[i] = axis.as_flattened()[usize::from(k)];
+                for (corner, k) in corners.iter_mut().zip(piece.corners) {
+                    for (corner, axis) in corner.iter_mut().zip(points) {
+                        corner[i] = axis.as_flattened()[usize::from(k)];
                     }
                 }
             }
             if scale > 1.0 {
                 for axis in 0..3 {
                     for i in 0..LANES {
-                        let [a, b, c, d] = lanes.each_ref().map(|corner| corner[axis][i]);
+                        let [a, b, c, d]: [f32; 4] = lanes(|corner| corners[corner][axis][i]);
                         // Of a triangle, whose last corner stands twice, nearer to that one.
                         let middle = ((a + c) + (b + d)) * 0.25;
-                        for corner in &mut lanes {
+                        for corner in &mut corners {
                             corner[axis][i] = middle + (corner[axis][i] - middle) * scale;
                         }
                     }
                 }
             }
-            let setup = FaceSetup::of(&lanes);
+            let setup = FaceSetup::of(&corners);
             let one_sided = one_sided.checked_shr(first).unwrap_or(0);
             for i in 0..some.len() {
                 if !setup.meets_texels[i] || !setup.faces_sun[i] && one_sided >> i & 1 == 1 {
@@ -202,7 +204,7 @@ impl Map {
     /// Raises the texels whose middles lie within one of eight faces.
     #[inline(always)]
     fn face(&mut self, setup: &FaceSetup, i: usize) {
-        let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
+        let [x0, y0, x1, y1]: [usize; 4] = lanes(|k| setup.bounds[k][i] as usize);
         if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest_steps[i]) {
             return;
         }
@@ -210,13 +212,13 @@ impl Map {
             (*from, *to) = ((*from).min(x0), (*to).max(x1));
         }
         let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
-        let edges = setup.edges.each_ref().map(plane);
+        let edges: [[f32; 3]; 4] = lanes(|k| plane(&setup.edges[k]));
         let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
             let (highest, rows) = (setup.highest_steps[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
-                let columns: [f32; LANES] = std::array::from_fn(|k| (first - x0 + k) as i32 as f32);
+                let columns: [f32; LANES] = lanes(|k| (first - x0 + k) as i32 as f32);
                 for row in 0..rows {
                     let y = row as i32 as f32;
                     let mut heights = [0; LANES];
@@ -236,7 +238,6 @@ impl Map {
             return;
         }
         // Eight rows at a time are cut by the edges; nothing is tested within a row's span.
-        let edges = edges.map(|[first, x, y]| (x, y, first, -1.0 / x));
         let width = (x1 - x0) as i32 as f32;
         for top in (y0 / LANES * LANES..y1).step_by(LANES) {
             // Rows of no tile's border: they share what is seen.
@@ -247,12 +248,13 @@ impl Map {
             }
             let above = top as i32 as f32 - y0 as i32 as f32;
             let height = (y1 - y0) as i32 as f32;
-            let dy: [f32; LANES] = std::array::from_fn(|k| above + k as i32 as f32);
+            let dy: [f32; LANES] = lanes(|k| above + k as i32 as f32);
             let (mut lo, mut hi) = ([(from - x0) as i32 as f32; LANES], [(to - x0) as i32 as f32 - 1.0; LANES]);
             for k in 0..LANES {
                 hi[k] = if (dy[k] >= 0.0) & (dy[k] < height) { hi[k] } else { -1.0 };
             }
-            for (slope, down, first, inverse) in edges {
+            for [first, slope, down] in edges {
+                let inverse = -1.0 / slope;
                 // slope * dx + first + down * dy >= 0
                 if slope > 0.0 {
                     for k in 0..LANES {
