@@ -131,12 +131,13 @@ impl Response {
         }
     }
 
-    /// Rounds a row's values of light to 8 bits.
-    pub(super) fn write(&self, light: &[f32], out: &mut [u8]) {
+    /// Balances the light of a row's pixels, R, G, and B each for itself, and rounds it to 8 bits, interleaved.
+    pub(super) fn write(&self, light: &[Vec<f32>; 3], white_balance: [f32; 3], out: &mut [u8]) {
         match self {
-            Self::Linear => round(light, out),
+            Self::Linear => round(light, white_balance, out),
             Self::Curve(values) => {
-                for (light, out) in light.iter().zip(out) {
+                for (i, out) in out.iter_mut().enumerate() {
+                    let light = light[i % 3][i / 3] * white_balance[i % 3];
                     let at = light.clamp(0.0, WHITE_VALUE) * (RESPONSE_STEPS as f32 / WHITE_VALUE);
                     let step = (at as usize).min(RESPONSE_STEPS - 1);
                     let value = values[step] + (values[step + 1] - values[step]) * (at - step as f32);
@@ -148,12 +149,14 @@ impl Response {
 }
 
 #[apply(for_wide_registers)]
-fn round(light: &[f32], out: &mut [u8]) {
-    let n = out.len();
-    let light = &light[..n];
+fn round([red, green, blue]: &[Vec<f32>; 3], [r, g, b]: [f32; 3], out: &mut [u8]) {
+    let pixels = out.as_chunks_mut::<3>().0;
+    let n = pixels.len();
+    let (red, green, blue) = (&red[..n], &green[..n], &blue[..n]);
     for i in 0..n {
         // Rounded to the nearest by the mantissa's last bits.
-        out[i] = (light[i].clamp(0.0, WHITE_VALUE) + ROUNDER).to_bits() as u8;
+        let value = |light: f32| (light.clamp(0.0, WHITE_VALUE) + ROUNDER).to_bits() as u8;
+        pixels[i] = [value(red[i] * r), value(green[i] * g), value(blue[i] * b)];
     }
 }
 
@@ -165,9 +168,15 @@ mod tests {
     fn curves_give_their_values() {
         let light = [0.0, 0.5, 2.5, 63.75, 200.0, 255.0, 300.0, -3.0];
         let values = |response: &Response| {
-            let mut out = [0; 8];
-            response.write(&light, &mut out);
-            out
+            let mut out = [0; 24];
+            response.write(
+                &[light.to_vec(), light.map(|v| v / 2.0).to_vec(), light.to_vec()],
+                [1.0, 2.0, 1.0],
+                &mut out,
+            );
+            let [first, second, third] = [0, 1, 2].map(|k| std::array::from_fn(|i| out[3 * i + k]));
+            assert!(first == second && second == third);
+            first
         };
         // By the standard's tables.
         assert_eq!(values(&Response::srgb()), [0, 6, 25, 137, 229, 255, 255, 0]);

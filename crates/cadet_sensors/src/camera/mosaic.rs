@@ -5,68 +5,43 @@
 
 use macro_rules_attribute::apply;
 
-/// Values of a pixel, R, G, B, side by side.
-const RGB: usize = 3;
+use crate::wide_registers::lanes;
 
-/// What the measured values about a pixel count for in a value of it: its own, those beside it, those above and below it, and
-/// those across its corners. One number for each value of a row.
-struct Shares {
-    own: Vec<f32>,
-    beside: Vec<f32>,
-    above_below: Vec<f32>,
-    corners: Vec<f32>,
-}
+/// The colors that Bayer's filters let through (US patent 3,971,065), by the parity of row and column.
+pub const FILTERS: [[usize; 2]; 2] = [[RED, GREEN], [GREEN, BLUE]];
+const RED: usize = 0;
+const GREEN: usize = 1;
+const BLUE: usize = 2;
 
-/// Bilinear interpolation of Bayer's mosaic (US patent 3,971,065): R and G alternate in even rows, G and B in odd ones.
+/// Bilinear interpolation of Bayer's mosaic.
 pub struct Demosaic {
-    even: Shares,
-    odd: Shares,
-    /// The rows above, here, and below, each with a pixel more at both ends.
+    /// The rows above, here, and below: what each pixel measures, with a pixel more at both ends.
     rows: [Vec<f32>; 3],
+    /// 1 and 0 by turns.
+    turns: Vec<f32>,
 }
 
 impl Demosaic {
     /// For rows of so many pixels.
     #[must_use]
     pub fn new(width: usize) -> Self {
-        let shares = |row: usize| {
-            let is_measured = |i: usize, dx: usize, dy: usize| {
-                let (x, y) = ((i / RGB + dx) % 2, (row + dy) % 2);
-                i % RGB == x + y
-            };
-            let of = |i: usize| {
-                let [own, beside, above_below, corners] =
-                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| is_measured(i, dx, dy));
-                if own {
-                    [1.0, 0.0, 0.0, 0.0]
-                } else if beside && above_below {
-                    [0.0, 0.25, 0.25, 0.0]
-                } else {
-                    let one = |is: bool, count: f32| if is { 1.0 / count } else { 0.0 };
-                    [0.0, one(beside, 2.0), one(above_below, 2.0), one(corners, 4.0)]
-                }
-            };
-            let column = |k: usize| (0..width * RGB).map(|i| of(i)[k]).collect();
-            Shares { own: column(0), beside: column(1), above_below: column(2), corners: column(3) }
-        };
-        let row = || vec![0.0; (width + 2) * RGB];
-        Self { even: shares(0), odd: shares(1), rows: [row(), row(), row()] }
+        let row = || vec![0.0; width + 2];
+        Self { rows: [row(), row(), row()], turns: (0..=width).map(|x| ((x + 1) % 2) as f32).collect() }
     }
 
-    /// Room for the values of the row that follows those given before; see [`Demosaic::close_row`].
+    /// Room for what the pixels of the row measure that follows those given before; see [`Demosaic::close_row`].
     pub fn next_row(&mut self) -> &mut [f32] {
         self.rows.rotate_left(1);
         let stride = self.rows[2].len();
-        &mut self.rows[2][RGB..stride - RGB]
+        &mut self.rows[2][1..stride - 1]
     }
 
     /// Ends a row that [`Demosaic::next_row`] gave: beyond its ends it is mirrored, so that the filters go on.
     pub fn close_row(&mut self) {
         let row = &mut self.rows[2];
         let n = row.len();
-        if n >= 4 * RGB {
-            row.copy_within(2 * RGB..3 * RGB, 0);
-            row.copy_within(n - 3 * RGB..n - 2 * RGB, n - RGB);
+        if n >= 4 {
+            (row[0], row[n - 1]) = (row[2], row[n - 3]);
         }
     }
 
@@ -83,24 +58,45 @@ impl Demosaic {
         below.copy_from_slice(above);
     }
 
-    /// The colors of the middle one of the last three rows, which is that of this number.
-    pub fn interpolate(&self, row: usize, out: &mut [f32]) {
-        let [above, here, below] = &self.rows;
-        interpolate(if row.is_multiple_of(2) { &self.even } else { &self.odd }, [above, here, below], out);
+    /// R, G, and B, each for itself, of the middle one of the last three rows, which is that of this number.
+    pub fn interpolate(&self, row: usize, out: &mut [Vec<f32>; 3]) {
+        let rows = self.rows.each_ref().map(Vec::as_slice);
+        let (evens, odds) = (&self.turns[..], &self.turns[1..]);
+        let [red, green, blue] = out;
+        // In odd rows blue is measured where red is in even ones, one column further.
+        if row.is_multiple_of(2) {
+            interpolate(rows, evens, odds, red, green, blue);
+        } else {
+            interpolate(rows, odds, evens, blue, green, red);
+        }
     }
 }
 
+/// The color that every second pixel of a row measures, green, and the color that the rows above and below measure. `is_first`: 1 where
+/// the row's color is measured; `is_green`: 1 where green is.
 #[apply(for_wide_registers)]
-fn interpolate(shares: &Shares, rows: [&[f32]; 3], out: &mut [f32]) {
-    let n = out.len();
-    let [[a, b, c], [d, e, f], [g, h, i]] = rows.map(|row| [&row[..n], &row[RGB..][..n], &row[2 * RGB..][..n]]);
-    let (own, beside) = (&shares.own[..n], &shares.beside[..n]);
-    let (above_below, corners) = (&shares.above_below[..n], &shares.corners[..n]);
+fn interpolate(
+    rows: [&[f32]; 3],
+    is_first: &[f32],
+    is_green: &[f32],
+    first: &mut [f32],
+    green: &mut [f32],
+    third: &mut [f32],
+) {
+    let n = first.len();
+    let [[a, b, c], [d, e, f], [g, h, i]]: [[&[f32]; 3]; 3] = lanes(|row| lanes(|column| &rows[row][column..][..n]));
+    let (green, third) = (&mut green[..n], &mut third[..n]);
+    let (is_first, is_green) = (&is_first[..n], &is_green[..n]);
     for k in 0..n {
-        out[k] = own[k] * e[k]
-            + beside[k] * (d[k] + f[k])
-            + above_below[k] * (b[k] + h[k])
-            + corners[k] * ((a[k] + c[k]) + (g[k] + i[k]));
+        first[k] = is_first[k] * e[k] + is_green[k] * (0.5 * (d[k] + f[k]));
+    }
+    for k in 0..n {
+        let (beside, above_below) = (d[k] + f[k], b[k] + h[k]);
+        green[k] = is_green[k] * e[k] + is_first[k] * (0.25 * (beside + above_below));
+    }
+    for k in 0..n {
+        let (above_below, corners) = (b[k] + h[k], (a[k] + c[k]) + (g[k] + i[k]));
+        third[k] = is_green[k] * (0.5 * above_below) + is_first[k] * (0.25 * corners);
     }
 }
 
@@ -108,13 +104,16 @@ fn interpolate(shares: &Shares, rows: [&[f32]; 3], out: &mut [f32]) {
 mod tests {
     use super::*;
 
+    const RGB: usize = 3;
+
     /// The mosaic of an image and its interpolation.
     fn seen(width: usize, height: usize, at: impl Fn(usize, usize, usize) -> f32) -> Vec<f32> {
         let mut demosaic = Demosaic::new(width);
+        let mut colors = [(); RGB].map(|()| vec![0.0; width]);
         let mut out = vec![0.0; width * height * RGB];
         let put = |demosaic: &mut Demosaic, y: usize| {
-            for (i, v) in demosaic.next_row().iter_mut().enumerate() {
-                *v = at(i / RGB, y, i % RGB);
+            for (x, v) in demosaic.next_row().iter_mut().enumerate() {
+                *v = at(x, y, FILTERS[y % 2][x % 2]);
             }
             demosaic.close_row();
         };
@@ -128,7 +127,10 @@ mod tests {
             if y == 0 {
                 demosaic.mirror_above();
             }
-            demosaic.interpolate(y, &mut out[y * width * RGB..][..width * RGB]);
+            demosaic.interpolate(y, &mut colors);
+            for (i, v) in out[y * width * RGB..][..width * RGB].iter_mut().enumerate() {
+                *v = colors[i % RGB][i / RGB];
+            }
         }
         out
     }

@@ -5,7 +5,8 @@ use macro_rules_attribute::apply;
 
 use super::development::{Development, WHITE_BALANCE, WHITE_VALUE};
 use super::exposure::{Exposure, Gain};
-use super::mosaic::Demosaic;
+use super::mosaic::{Demosaic, FILTERS};
+use crate::wide_registers::lanes;
 use cadet_base::math;
 use cadet_base::rng::Stream;
 
@@ -92,7 +93,7 @@ fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32
 #[apply(for_wide_registers)]
 fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; SUMS] {
     let n = out.len();
-    let [a, b, c, d, e]: [&[f32]; TAPS] = std::array::from_fn(|k| &padded[k * RGB..][..n]);
+    let [a, b, c, d, e]: [&[f32]; TAPS] = lanes(|k| &padded[k * RGB..][..n]);
     let [wa, wb, wc, wd, we] = *taps;
     for i in 0..n {
         out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
@@ -121,10 +122,10 @@ pub fn expose(
     stream: &mut Stream,
 ) -> Vec<u8> {
     let stride = width * RGB;
-    let mut sensor = Sensor::new(stride, exposure, development, stream.next_u64());
+    let mut sensor = Sensor::new(width, exposure, development, stream.next_u64());
     let mut image = vec![0_u8; rgb.len()];
     let mut demosaic = Demosaic::new(width);
-    let mut values = vec![0.0_f32; stride];
+    let mut colors = [(); RGB].map(|()| vec![0.0_f32; width]);
     for (row, out) in image.chunks_exact_mut(stride.max(1)).enumerate() {
         if row == 0 {
             sensor.measure(0, &rgb[..stride], &mut demosaic);
@@ -137,21 +138,27 @@ pub fn expose(
         if row == 0 {
             demosaic.mirror_above();
         }
-        demosaic.interpolate(row, &mut values);
-        balance(&sensor.white_balance, &mut values);
-        development.response.write(&values, out);
+        demosaic.interpolate(row, &mut colors);
+        development.response.write(&colors, sensor.white_balance, out);
     }
     image
 }
 
-/// Per value of a row: gain, offset, variance of the noise, constant and per value, and the white balance. Each pixel uses those of the
-/// color that it measures.
-struct Sensor {
-    gain: f32,
+/// How the pixels of a row measure: offset, and variance of the noise, constant and per value.
+struct FilteredRow {
+    /// Of the pixels of even and of odd numbers.
+    colors: [usize; 2],
     offset: Vec<f32>,
     variance: Vec<f32>,
     per_value: Vec<f32>,
-    white_balance: Vec<f32>,
+}
+
+/// A sensor behind color filters, row by row.
+struct Sensor {
+    gain: f32,
+    /// Even rows and odd ones.
+    rows: [FilteredRow; 2],
+    white_balance: [f32; RGB],
     /// What a pixel measures that is full: the least that is white in all three channels.
     full: f32,
     seed: u64,
@@ -159,63 +166,71 @@ struct Sensor {
 }
 
 impl Sensor {
-    fn new(stride: usize, &Exposure { veil, gain }: &Exposure, development: &Development, seed: u64) -> Self {
+    fn new(width: usize, &Exposure { veil, gain }: &Exposure, development: &Development, seed: u64) -> Self {
         let Gain { values_per_radiance, amplification } = gain;
         let (white_balance, noise) = (development.balance(), development.noise * development.noise);
-        let row = |of: [f32; RGB]| (0..stride).map(|i| of[i % RGB]).collect();
         let each = |of: fn(usize) -> f32, factor: f32| std::array::from_fn(|k| of(k) * factor / VARIANCE_LEFT[k]);
         let read_out = |k| READ_OUT_VARIANCE[k] / (WHITE_BALANCE[k] * WHITE_BALANCE[k]);
+        let variance = each(read_out, amplification * amplification * noise);
+        let per_value = each(|k| VARIANCE_PER_VALUE[k] / WHITE_BALANCE[k], amplification * noise);
+        let offset = veil.map(|v| v * values_per_radiance);
+        let row = |colors: [usize; 2]| {
+            let row = |of: [f32; RGB]| (0..width).map(|x| of[colors[x % 2]]).collect();
+            FilteredRow { colors, offset: row(offset), variance: row(variance), per_value: row(per_value) }
+        };
         Self {
             gain: values_per_radiance,
-            offset: row(veil.map(|v| v * values_per_radiance)),
-            variance: row(each(read_out, amplification * amplification * noise)),
-            per_value: row(each(|k| VARIANCE_PER_VALUE[k] / WHITE_BALANCE[k], amplification * noise)),
-            white_balance: row(white_balance),
+            rows: FILTERS.map(row),
+            white_balance,
             full: WHITE_VALUE / white_balance.into_iter().fold(f32::INFINITY, f32::min),
             seed,
-            noise: vec![0.0; stride],
+            noise: vec![0.0; width],
         }
     }
 
     /// Takes a row as it falls on the color filters.
     fn measure(&mut self, row: usize, input: &[f32], demosaic: &mut Demosaic) {
-        white_noise(self.seed, (row * input.len()) as u32, &mut self.noise);
-        measure(self, input, demosaic.next_row());
+        let (out, filters) = (demosaic.next_row(), &self.rows[row % 2]);
+        let [even, odd] = filters.colors;
+        let first = (row * input.len()) as u32;
+        white_noise(self.seed, [first + even as u32, first + odd as u32], &mut self.noise);
+        let (pairs, last) = out.as_chunks_mut::<2>();
+        for (pixels, out) in input.as_chunks::<{ 2 * RGB }>().0.iter().zip(pairs) {
+            *out = [pixels[even], pixels[RGB + odd]];
+        }
+        if let ([last], [.., r, g, b]) = (last, input) {
+            *last = [*r, *g, *b][even];
+        }
+        measure(self.gain, self.full, filters, &self.noise, out);
         demosaic.close_row();
     }
 }
 
+/// Makes measured values of the light in a row of pixels.
 #[apply(for_wide_registers)]
-fn measure(s: &Sensor, input: &[f32], out: &mut [f32]) {
-    let n = out.len();
-    let (offset, input, noise) = (&s.offset[..n], &input[..n], &s.noise[..n]);
-    let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
+fn measure(gain: f32, full: f32, filters: &FilteredRow, noise: &[f32], light: &mut [f32]) {
+    let n = light.len();
+    let (offset, noise) = (&filters.offset[..n], &noise[..n]);
+    let (variance, per_value) = (&filters.variance[..n], &filters.per_value[..n]);
     for i in 0..n {
-        let value = input[i] * s.gain + offset[i];
+        let value = light[i] * gain + offset[i];
         let sd = (variance[i] + per_value[i] * value).sqrt();
         // Black lies above the converter's zero, so that noise does not brighten it.
-        out[i] = (value + sd * noise[i]).min(s.full);
+        light[i] = (value + sd * noise[i]).min(full);
     }
 }
 
+/// Standard normal deviates from counters, which begin differently for pixels of even and of odd numbers: two hashes' eight bytes,
+/// whose sum is nearly normal (excess kurtosis -0.15).
 #[apply(for_wide_registers)]
-fn balance(white_balance: &[f32], values: &mut [f32]) {
-    let n = values.len();
-    let white_balance = &white_balance[..n];
-    for i in 0..n {
-        values[i] *= white_balance[i];
-    }
-}
-
-/// Standard normal deviates from a counter: two hashes' eight bytes, whose sum is nearly normal (excess kurtosis -0.15).
-#[apply(for_wide_registers)]
-fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
+fn white_noise(seed: u64, [even, odd]: [u32; 2], out: &mut [f32]) {
     // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
     const MEAN: f32 = 1020.0;
     const PER_SD: f32 = 1.0 / 209.021_5;
     let (low, high) = (seed as u32, (seed >> u32::BITS) as u32);
     for (i, v) in out.iter_mut().enumerate() {
-        let a = mix(first.wrapping_add(i as u32) ^ low);
+        let first = if i & 1 == 0 { even } else { odd };
+        let a = mix(first.wrapping_add(RGB as u32 * i as u32) ^ low);
         let b = mix(a ^ high);
         let pairs = (a & EVEN_BYTES) + (a >> 8 & EVEN_BYTES) + (b & EVEN_BYTES) + (b >> 8 & EVEN_BYTES);
         let sum = (pairs & LOW_HALF) + (pairs >> 16);
@@ -362,7 +377,7 @@ mod tests {
     fn white_noise_is_normal_and_frames_are_independent() {
         let draw = |seed: u64| {
             let mut v = vec![0.0_f32; 200_000];
-            white_noise(Stream::from_seed("white", seed).next_u64(), 0, &mut v);
+            white_noise(Stream::from_seed("white", seed).next_u64(), [0, 1], &mut v);
             v
         };
         let (a, b) = (draw(0), draw(1));
