@@ -34,8 +34,9 @@ const ON_GROUND_M: Range<f32> = -0.6..0.45;
 pub struct ContactOcclusion {
     min: [f32; 2],
     occluders: Vec<Occluder>,
-    /// Occluders that reach each cell.
-    cells: Vec<Vec<u16>>,
+    /// Occluders that reach a cell, cell by cell, and where each cell's begin.
+    reaching: Vec<u16>,
+    starts: Vec<u32>,
     /// Cells that some occluder reaches.
     reached: BlockSums,
 }
@@ -55,7 +56,7 @@ impl ContactOcclusion {
     /// The vehicles and people of a scene, on a map that begins at `min_world_m` of the world.
     #[must_use]
     pub fn new(scene: &PosedScene, min_world_m: [f32; 2]) -> Self {
-        let (mut occluders, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
+        let (mut occluders, mut reached_cells) = (Vec::new(), Vec::new());
         for instance in &scene.instances {
             let Some(occluder) = Occluder::of(instance) else { continue };
             let (center, size) = (occluder.center, instance.mesh.bounds.size());
@@ -78,14 +79,28 @@ impl ContactOcclusion {
                     let middle = |i: usize| (i as f32 + 0.5) * CELL_M;
                     let d = Vec3::new(middle(x) - dx, middle(y) - dy, 0.0);
                     if occluder.distance(d) <= reach {
-                        cells[y * CELLS + x].push(index);
+                        reached_cells.push(((y * CELLS + x) as u16, index));
                     }
                 }
             }
             occluders.push(occluder);
         }
-        let reached = BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty());
-        Self { min: min_world_m, occluders, cells, reached }
+        reached_cells.sort_unstable();
+        let mut starts = vec![0; CELLS * CELLS + 1];
+        for (cell, _) in &reached_cells {
+            starts[usize::from(*cell) + 1] += 1;
+        }
+        for cell in 0..CELLS * CELLS {
+            starts[cell + 1] += starts[cell];
+        }
+        let reached = BlockSums::of(CELLS, CELL_M, |x, y| starts[y * CELLS + x] < starts[y * CELLS + x + 1]);
+        let reaching = reached_cells.into_iter().map(|(_, index)| index).collect();
+        Self { min: min_world_m, occluders, reaching, starts, reached }
+    }
+
+    /// The occluders that reach a cell.
+    fn reaching(&self, cell: usize) -> &[u16] {
+        &self.reaching[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
@@ -126,7 +141,7 @@ impl ContactOcclusion {
                 let cell = gy as usize * CELLS + gx as usize;
                 if cell != last {
                     last = cell;
-                    for index in &self.cells[cell] {
+                    for index in self.reaching(cell) {
                         if !reaching.contains(index) {
                             reaching.push(*index);
                         }

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::development::{WHITE_BALANCE, WHITE_VALUE};
 use super::visibility_pass::Visibility;
+use crate::wide_registers::lanes;
 use cadet_base::math;
 
 /// Weights of R, G, B in the luma.
@@ -153,9 +154,10 @@ impl MeteredPixels {
         let number = |row: usize| ((above + row) * width).div_ceil(METERED_STEP);
         for top in rows.clone().step_by(STRIP_ROWS) {
             let (first, mut sum) = (self.0.len(), 0.0);
-            for number in number(top)..number((top + STRIP_ROWS).min(rows.end)) {
-                let at = number * METERED_STEP - above * width;
-                let weight = if seen.shows_actor(at / width, at % width) { ACTOR_WEIGHT } else { 1.0 };
+            let metered = (number(top)..number((top + STRIP_ROWS).min(rows.end)))
+                .map(|number| number * METERED_STEP - above * width);
+            for (at, shows_actor) in metered.clone().zip(seen.show_actors(metered)) {
+                let weight = if shows_actor { ACTOR_WEIGHT } else { 1.0 };
                 sum += weight;
                 self.0.push((pixels[at], weight));
             }
@@ -199,7 +201,7 @@ impl MeteredPixels {
 
 /// A pixel as the sensor will see it, but for the gain: with the veil, white-balanced.
 pub fn balanced(rgb: [f32; 3], veil: [f32; 3]) -> [f32; 3] {
-    std::array::from_fn(|k| (rgb[k] + veil[k]) * WHITE_BALANCE[k])
+    lanes(|k| (rgb[k] + veil[k]) * WHITE_BALANCE[k])
 }
 
 /// The gain from linear radiance to 8-bit values at which the mean luma of the pixels is `target_luma`.

@@ -3,6 +3,8 @@
 
 mod night;
 
+use std::sync::LazyLock;
+
 use super::value_noise::fbm;
 use crate::weather::Weather;
 use cadet_base::math::{self, Vec3};
@@ -154,10 +156,11 @@ impl Sky {
         let open = sky.irradiance(Vec3::Z);
         let clear_gains = SKYLIGHT_TINT * level / open;
         let gains = clear_gains + (Vec3::splat(level / open.y) - clear_gains) * overcast;
-        sky.sky_on_level = sky.irradiance(Vec3::Z) * gains;
+        sky.sky_on_level = open * gains;
         sky.ground = GROUND_ALBEDO * (sky.sky_on_level * GROUND_SKY_SHARE + sky.sun * (sin_e * GROUND_SUN_SHARE));
-        let open = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| {
-            let shape = sky.irradiance(n) * gains;
+        let shapes = sky.irradiances(HALF_AXES);
+        let open = std::array::from_fn(|k| {
+            let (n, shape) = (HALF_AXES[k], shapes[k] * gains);
             if n.z == 0.0 { shape + (sky.clear_on_upright(n) - shape) * (1.0 - overcast) } else { shape }
         });
         sky.hidden = sky.irradiance_between_walls(&open);
@@ -259,20 +262,35 @@ impl Sky {
         [a, b, c, d, mean, self.ground * GROUND_UNDER_COVER]
     }
 
-    /// Cosine-weighted mean radiance about a normal, by a fixed spiral of directions.
+    /// Cosine-weighted mean radiance about a normal.
     fn irradiance(&self, normal: Vec3) -> Vec3 {
-        const N: usize = 1024;
-        let mut sum = Vec3::ZERO;
-        for i in 0..N {
-            let z = 1.0 - (2.0 * i as f32 + 1.0) / N as f32;
-            let r = (1.0 - z * z).max(0.0).sqrt();
-            let turn = i as f32 * GOLDEN_ANGLE;
-            let d = Vec3::new(r * math::cosf(turn), r * math::sinf(turn), z);
-            sum += self.radiance(d) * d.dot(normal).max(0.0);
+        self.irradiances([normal])[0]
+    }
+
+    /// Cosine-weighted mean radiance about normals, by a fixed spiral of directions.
+    fn irradiances<const N: usize>(&self, normals: [Vec3; N]) -> [Vec3; N] {
+        let mut sums = [Vec3::ZERO; N];
+        for direction in SPIRAL.iter() {
+            let radiance = self.radiance(*direction);
+            for (sum, normal) in sums.iter_mut().zip(normals) {
+                *sum += radiance * direction.dot(normal).max(0.0);
+            }
         }
-        sum * (4.0 / N as f32)
+        sums.map(|sum| sum * (4.0 / SPIRAL.len() as f32))
     }
 }
+
+/// The half axes, in the order of [`Sky::ambient`].
+const HALF_AXES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+/// Directions all around.
+static SPIRAL: LazyLock<[Vec3; 1024]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let z = 1.0 - (2.0 * i as f32 + 1.0) / 1024.0;
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        let turn = i as f32 * GOLDEN_ANGLE;
+        Vec3::new(r * math::cosf(turn), r * math::sinf(turn), z)
+    })
+});
 
 #[cfg(test)]
 mod tests {

@@ -67,9 +67,14 @@ impl Visibility {
         self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_m_at(x, y))
     }
 
-    /// True where the center of a pixel shows a vehicle, a person, or through its panes what is behind.
-    pub(super) fn shows_actor(&self, row: usize, column: usize) -> bool {
-        self.samples.0.front(2 * row, column).is_some_and(|(face, _)| self.actor_ids[face.instance as usize] > 0)
+    /// Whether the centers of some pixels, given by their numbers, show a vehicle, a person, or through its panes what is behind.
+    pub(super) fn show_actors(&self, pixels: impl Iterator<Item = usize>) -> impl Iterator<Item = bool> {
+        let buffer = &self.samples.0;
+        let front = |pixel: usize| buffer.front_number(2 * (pixel / buffer.columns), pixel % buffer.columns);
+        // Read step by step, so that the processor waits for the memory of many at once.
+        let numbers: Vec<Option<u32>> = pixels.map(|pixel| front(pixel).map(|(number, _)| number)).collect();
+        let shows_actor = |number: u32| self.actor_ids[buffer.faces[number as usize].instance as usize] > 0;
+        numbers.into_iter().map(move |number| number.is_some_and(shows_actor))
     }
 
     /// Depth, instances, and classes at the pixels' centers. `scene`: the one that was looked at.

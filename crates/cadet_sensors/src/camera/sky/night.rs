@@ -1,6 +1,8 @@
 //! The sky at night: the glow of a town, and what lit streets send back.
 
-use super::{GROUND_ALBEDO, GROUND_BEFORE_WALLS, GROUND_UNDER_COVER, OVERCAST_CLOUDINESS, STANDING_ALBEDO, Sky};
+use super::{
+    GROUND_ALBEDO, GROUND_BEFORE_WALLS, GROUND_UNDER_COVER, HALF_AXES, OVERCAST_CLOUDINESS, STANDING_ALBEDO, Sky,
+};
 use crate::weather::Weather;
 use cadet_base::math::{self, Vec3};
 
@@ -43,7 +45,7 @@ impl Sky {
         };
         sky.sky_on_level = sky.irradiance(Vec3::Z);
         sky.ground = GROUND_ALBEDO * (sky.sky_on_level * SKY_ON_GROUND + lamps);
-        let open = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| sky.irradiance(n));
+        let open = sky.irradiances(HALF_AXES);
         let wall = STANDING_ALBEDO * (sky.sky_on_level * 0.5 + lamps * LAMPS_ON_WALLS);
         let beside = (wall + sky.ground * GROUND_BEFORE_WALLS) * 0.5;
         sky.hidden = [beside, beside, beside, beside, wall, sky.ground * GROUND_UNDER_COVER];
