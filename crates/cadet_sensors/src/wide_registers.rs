@@ -17,7 +17,7 @@ macro_rules! for_wide_registers {
 /// The compiler may leave the standard library's function apart from the one that calls it, and the closure within it, where they
 /// have no wide registers; this one it may not.
 #[inline(always)]
-pub(crate) fn lanes<T: Copy + Default, const N: usize>(of: impl Fn(usize) -> T) -> [T; N] {
+pub(crate) fn array_of<T: Copy + Default, const N: usize>(of: impl Fn(usize) -> T) -> [T; N] {
     let mut out = [T::default(); N];
     for (i, out) in out.iter_mut().enumerate() {
         *out = of(i);

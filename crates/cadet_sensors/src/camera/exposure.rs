@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::development::{WHITE_BALANCE, WHITE_VALUE};
 use super::visibility_pass::Visibility;
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::math;
 
 /// Weights of R, G, B in the luma.
@@ -201,7 +201,7 @@ impl MeteredPixels {
 
 /// A pixel as the sensor will see it, but for the gain: with the veil, white-balanced.
 pub fn balanced(rgb: [f32; 3], veil: [f32; 3]) -> [f32; 3] {
-    lanes(|k| (rgb[k] + veil[k]) * WHITE_BALANCE[k])
+    array_of(|k| (rgb[k] + veil[k]) * WHITE_BALANCE[k])
 }
 
 /// The gain from linear radiance to 8-bit values at which the mean luma of the pixels is `target_luma`.

@@ -6,7 +6,7 @@ use super::light::Light;
 use super::value_noise::hash2;
 use super::visibility_pass::{ImageRays, View};
 use crate::sense::{DrawnFace, PosedScene, VisibilityBuffer};
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::geometry::Mesh;
 use cadet_base::material::{Material, Pattern};
 use cadet_base::math::Vec3;
@@ -180,8 +180,8 @@ impl<'a> FaceCache<'a> {
         }
         for r in &mut raw {
             let mesh = self.instances[r.instance as usize].mesh;
-            r.vertices = lanes(|k| mesh.vertices[r.corners[k] as usize]);
-            r.normals = lanes(|k| mesh.normals[r.corners[k] as usize]);
+            r.vertices = array_of(|k| mesh.vertices[r.corners[k] as usize]);
+            r.normals = array_of(|k| mesh.normals[r.corners[k] as usize]);
         }
         self.planes
             .extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_per_m_on_image(self.intrinsics)));

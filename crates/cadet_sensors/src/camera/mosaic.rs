@@ -5,7 +5,7 @@
 
 use macro_rules_attribute::apply;
 
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 
 /// The colors that Bayer's filters let through (US patent 3,971,065), by the parity of row and column.
 pub const FILTERS: [[usize; 2]; 2] = [[RED, GREEN], [GREEN, BLUE]];
@@ -84,7 +84,8 @@ fn interpolate(
     third: &mut [f32],
 ) {
     let n = first.len();
-    let [[a, b, c], [d, e, f], [g, h, i]]: [[&[f32]; 3]; 3] = lanes(|row| lanes(|column| &rows[row][column..][..n]));
+    let [[a, b, c], [d, e, f], [g, h, i]]: [[&[f32]; 3]; 3] =
+        array_of(|row| array_of(|column| &rows[row][column..][..n]));
     let (green, third) = (&mut green[..n], &mut third[..n]);
     let (is_first, is_green) = (&is_first[..n], &is_green[..n]);
     for k in 0..n {

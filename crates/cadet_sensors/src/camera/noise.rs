@@ -6,7 +6,7 @@ use macro_rules_attribute::apply;
 use super::development::{Development, WHITE_BALANCE, WHITE_VALUE};
 use super::exposure::{Exposure, Gain};
 use super::mosaic::{Demosaic, FILTERS};
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::math;
 use cadet_base::rng::Stream;
 
@@ -93,7 +93,7 @@ fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32
 #[apply(for_wide_registers)]
 fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; SUMS] {
     let n = out.len();
-    let [a, b, c, d, e]: [&[f32]; TAPS] = lanes(|k| &padded[k * RGB..][..n]);
+    let [a, b, c, d, e]: [&[f32]; TAPS] = array_of(|k| &padded[k * RGB..][..n]);
     let [wa, wb, wc, wd, we] = *taps;
     for i in 0..n {
         out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];

@@ -5,7 +5,7 @@
 //! group.
 
 use super::coverage::CoverageMask;
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 
 /// Pairs that fill a register: steps go over whole ones.
 pub const REGISTER: usize = 16;
@@ -99,7 +99,7 @@ impl ShadingQueue {
         let start = self.count.min(BATCH_SIZE - PAIRS_ACROSS * PAIRS_DOWN);
         self.groups.push(QueuedGroup { first_pair: start, group: *group });
         let Some(pairs) = self.pairs[start..].first_chunk_mut::<{ PAIRS_ACROSS * PAIRS_DOWN }>() else { return };
-        let columns: [u64; PAIRS_ACROSS] = lanes(|column| coverage >> (2 * COLUMN_BITS * column));
+        let columns: [u64; PAIRS_ACROSS] = array_of(|column| coverage >> (2 * COLUMN_BITS * column));
         // Row by row, so that neighbors stand together. Without branches: what is seen cannot be foretold.
         let mut count = 0;
         for row in 0..PAIRS_DOWN {

@@ -11,7 +11,7 @@ use self::rasterization::{LEVEL, rasterize_casters};
 use super::face::Flags;
 use super::value_noise::split;
 use crate::sense::PosedScene;
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::geometry::LANES;
 use cadet_base::math::{DMat3, DVec3, Vec3, greater, lesser};
 
@@ -304,10 +304,10 @@ fn filter<const N: usize>(map: &Map, points: usize, found: &mut PcfTexels<N>, fa
         // The first texel's middle lies so far from the point.
         let [by_x, by_y] = [at.rise[0][i], at.rise[1][i]];
         let first = by_x * (0.5 - REACH - x) + by_y * (0.5 - REACH - y);
-        rises[k] = lanes(|column| steps(first + by_x * column as i32 as f32) as i16);
+        rises[k] = array_of(|column| steps(first + by_x * column as i32 as f32) as i16);
         row_rises[k] = [steps(by_y) as i16; SIDE];
     }
-    let [row_0, row_1, row_2, row_3]: [&[i16]; SIDE] = lanes(|row| texels[row].as_flattened());
+    let [row_0, row_1, row_2, row_3]: [&[i16]; SIDE] = array_of(|row| texels[row].as_flattened());
     let (top, bottom, heights) = (top.as_flattened(), bottom.as_flattened(), heights.as_flattened());
     let (rises, row_rises) = (rises.as_flattened(), row_rises.as_flattened());
     let sums = columns.as_flattened_mut();

@@ -5,7 +5,7 @@ use macro_rules_attribute::apply;
 use super::block_sums::BlockSums;
 use super::contact_occlusion::ContactOcclusion;
 use crate::sense::PosedScene;
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::math::{DVec3, Vec3};
 
 /// Cells along a side of the height map.
@@ -243,7 +243,7 @@ impl SkyProbes {
         let known = between(&self.floor, &self.probes, [gx, gy], point_world.z);
         let to_border = gx.min(gy).min(LAST_CELL - gx).min(LAST_CELL - gy);
         let share = (to_border * (1.0 / RIM)).min(1.0);
-        lanes(|k| UNKNOWN[k] + (known[k] - UNKNOWN[k]) * share)
+        array_of(|k| UNKNOWN[k] + (known[k] - UNKNOWN[k]) * share)
     }
 }
 

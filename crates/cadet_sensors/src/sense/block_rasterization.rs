@@ -12,7 +12,7 @@ use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
 use super::outline::FacePlanes;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::math::{DVec3, greater, lesser};
 
 /// The most edges.
@@ -80,7 +80,7 @@ impl FaceOnImage {
             return None;
         }
         let sign = if outline.volume6_m3 > 0.0 { 1.0 } else { -1.0 };
-        let edges: [DVec3; EDGES] = lanes(|k| outline.edges[k] * sign);
+        let edges: [DVec3; EDGES] = array_of(|k| outline.edges[k] * sign);
         let normal = outline.normal * sign;
         let volume = outline.volume6_m3.abs();
         let [a, b, c, d] = edges;
@@ -302,7 +302,7 @@ fn draw_within<const EDGES: usize>(
     doubt: &mut [u32; 2 * BLOCK],
 ) {
     let start = rows.start & !1;
-    let mut edges: [(TwoRows, f32); EDGES] = lanes(|k| face.edge_rows(at, k, start));
+    let mut edges: [(TwoRows, f32); EDGES] = array_of(|k| face.edge_rows(at, k, start));
     let (mut value, value_step) = face.inverse_depth_rows(at, start);
     for row in (start..rows.end.min(BLOCK)).step_by(2) {
         let mut bits = [0; 2 * BLOCK];

@@ -1,6 +1,7 @@
 //! A coarse map of how far beams have come, which tells what is hidden.
 
 use super::grid::{BeamGrid, Window};
+use crate::wide_registers::array_of;
 use cadet_base::math::greater;
 
 /// Beams of a row that share a bound.
@@ -54,7 +55,7 @@ fn farthest(depths: &[f32]) -> f32 {
         for i in 0..8 {
             most[i] = greater(block[i], block[i + 8]);
         }
-        let four: [f32; 4] = std::array::from_fn(|i| greater(most[i], most[i + 4]));
+        let four: [f32; 4] = array_of(|i| greater(most[i], most[i + 4]));
         return greater(greater(four[0], four[2]), greater(four[1], four[3]));
     }
     depths.iter().copied().fold(0.0, greater)

@@ -9,7 +9,8 @@ use super::grid::{BeamGrid, Window};
 use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
-use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES};
+use crate::wide_registers::array_of;
+use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES, Lanes};
 use cadet_base::math::DVec3;
 
 /// Which materials a beam notices.
@@ -35,7 +36,7 @@ pub fn cast<G: BeamGrid>(
     keep: impl Fn(&PosedInstance) -> bool,
     hits: &mut Hits,
 ) {
-    cast_filters(scene, (grid, &Still), [Some(filter), None], keep, [hits, &mut Hits::new(0, 0)]);
+    cast_filters(scene, (grid, &Still), [filter], keep, [hits]);
 }
 
 /// The first opaque and the first transparent surfaces; of the latter some that stand behind the former are left out.
@@ -47,27 +48,25 @@ pub(crate) fn cast_layers<G: BeamGrid, M: AsMet>(
     keep: impl Fn(&PosedInstance) -> bool,
 ) -> [Hits; 2] {
     let mut layers = [(); 2].map(|()| Hits::new(grid.rows(), grid.columns()));
-    let filters = [SurfaceFilter::Opaque, SurfaceFilter::Transparent].map(Some);
-    cast_filters(scene, (grid, as_met), filters, keep, layers.each_mut());
+    cast_filters(scene, (grid, as_met), [SurfaceFilter::Opaque, SurfaceFilter::Transparent], keep, layers.each_mut());
     layers
 }
 
 /// Casts into several `Hits`, each with its filter; what the first one has met hides all others'.
-fn cast_filters<G: BeamGrid, M: AsMet>(
+fn cast_filters<G: BeamGrid, M: AsMet, const N: usize>(
     scene: &PosedScene,
     (grid, as_met): (&G, &M),
-    filters: [Option<SurfaceFilter>; 2],
+    filters: [SurfaceFilter; N],
     keep: impl Fn(&PosedInstance) -> bool,
-    hits: [&mut Hits; 2],
+    hits: [&mut Hits; N],
 ) {
     if (hits[0].rows, hits[0].columns) != (grid.rows(), grid.columns()) {
         *hits[0] = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
-    let noticed = |i: &PosedInstance| filters.map(|filter| filter.map_or(0, |filter| noticed_slots(i, filter)));
-    let slots: Vec<[u64; 2]> = scene.instances.iter().map(noticed).collect();
+    let slots: Vec<[u64; N]> = scene.instances.iter().map(|i| filters.map(|filter| noticed_slots(i, filter))).collect();
     let kept = (0..).zip(&scene.instances).zip(&slots).filter(|((_, instance), _)| keep(instance));
-    let noticed = kept.map(|((index, _), slots)| (index, slots[0] | slots[1]));
+    let noticed = kept.map(|((index, _), slots)| (index, slots.iter().fold(0, |all, slots| all | slots)));
     let clusters = visible_clusters(scene, grid, &to_grid, |index| as_met.reach_m(index), noticed);
     let farthest = CoarseDepth::new(hits[0].rows, hits[0].columns);
     let scratch = Box::default();
@@ -78,7 +77,7 @@ fn cast_filters<G: BeamGrid, M: AsMet>(
 /// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
 /// operation and none of them fused, so that the outcome is the same to the bit.
 #[apply(for_wide_registers)]
-fn cast_clusters<G: BeamGrid, M: AsMet>(caster: &mut Caster<'_, G, M>, clusters: &[VisibleCluster]) {
+fn cast_clusters<G: BeamGrid, M: AsMet, const N: usize>(caster: &mut Caster<'_, G, M, N>, clusters: &[VisibleCluster]) {
     for item in front_to_back(clusters) {
         if !caster.is_hidden(&item.windows(), item.near_m) {
             caster.cast_cluster(&item);
@@ -86,17 +85,17 @@ fn cast_clusters<G: BeamGrid, M: AsMet>(caster: &mut Caster<'_, G, M>, clusters:
     }
 }
 
-struct Caster<'a, G: BeamGrid, M> {
+struct Caster<'a, G: BeamGrid, M, const N: usize> {
     scene: &'a PosedScene,
     grid: &'a G,
     as_met: &'a M,
     to_grid: ToGrid,
-    filters: [Option<SurfaceFilter>; 2],
+    filters: [SurfaceFilter; N],
     /// The bits of the material slots that the beams notice, for each instance and filter.
-    slots: Vec<[u64; 2]>,
+    slots: Vec<[u64; N]>,
     farthest: CoarseDepth,
     scratch: Box<VerticesOnGrid<G::Footprint>>,
-    hits: [&'a mut Hits; 2],
+    hits: [&'a mut Hits; N],
 }
 
 /// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
@@ -129,11 +128,11 @@ impl<F> VerticesOnGrid<F> {
 
     #[inline(always)]
     fn triangle(&self, cluster: &Cluster, face: usize) -> [DVec3; 3] {
-        cluster.corners[face].map(|i| self.point(i))
+        array_of(|k| self.point(cluster.corners[face][k]))
     }
 }
 
-impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
+impl<G: BeamGrid, M: AsMet, const N: usize> Caster<'_, G, M, N> {
     /// True if all beams of the windows have met something nearer than `near_m`.
     #[inline(always)]
     fn is_hidden(&mut self, windows: &[Window; 2], near_m: f32) -> bool {
@@ -170,8 +169,8 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
             if may_be_seen == [false; 2] {
                 continue;
             }
-            let corners = piece.corners.map(|i| self.scratch.point(i));
-            let footprints = piece.corners.map(|i| self.scratch.footprints[usize::from(i)]);
+            let corners = array_of(|k| self.scratch.point(piece.corners[k]));
+            let footprints = array_of(|k| self.scratch.footprints[usize::from(piece.corners[k])]);
             let windows = self.grid.windows(&corners, &footprints);
             if windows.iter().all(Window::is_empty) {
                 continue;
@@ -200,12 +199,7 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
             x.copy_from_slice(&points[0]);
             y.copy_from_slice(&points[1]);
             z.copy_from_slice(&points[2]);
-            let mut rounded = [[0.0; LANES]; 3];
-            for (to, from) in rounded.iter_mut().zip(&points) {
-                for i in 0..LANES {
-                    to[i] = from[i] as f32;
-                }
-            }
+            let rounded: Lanes = array_of(|axis| array_of(|i| points[axis][i] as f32));
             self.grid.footprints(&rounded, out.try_into().expect("a chunk of that length"));
         }
     }
@@ -216,7 +210,7 @@ impl<G: BeamGrid, M: AsMet> Caster<'_, G, M> {
         let VerticesOnGrid { footprints, candidates, .. } = &mut *self.scratch;
         let mut n = 0;
         for (number, piece) in cluster.pieces.iter().enumerate() {
-            let footprints = piece.corners.map(|i| footprints[usize::from(i)]);
+            let footprints = array_of(|k| footprints[usize::from(piece.corners[k])]);
             // Written whether it is wanted or not: a branch would be guessed wrong too often.
             candidates[n] = number as u8;
             n += usize::from(self.grid.may_meet(&footprints));
@@ -235,12 +229,11 @@ fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
 }
 
 /// Which filter notices a face.
-fn notices(filters: &[Option<SurfaceFilter>; 2], instance: &PosedInstance, face: u32) -> Option<usize> {
+fn notices(filters: &[SurfaceFilter], instance: &PosedInstance, face: u32) -> Option<usize> {
     let is_transparent = instance.material(face).is_transparent();
     filters.iter().position(|filter| match filter {
-        Some(SurfaceFilter::All) => true,
-        Some(SurfaceFilter::Opaque) => !is_transparent,
-        Some(SurfaceFilter::Transparent) => is_transparent,
-        None => false,
+        SurfaceFilter::All => true,
+        SurfaceFilter::Opaque => !is_transparent,
+        SurfaceFilter::Transparent => is_transparent,
     })
 }

@@ -16,7 +16,7 @@ use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
 use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use crate::zeros::DefaultZeros;
 use cadet_base::geometry::{CLUSTER_VERTICES, Cluster, LANES};
 use cadet_base::math::{DVec3, greater, lesser};
@@ -131,7 +131,7 @@ impl Rasterizer<'_> {
                     continue;
                 }
                 let [x, y, z] = &self.corners.cam;
-                let corners: [DVec3; 4] = lanes(|k| {
+                let corners: [DVec3; 4] = array_of(|k| {
                     let i = usize::from(piece.corners[k]);
                     DVec3::new(x[i], y[i], z[i])
                 });
@@ -198,7 +198,7 @@ impl Rasterizer<'_> {
             for (axis, cam) in corners.cam.iter_mut().zip(&cam) {
                 axis[at..at + LANES].copy_from_slice(cam);
             }
-            let at_once: [[f32; LANES]; 3] = lanes(|axis| lanes(|i| cam[axis][i] as f32));
+            let at_once: [[f32; LANES]; 3] = array_of(|axis| array_of(|i| cam[axis][i] as f32));
             let (Some(column), Some(row), Some(z_m)) = (
                 corners.column[at..].first_chunk_mut::<LANES>(),
                 corners.row[at..].first_chunk_mut::<LANES>(),
@@ -282,8 +282,8 @@ const WIDE: usize = 3;
 fn z_bounds(corners: &[[[f32; LANES]; 3]; 4]) -> [[f32; LANES]; 2] {
     let (mut least, mut most) = (corners[0][2], corners[0][2]);
     for corner in &corners[1..] {
-        least = lanes(|i| lesser(corner[2][i], least[i]));
-        most = lanes(|i| greater(corner[2][i], most[i]));
+        least = array_of(|i| lesser(corner[2][i], least[i]));
+        most = array_of(|i| greater(corner[2][i], most[i]));
     }
     [least, most]
 }

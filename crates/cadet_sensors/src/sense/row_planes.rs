@@ -2,6 +2,7 @@
 
 use super::hits::Hits;
 use super::row_lookup::SortedRow;
+use crate::wide_registers::array_of;
 use cadet_base::math::DVec3;
 
 /// Beams that are tested together.
@@ -58,7 +59,7 @@ impl RowPlanes {
     /// for one beside the axis that may go around the triangle's plane.
     #[inline(always)]
     pub(super) fn sides(triangle: &PlaneLanes, row: &SortedRow) -> ([f64; 3], [Option<f64>; 2]) {
-        let ([x, y, z], left) = (triangle.cross.map(|axis| axis[3]), row.left_m);
+        let ([x, y, z], left) = (array_of::<_, 3>(|axis| triangle.cross[axis][3]), row.left_m);
         let volume = [-left * y, left * x, triangle.volume6_m3 - row.height_m * z];
         let changes = volume[0].abs() + volume[1].abs();
         let sides = if volume[2].abs() > changes {
@@ -85,7 +86,7 @@ impl RowPlanes {
             planes[1][i] = side * (ny[i] - h * dx[i] + aside * dy[i]);
             planes[2][i] = side * (nz[i] * tangent - left * dz[i]);
         }
-        Self { planes, volume: volume.map(|v| side * v * secant), level, normal2_m4: triangle.normal2_m4 }
+        Self { planes, volume: array_of(|i| side * volume[i] * secant), level, normal2_m4: triangle.normal2_m4 }
     }
 
     /// a, b and c of an edge.
@@ -129,7 +130,7 @@ impl RowPlanes {
         at: usize,
         [instance, face]: [u32; 2],
     ) {
-        let [p, q, r, n] = [0, 1, 2, 3].map(|i| self.edge(i));
+        let [p, q, r, n] = array_of::<_, 4>(|i| self.edge(i));
         let (mut inside, mut facing) = ([false; EIGHT], [0.0; EIGHT]);
         let mut any = false;
         for i in 0..EIGHT {
@@ -141,8 +142,7 @@ impl RowPlanes {
         if !any {
             return;
         }
-        let volume: [f64; EIGHT] =
-            std::array::from_fn(|i| self.volume[0] * cos[i] + self.volume[1] * sin[i] + self.volume[2]);
+        let volume: [f64; EIGHT] = array_of(|i| self.volume[0] * cos[i] + self.volume[1] * sin[i] + self.volume[2]);
         for i in 0..EIGHT {
             inside[i] &= volume[i] > 0.0;
         }
@@ -163,10 +163,10 @@ impl RowPlanes {
             cosine[i] = (facing[i] * scale) as f32;
             tie |= inside[i] & (found[i] == old[i]);
         }
-        *depths = std::array::from_fn(|i| if found[i] < old[i] { found[i] } else { old[i] });
-        *instances = std::array::from_fn(|i| if found[i] < old[i] { instance } else { old_instances[i] });
-        *faces = std::array::from_fn(|i| if found[i] < old[i] { face } else { old_faces[i] });
-        *cosines = std::array::from_fn(|i| if found[i] < old[i] { cosine[i] } else { old_cosines[i] });
+        *depths = array_of(|i| if found[i] < old[i] { found[i] } else { old[i] });
+        *instances = array_of(|i| if found[i] < old[i] { instance } else { old_instances[i] });
+        *faces = array_of(|i| if found[i] < old[i] { face } else { old_faces[i] });
+        *cosines = array_of(|i| if found[i] < old[i] { cosine[i] } else { old_cosines[i] });
         if tie {
             for i in (0..EIGHT).filter(|i| inside[*i]) {
                 hits.keep_nearer(at + i, [found[i], cosine[i]], [instance, face]);

@@ -10,6 +10,7 @@ use super::hits::Hits;
 use super::laser_ring::LaserRing;
 use super::row_planes::{EIGHT, PlaneLanes, RowPlanes};
 use super::spinning_table::{POLAR_SHARE, SpinningTable};
+use crate::wide_registers::array_of;
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::geometry::{LANES, Lanes};
 use cadet_base::math::{DPose3, DVec3, TAU, Vec3, greater, lesser};
@@ -291,7 +292,8 @@ impl BeamGrid for SpinningGrid {
 }
 
 impl SpinningGrid {
-    /// As [`BeamGrid::cover`], with the cosine of the incidence angle beside the depth.
+    /// As [`BeamGrid::cover`], with the cosine of the incidence angle beside the depth. `cast` walks over rows and sides by itself:
+    /// a closure there would run without wide registers.
     #[inline]
     fn meet(&self, triangle: &[DVec3; 3], window: &Window, mut visit: impl FnMut(usize, [f64; 2])) {
         let triangle = PlaneLanes::new(triangle);
@@ -364,7 +366,7 @@ impl SpinningGrid {
 /// The bounds of a piece's corners: first row, end of rows, first tick, end of ticks.
 #[inline(always)]
 fn bounds_of([a, b, c, d]: &[SpinningFootprint; 4]) -> [i32; 4] {
-    let least: SpinningFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i].min(d[i])));
+    let least: SpinningFootprint = array_of(|i| a[i].min(b[i]).min(c[i].min(d[i])));
     let [first, end, first_tick, end_tick] = least.map(i32::from);
     let most = i32::from(u16::MAX);
     [first, most - end, first_tick, most - end_tick]

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::grid::Window;
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::math::{DVec3, lesser};
 
 /// Samples along a side of a block.
@@ -209,7 +209,7 @@ impl VisibilityBuffer {
         }
         let mut least = [f32::INFINITY; BLOCK];
         for row in &self.opaque[block].inverse_depth_per_m {
-            least = lanes(|i| lesser(row[i], least[i]));
+            least = array_of(|i| lesser(row[i], least[i]));
         }
         state.is_stale = false;
         state.least_inverse_depth_per_m = least.into_iter().fold(f32::INFINITY, |least, value| lesser(value, least));

@@ -7,7 +7,7 @@ use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};
 use super::lighting::{SurfaceCoat, lamp_coat};
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::material::Pattern;
 use cadet_base::math::Vec3;
 
@@ -33,16 +33,16 @@ pub fn add_lamp_light(
         cells[i] = night.cell(geometry.point[0][i], geometry.point[1][i]);
     }
     for first in (0..n.min(BATCH_SIZE)).step_by(WIDE) {
-        let of = |values: &BatchVector| lanes(|axis| lanes(|i| values[axis][first + i]));
+        let of = |values: &BatchVector| array_of(|axis| array_of(|i| values[axis][first + i]));
         let mut s = WideSurfaces {
             point: of(&geometry.point),
             normal: of(&geometry.normal),
             view: of(&geometry.view),
-            contact: lanes(|i| incident.contact_occlusion[first + i]),
+            contact: array_of(|i| incident.contact_occlusion[first + i]),
             f0: [0.0; WIDE],
             roughness: [1.0; WIDE],
             mirror: [0.0; WIDE],
-            flags: lanes(|i| inputs.flags[first + i]),
+            flags: array_of(|i| inputs.flags[first + i]),
             is_leaf: variant.pattern == Pattern::Leaves,
             is_glossy: variant.is_glossy || variant.is_transparent,
         };
@@ -57,13 +57,13 @@ pub fn add_lamp_light(
                 (s.f0[i], s.roughness[i], s.mirror[i]) = (coat.f0, coat.roughness, mirror);
             }
         }
-        let cells: [u32; WIDE] = lanes(|i| cells[first + i]);
+        let cells: [u32; WIDE] = array_of(|i| cells[first + i]);
         let mut light = WideLight::default();
         for (i, cell) in cells.iter().enumerate() {
             if cells[..i].contains(cell) {
                 continue;
             }
-            let share = lanes(|k| if cells[k] == *cell { 1.0 } else { 0.0 });
+            let share = array_of(|k| if cells[k] == *cell { 1.0 } else { 0.0 });
             for number in night.of_cell(*cell) {
                 add_lamp(&night.lamps[usize::from(*number)], &s, &share, &mut light);
             }

@@ -7,7 +7,7 @@ use macro_rules_attribute::apply;
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
 use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, steps};
 use crate::sense::{PosedInstance, PosedScene};
-use crate::wide_registers::lanes;
+use crate::wide_registers::array_of;
 use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use cadet_base::material::Material;
 use cadet_base::math::{DMat3, Mat3, Vec3, greater, lesser};
@@ -68,7 +68,7 @@ type Points = [[[f32; LANES]; CLUSTER_VERTICES / LANES]; 3];
 #[inline(always)]
 fn point(points: &Points, i: u8) -> Vec3 {
     let i = usize::from(i);
-    Vec3::from_array(lanes(|axis| points[axis].as_flattened()[i]))
+    Vec3::from_array(array_of(|axis| points[axis].as_flattened()[i]))
 }
 
 /// How the faces of a material cast shadows.
@@ -181,7 +181,7 @@ impl Map {
             if scale > 1.0 {
                 for axis in 0..3 {
                     for i in 0..LANES {
-                        let [a, b, c, d]: [f32; 4] = lanes(|corner| corners[corner][axis][i]);
+                        let [a, b, c, d]: [f32; 4] = array_of(|corner| corners[corner][axis][i]);
                         // Of a triangle, whose last corner stands twice, nearer to that one.
                         let middle = ((a + c) + (b + d)) * 0.25;
                         for corner in &mut corners {
@@ -204,7 +204,7 @@ impl Map {
     /// Raises the texels whose middles lie within one of eight faces.
     #[inline(always)]
     fn face(&mut self, setup: &FaceSetup, i: usize) {
-        let [x0, y0, x1, y1]: [usize; 4] = lanes(|k| setup.bounds[k][i] as usize);
+        let [x0, y0, x1, y1]: [usize; 4] = array_of(|k| setup.bounds[k][i] as usize);
         if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest_steps[i]) {
             return;
         }
@@ -212,13 +212,13 @@ impl Map {
             (*from, *to) = ((*from).min(x0), (*to).max(x1));
         }
         let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
-        let edges: [[f32; 3]; 4] = lanes(|k| plane(&setup.edges[k]));
+        let edges: [[f32; 3]; 4] = array_of(|k| plane(&setup.edges[k]));
         let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
             let (highest, rows) = (setup.highest_steps[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
-                let columns: [f32; LANES] = lanes(|k| (first - x0 + k) as i32 as f32);
+                let columns: [f32; LANES] = array_of(|k| (first - x0 + k) as i32 as f32);
                 for row in 0..rows {
                     let y = row as i32 as f32;
                     let mut heights = [0; LANES];
@@ -248,7 +248,7 @@ impl Map {
             }
             let above = top as i32 as f32 - y0 as i32 as f32;
             let height = (y1 - y0) as i32 as f32;
-            let dy: [f32; LANES] = lanes(|k| above + k as i32 as f32);
+            let dy: [f32; LANES] = array_of(|k| above + k as i32 as f32);
             let (mut lo, mut hi) = ([(from - x0) as i32 as f32; LANES], [(to - x0) as i32 as f32 - 1.0; LANES]);
             for k in 0..LANES {
                 hi[k] = if (dy[k] >= 0.0) & (dy[k] < height) { hi[k] } else { -1.0 };
