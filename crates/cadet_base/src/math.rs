@@ -85,6 +85,14 @@ pub fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
+/// The whole number below, of numbers that have one: without SSE 4.1 `f64::floor` is a call.
+#[inline(always)]
+#[must_use]
+pub fn floor(x: f64) -> i64 {
+    let toward_zero = x as i64;
+    toward_zero - i64::from((toward_zero as f64) > x)
+}
+
 /// Wraps an angle to [-pi, pi).
 #[inline]
 #[must_use]

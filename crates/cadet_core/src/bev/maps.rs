@@ -2,7 +2,7 @@
 
 use super::spec::{BevSpec, Feature, HeightRule};
 use cadet_base::error::{Error, Result, finite};
-use cadet_base::math;
+use cadet_base::math::{self, floor};
 
 /// What the logarithms of counts are divided by; a cell with one point less is full.
 const FULL: usize = 16;
@@ -119,13 +119,6 @@ struct PointOnMaps {
     in_slice_m: f64,
     in_cloud_m: f64,
     y_m: f64,
-}
-
-/// The largest whole number up to a value of the size of cell numbers, without a call: the baseline has no such command.
-#[inline(always)]
-fn floor(value: f64) -> i64 {
-    let whole = value as i64;
-    whole - i64::from(whole as f64 > value)
 }
 
 impl MapGrid {

@@ -276,16 +276,17 @@ impl Sky {
                 *sum += radiance * direction.dot(normal).max(0.0);
             }
         }
-        sums.map(|sum| sum * (4.0 / SPIRAL.len() as f32))
+        sums.map(|sum| sum * (4.0 / NUM_DIRECTIONS as f32))
     }
 }
 
 /// The half axes, in the order of [`Sky::ambient`].
 const HALF_AXES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+const NUM_DIRECTIONS: usize = 1024;
 /// Directions all around.
-static SPIRAL: LazyLock<[Vec3; 1024]> = LazyLock::new(|| {
+static SPIRAL: LazyLock<[Vec3; NUM_DIRECTIONS]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
-        let z = 1.0 - (2.0 * i as f32 + 1.0) / 1024.0;
+        let z = 1.0 - (2.0 * i as f32 + 1.0) / NUM_DIRECTIONS as f32;
         let r = (1.0 - z * z).max(0.0).sqrt();
         let turn = i as f32 * GOLDEN_ANGLE;
         Vec3::new(r * math::cosf(turn), r * math::sinf(turn), z)

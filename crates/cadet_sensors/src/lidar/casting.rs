@@ -33,8 +33,7 @@ impl BeamHit {
     /// Nearer, or of two equally near ones the earlier instance and face.
     #[inline]
     fn is_before(&self, other: &Self) -> bool {
-        self.range_m < other.range_m
-            || (self.range_m == other.range_m && (self.instance, self.face) < (other.instance, other.face))
+        (self.range_m, self.instance, self.face) < (other.range_m, other.instance, other.face)
     }
 
     /// True where something was met.

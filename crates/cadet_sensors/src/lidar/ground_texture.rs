@@ -7,7 +7,7 @@
 use std::sync::LazyLock;
 
 use cadet_base::material::{Material, Pattern, Semantic};
-use cadet_base::math::DVec2;
+use cadet_base::math::{DVec2, floor};
 use cadet_base::rng::CounterRng;
 
 /// Side of the square in cells, a power of two, and of a cell.
@@ -41,13 +41,6 @@ pub(super) fn paved(place_world: DVec2) -> f64 {
     let below = table[low + left] + (table[low + right] - table[low + left]) * u;
     let above = table[high + left] + (table[high + right] - table[high + left]) * u;
     f64::from(below + (above - below) * v)
-}
-
-/// The integer below, of numbers that have one: without SSE 4.1 `f64::floor` is a call.
-#[inline]
-fn floor(x: f64) -> i64 {
-    let toward_zero = x as i64;
-    toward_zero - i64::from((toward_zero as f64) > x)
 }
 
 static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {

@@ -49,8 +49,7 @@ pub struct FaceHit {
 impl FaceHit {
     /// Nearer, or of two equally near ones the earlier instance and face.
     pub(super) fn is_before(&self, other: &Self) -> bool {
-        self.range_m < other.range_m
-            || (self.range_m == other.range_m && (self.instance, self.face) < (other.instance, other.face))
+        (self.range_m, self.instance, self.face) < (other.range_m, other.instance, other.face)
     }
 }
 
