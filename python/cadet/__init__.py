@@ -155,5 +155,5 @@ def __getattr__(name: str) -> Any:
     for room in ("cadet.evaluation", "cadet.evaluation.analysis", "cadet.figures.show") if name in __all__ else ():
         module = import_module(room)
         if hasattr(module, name):
-            return getattr(module, name)
+            return globals().setdefault(name, getattr(module, name))
     raise AttributeError(f"module 'cadet' has no attribute {name!r}")

@@ -16,13 +16,14 @@ from cadet.errors import CadetError
 VEHICLE_CLASSES = tuple(_cadet.SceneConfig.vehicle_classes())
 """KITTI's classes of vehicles that drive and park."""
 MAX_WEIGHT = 1e9
+_SETTINGS = _cadet.settings()
 
 
 class _Numbers:
     """A configuration's numbers as the core states them: how many there are, limits, and whether they count."""
 
     def __init__(self, owner: str) -> None:
-        self._owner, self._settings = owner, dict(_cadet.settings()[owner])
+        self._owner, self._settings = owner, dict(_SETTINGS[owner])
 
     def limits(self, name: str) -> tuple[float, float]:
         """Return a number's least and greatest value, as messages show them: 8 for 8.0."""
