@@ -71,6 +71,9 @@ mod tests {
     fn draws_are_uniform_and_normal() {
         let n = 50_000;
         let draws: Vec<Draws> = (0..n as usize).map(|beam| Draws::new(77, beam)).collect();
+        // None of a beam's five numbers is another beam's.
+        let numbers = draws[..99].iter().flat_map(|draws| (0..5).map(|n| CounterRng::nth(draws.key, n)));
+        assert_eq!(numbers.collect::<std::collections::BTreeSet<u64>>().len(), 99 * 5);
         for (pick, mean, var) in [
             ((|d: &Draws| d.pane_chance()) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection_chance(), 0.5, 1.0 / 12.0),
