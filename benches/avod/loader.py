@@ -18,9 +18,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from avod.augmentation_config import AugmentationConfig
 from avod.cli.process import set_up_process
 from avod.config import Config
+from avod.config.augmentation import AugmentationConfig
 from avod.data.augmentation import Augmentation
 from avod.data.build import _points_cam_in_image, build_sample, ground_plane
 from avod.data.images import jitter_colors, resize_bilinear, shift_colors

@@ -21,7 +21,7 @@ from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.sample import Sample
 from avod.device import resolve_device
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from avod.train.step import make_optimizer, new_network, training_step
 
 

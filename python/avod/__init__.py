@@ -7,7 +7,7 @@ needs it: `pip install 'cadet-sim[avod]'`.
 from typing import TYPE_CHECKING, Any
 
 from avod.config import Config
-from avod.config_base import config_names
+from avod.config.base import config_names
 
 if TYPE_CHECKING:
     from avod.detector import Detector

@@ -11,11 +11,11 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 
 from avod.config import Config
-from avod.config_file import changed_config, differences, table_from_config
+from avod.config.tables import changed_config, differences, table_from_config
 from avod.data.build import build_sample
 from avod.data.sample import Sample
 from avod.device import resolve_device
-from avod.model.network import AvodNetwork, FrameOutputs
+from avod.model.avod.network import AvodNetwork, FrameOutputs
 from avod.results import detections
 from avod.train.checkpoint import read_checkpoint, trained_network
 from cadet._util.arrays import as_array

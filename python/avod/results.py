@@ -14,7 +14,7 @@ from avod.config import Config, DetectionConfig
 from avod.geometry.encoding import anchors_from_boxes, boxes_4c_from_anchors, boxes_from_4c
 from avod.geometry.orientation import fix_up
 from avod.geometry.projection import ground_boxes
-from avod.model.network import FrameOutputs
+from avod.model.avod.network import FrameOutputs
 from avod.ops import nms
 from cadet._util.summary import summary
 from cadet.formats.kitti import Calibration, Label

@@ -15,10 +15,10 @@ from avod.data.order import frame_number, torch_generator
 from avod.data.packing import on_device
 from avod.device import Processes
 from avod.evaluate import score
-from avod.losses import frame_losses
-from avod.model.network import AvodNetwork
+from avod.model.avod.losses import frame_losses
+from avod.model.avod.network import AvodNetwork
+from avod.model.avod.targets import anchor_targets
 from avod.results import detections
-from avod.targets import anchor_targets
 from avod.train.log import Validated
 from cadet import kitti
 from cadet.errors import CadetError

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from avod.config import Config, ObjectClass
-from avod.config_base import config_names, table_of_settings
-from avod.config_file import changed_config, config_from_table, table_from_config
+from avod.config.base import config_names, table_of_settings
+from avod.config.tables import changed_config, config_from_table, table_from_config
 from cadet.bev import BevConfig
 from cadet.errors import CadetError, MissingFileError
 

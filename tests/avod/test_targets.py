@@ -12,10 +12,10 @@ from avod.config import Config, RpnConfig, SecondStageConfig
 from avod.data.order import torch_generator
 from avod.data.sample import Sample
 from avod.geometry.encoding import boxes_4c_from_anchors, boxes_4c_from_boxes, offsets_from_anchors
-from avod.losses import frame_losses, rpn_losses, second_stage_losses, smoothed_cross_entropy
-from avod.model.network import FrameOutputs
+from avod.model.avod.losses import frame_losses, rpn_losses, second_stage_losses, smoothed_cross_entropy
+from avod.model.avod.network import FrameOutputs
+from avod.model.avod.targets import AnchorTargets, ProposalTargets, anchor_targets, sample_proposals, truth_proposals
 from avod.ops import axis_aligned_iou
-from avod.targets import AnchorTargets, ProposalTargets, anchor_targets, sample_proposals, truth_proposals
 
 PLANE = torch.tensor([0.0, -1.0, 0.0, 1.65])
 CAR = (0.0, 1.65, 20.0, 4.0, 2.0, 1.5, math.radians(10))

@@ -17,7 +17,7 @@ from avod.detector import Detector
 from avod.device import Processes
 from avod.evaluate import evaluate_detector, score
 from avod.figures import _AP_COLOR, loss_figure
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from avod.train.log import TERMS, Validated, ValidationLog, read_validations
 from avod.validate import Validator
 from cadet import kitti

@@ -17,7 +17,7 @@ from click import Command
 
 from avod.cli.commands import avod
 from avod.config import Config
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from avod.train.checkpoint import load_network, read_checkpoint, save_checkpoint
 from cadet.cli.gen import cadet_gen
 from cadet.cli.tools import cadet

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from avod.config import Config
-from avod.config_file import table_from_config
+from avod.config.tables import table_from_config
 from tools.experiments.scales import CLASSES
 
 REAL: Final = "real"

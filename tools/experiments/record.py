@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from avod.config_file import differences
+from avod.config.tables import differences
 from cadet._util.plain_text import json_from_text
 from cadet.errors import CadetError
 from cadet.formats.kitti.files.folder import write_whole

@@ -13,7 +13,7 @@ from click.core import ParameterSource
 from rich.console import Console
 
 from avod import device
-from avod.config_base import table_of_settings
+from avod.config.base import table_of_settings
 from avod.data.frames import Frames, SimulatedFrames, is_simulation, open_frames
 from cadet._util.operating_system import num_processors
 from cadet.cli.progress import reporter

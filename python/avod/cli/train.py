@@ -29,12 +29,12 @@ from avod.cli.options import (
 from avod.cli.stopping import Stopping
 from avod.clusters import mean_sizes_of
 from avod.config import Config
-from avod.config_base import config_names, table_of_settings
-from avod.config_file import changed_config
+from avod.config.base import config_names, table_of_settings
+from avod.config.tables import changed_config
 from avod.data.frames import is_simulation
 from avod.data.mixture import shares_of
 from avod.device import Processes, is_first_process
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from avod.train.checkpoint import checkpoints, read_checkpoint
 from avod.train.log import Validated
 from avod.train.run import train, with_steps

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from avod.augmentation_config import AugmentationConfig
 from avod.config import Size
+from avod.config.augmentation import AugmentationConfig
 
 OFF: Final = AugmentationConfig()
 """No change but AVOD's own."""

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avod.augmentation_config import AugmentationConfig
 from avod.clusters import mean_sizes
 from avod.config import Size
+from avod.config.augmentation import AugmentationConfig
 from avod.data.augmentation import Augmentation
 from cadet.formats.kitti import Label
 from cadet.formats.kitti.boxes import points_in_boxes

@@ -23,9 +23,9 @@ from safetensors.torch import load_file, save
 from torch import Tensor, nn
 
 from avod.config import Config
-from avod.config_file import config_from_table, table_from_config
+from avod.config.tables import config_from_table, table_from_config
 from avod.data.order import seeded
-from avod.model.network import AvodNetwork, abstract_network
+from avod.model.avod.network import AvodNetwork, abstract_network
 from avod.train.settings import made_with
 from cadet._util.plain_text import json_from_text
 from cadet._util.summary import summary

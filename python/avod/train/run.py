@@ -19,7 +19,7 @@ from avod.data.mixture import shares_of
 from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from avod.device import Processes, name_of_process, resolve_device
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.log import TrainingLog, Validated, ValidationLog
 from avod.train.settings import Record, Run, check_resumed, with_skipped, write_record

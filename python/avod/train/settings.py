@@ -13,7 +13,7 @@ from typing import Annotated, Final
 import torch
 
 from avod.config import Config
-from avod.config_file import differences, table_from_config
+from avod.config.tables import differences, table_from_config
 from avod.data.mixture import Folders
 from cadet import __version__
 from cadet._util.checks import MAX_SEED, Limits, check_fields

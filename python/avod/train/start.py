@@ -10,8 +10,8 @@ from pathlib import Path
 import torch
 
 from avod.config import Config
-from avod.config_file import differences, table_from_config
-from avod.model.network import AvodNetwork
+from avod.config.tables import differences, table_from_config
+from avod.model.avod.network import AvodNetwork
 from avod.train.checkpoint import Checkpoint, checkpoints, load_network, load_optimizer, read_checkpoint
 from avod.train.log import read_log
 from avod.train.settings import Record, Run, read_record

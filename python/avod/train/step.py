@@ -12,9 +12,9 @@ from torch import Tensor, nn
 from avod.config import Config, TrainingConfig
 from avod.data.order import seeded, stream_seed, torch_generator
 from avod.data.sample import Sample
-from avod.losses import frame_losses
-from avod.model.network import AvodNetwork, FrameOutputs, abstract_network
-from avod.targets import anchor_targets
+from avod.model.avod.losses import frame_losses
+from avod.model.avod.network import AvodNetwork, FrameOutputs, abstract_network
+from avod.model.avod.targets import anchor_targets
 from cadet.errors import CadetError
 
 MAX_WEIGHTS: Final = 10**9

@@ -12,10 +12,10 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from avod.augmentation_config import AugmentationConfig
 from avod.clusters import mean_sizes_of
 from avod.config import Config
-from avod.config_base import config_names
+from avod.config.augmentation import AugmentationConfig
+from avod.config.base import config_names
 from avod.data.augmentation import OFF, Augmentation
 from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.images import shift_colors

@@ -26,7 +26,7 @@ from avod.data.packing import packed
 from avod.data.sample import Sample
 from avod.geometry.anchors import anchors_over
 from avod.geometry.encoding import anchors_from_boxes, offsets_from_anchors
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from cadet.errors import CadetError, CadetWarning, NonFiniteError, ShapeError
 from cadet.formats.kitti import Calibration, estimate_plane, points_in_image, write_frame
 from cadet.formats.kitti.boxes import project_boxes

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from avod.augmentation_config import AugmentationConfig
 from avod.config import Config
+from avod.config.augmentation import AugmentationConfig
 from avod.data.augmentation import Augmentation
 from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.paste import paste_crop, paste_objects

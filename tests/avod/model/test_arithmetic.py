@@ -11,8 +11,8 @@ import torch
 from avod.config import Config
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
+from avod.model.avod.network import AvodNetwork, FrameOutputs
 from avod.model.layers import Convolution, ShiftBatchNorm, UpConvolution
-from avod.model.network import AvodNetwork, FrameOutputs
 from avod.train.log import TERMS, read_log
 from avod.train.step import new_network
 from detector.runs import short_run, small_config, write_set

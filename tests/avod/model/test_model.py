@@ -8,10 +8,10 @@ import pytest
 import torch
 
 from avod.config import Config, ExtractorConfig, PathDropConfig
+from avod.model.avod.network import AvodNetwork
+from avod.model.avod.path_drop import detection_masks, draw_masks, fuse
+from avod.model.avod.pyramid import FeaturePyramid
 from avod.model.layers import Convolution, Dropout, ShiftBatchNorm, UpConvolution
-from avod.model.network import AvodNetwork
-from avod.model.path_drop import detection_masks, draw_masks, fuse
-from avod.model.pyramid import FeaturePyramid
 
 
 def count(module: torch.nn.Module) -> int:

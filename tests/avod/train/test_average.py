@@ -11,7 +11,7 @@ import pytest
 import torch
 
 from avod.config import Config
-from avod.model.network import AvodNetwork
+from avod.model.avod.network import AvodNetwork
 from avod.train.checkpoint import read_checkpoint, trained_network
 from avod.train.log import TERMS, Validated
 from avod.train.step import WeightAverage, new_network

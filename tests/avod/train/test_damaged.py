@@ -14,10 +14,10 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from avod.config import Config
-from avod.config_file import config_from_table
+from avod.config.tables import config_from_table
 from avod.detector import Detector
 from avod.device import resolve_device
-from avod.model.network import AvodNetwork, abstract_network
+from avod.model.avod.network import AvodNetwork, abstract_network
 from avod.train import checkpoint as checkpoints
 from avod.train.checkpoint import load_optimizer, read_checkpoint, save_checkpoint
 from avod.train.log import COLUMNS, read_log

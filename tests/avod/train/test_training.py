@@ -20,7 +20,7 @@ from avod.data.sample import Sample
 from avod.detector import Detector
 from avod.geometry.encoding import boxes_4c_from_anchors
 from avod.geometry.height_profile import cell_tops, height_profiles
-from avod.model.network import AvodNetwork, FrameOutputs
+from avod.model.avod.network import AvodNetwork, FrameOutputs
 from avod.train import train
 from avod.train.checkpoint import read_checkpoint
 from avod.train.log import COLUMNS, read_log

@@ -11,8 +11,8 @@ import torch
 
 from avod.config import Config
 from avod.data.mixture import Folders
+from avod.model.avod.network import AvodNetwork
 from avod.model.layers import ShiftBatchNorm
-from avod.model.network import AvodNetwork
 from avod.train import Run, train, with_steps
 from avod.train.checkpoint import load_network, read_checkpoint
 from avod.train.log import read_log

@@ -31,7 +31,7 @@ def checkpoint_targets() -> tuple[Target, ...]:
 def _checkpoint() -> tuple[bytes, bytes]:
     import torch
 
-    from avod.model.network import AvodNetwork
+    from avod.model.avod.network import AvodNetwork
     from avod.train.checkpoint import save_checkpoint
     from detector.runs import small_config
 

@@ -9,34 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
-from avod.augmentation_config import AugmentationConfig
-from avod.config_base import CONFIGS, with_base
-from avod.training_config import TrainingConfig
+from avod.config.augmentation import AugmentationConfig
+from avod.config.base import CONFIGS, with_base
+from avod.config.training import TrainingConfig
 from cadet._util.checks import Limits, check_fields, check_range, shown
 from cadet._util.plain_tables import object_of_table
 from cadet._util.toml_file import NamedFile
 from cadet.bev import BevConfig
 from cadet.errors import CadetError
 from cadet.formats.kitti.label import is_object_type, kitti_spelling
-
-__all__ = [
-    "CAR_SIZES",
-    "MAX_ANCHORS",
-    "MAX_LAYERS",
-    "MAX_PIXELS",
-    "AnchorConfig",
-    "AugmentationConfig",
-    "Config",
-    "DetectionConfig",
-    "ExtractorConfig",
-    "ImageConfig",
-    "ObjectClass",
-    "PathDropConfig",
-    "RpnConfig",
-    "SecondStageConfig",
-    "Size",
-    "TrainingConfig",
-]
 
 Size = tuple[float, float, float]
 

@@ -15,11 +15,11 @@ from avod.data.sample import Sample
 from avod.geometry.encoding import anchors_from_offsets, standing_anchors
 from avod.geometry.height_profile import cell_tops, height_profiles
 from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
+from avod.model.avod.path_drop import detection_masks, draw_masks, fuse
+from avod.model.avod.pyramid import FeaturePyramid
+from avod.model.avod.targets import ProposalTargets, sample_proposals, truth_proposals
 from avod.model.layers import Convolution, Head
-from avod.model.path_drop import detection_masks, draw_masks, fuse
-from avod.model.pyramid import FeaturePyramid
 from avod.ops import crop_and_resize, nms
-from avod.targets import ProposalTargets, sample_proposals, truth_proposals
 from cadet._util.summary import summary
 
 _NUM_ANCHOR_OFFSETS = 6

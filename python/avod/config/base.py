@@ -12,7 +12,7 @@ from cadet._util.plain_text import toml_from_text
 from cadet._util.user_files import read_settings
 from cadet.errors import CadetError, FileFormatError
 
-CONFIGS: Final = {path.stem: path for path in sorted((Path(__file__).parent / "configs").glob("*.toml"))}
+CONFIGS: Final = {path.stem: path for path in sorted((Path(__file__).parent / "presets").glob("*.toml"))}
 """The files of the package, by name."""
 
 

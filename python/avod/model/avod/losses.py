@@ -11,8 +11,8 @@ from torch.nn import functional
 from avod.config import Config
 from avod.data.sample import Sample
 from avod.geometry.encoding import boxes_4c_from_anchors
-from avod.model.network import FrameOutputs
-from avod.targets import AnchorTargets, ProposalTargets
+from avod.model.avod.network import FrameOutputs
+from avod.model.avod.targets import AnchorTargets, ProposalTargets
 
 
 @dataclass(frozen=True, eq=False)

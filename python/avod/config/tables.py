@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from avod.config import Config
-from avod.config_base import merged
+from avod.config.base import merged
+from avod.config.detector import Config
 from cadet.errors import CadetError
 
 

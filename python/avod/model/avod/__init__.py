@@ -1,0 +1,1 @@
+"""AVOD-FPN: two feature pyramids, the region proposal network, the second stage."""
