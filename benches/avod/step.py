@@ -21,7 +21,7 @@ from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.sample import Sample
 from avod.device import resolve_device
-from avod.model.avod.network import AvodNetwork
+from avod.model.network import AnyNetwork
 from avod.train.step import make_optimizer, new_network, training_step
 
 
@@ -64,13 +64,13 @@ def main() -> None:
         for sample in (data[i] for i in range((args.rounds + 1) * count))
         if isinstance(sample, Sample)
     ]
-    variants: dict[str, AvodNetwork] = {}
+    variants: dict[str, AnyNetwork] = {}
     for name in ["float32", "bf16", *(["bf16, compiled"] if args.compile else [])]:
         network = variants[name] = new_network(config, 0).to(device)
         network.precision = None if name == "float32" else torch.bfloat16
         if name.endswith("compiled"):
-            for pyramid in (network.bev_pyramid, network.image_pyramid):
-                pyramid.compile(dynamic=False)
+            for extractor in network.extractors():
+                extractor.compile(dynamic=False)
     optimizers = {name: make_optimizer(network.train(), config.training) for name, network in variants.items()}
     step_s: dict[str, list[float]] = {name: [] for name in variants}
     detect_s: dict[str, list[float]] = {name: [] for name in variants}

@@ -15,7 +15,7 @@ from avod.config.tables import changed_config, differences, table_from_config
 from avod.data.build import build_sample
 from avod.data.sample import Sample
 from avod.device import resolve_device
-from avod.model.avod.network import AvodNetwork, FrameOutputs
+from avod.model.network import AnyNetwork
 from avod.results import detections
 from avod.train.checkpoint import read_checkpoint, trained_network
 from cadet._util.arrays import as_array
@@ -23,15 +23,17 @@ from cadet._util.summary import summary
 from cadet.errors import CadetError, ShapeError
 from cadet.formats.kitti import Calibration, Frame, Label
 
-_FREE: Final = ("detection.", "rpn.proposals", "rpn.nms_iou", "ground")
+_FREE: Final = ("detection.", "rpn.proposals", "rpn.nms_iou", "refinement.passes", "ground")
 """Settings that no weight depends on."""
 
 
 class Detector:
-    """AVOD-FPN, ready to detect.
+    """A trained network, ready to detect.
 
     Args:
-        network: its weights are those of a training; it is put into evaluation mode.
+        network: a checkpoint's folder, a training's folder, whose last checkpoint is meant, or the name of a packaged
+            one; no code of it is run. Or a network, whose weights are those of a training; it is put into evaluation
+            mode.
         device: where the network runs; None for a CUDA GPU if there is one, else the CPU.
         precision: of the arithmetic of layers, None for float32.
 
@@ -39,44 +41,25 @@ class Detector:
         config: the network's configuration, with what `configure` changed for this detector alone.
 
     Raises:
-        CadetError: a device that is unknown, or that this machine lacks.
+        MissingFileError: no checkpoint there.
+        CadetError: a damaged one, or a device that is unknown, or that this machine lacks.
     """
 
     config: Config
 
     def __init__(
         self,
-        network: AvodNetwork,
+        network: str | Path | AnyNetwork,
         *,
         device: str | torch.device | None = None,
         precision: torch.dtype | None = None,
     ) -> None:
         self.device = resolve_device(device)
+        if isinstance(network, str | Path):
+            network = trained_network(read_checkpoint(network))
         self.network = network.to(self.device).eval()
         self.network.precision = precision
         self.config = network.config
-
-    @classmethod
-    def load(
-        cls,
-        path: str | Path,
-        *,
-        device: str | torch.device | None = None,
-        precision: torch.dtype | None = None,
-    ) -> Detector:
-        """Load a checkpoint; no code of it is run.
-
-        Args:
-            path: its folder, a training's folder, whose last checkpoint is meant, or the name of a packaged one.
-            device: where the network runs; None for a CUDA GPU if there is one, else the CPU.
-            precision: of the arithmetic of layers, None for float32.
-
-        Raises:
-            MissingFileError: no checkpoint there.
-            CadetError: a damaged one, or a device that cannot be used.
-        """
-        device = resolve_device(device)
-        return cls(trained_network(read_checkpoint(path)), device=device, precision=precision)
 
     def configure(self, changes: Mapping[str, Any]) -> None:
         """Change settings of detection, which no weight depends on, for this detector alone.
@@ -89,6 +72,10 @@ class Detector:
         """
         config = changed_config(self.config, changes)
         for name, was, now in differences(table_from_config(self.config), table_from_config(config)):
+            if config.network == "center" and name.startswith("rpn."):
+                raise CadetError(
+                    f"{name}: a center detector has no proposals; detection.min_score and nms_iou change it"
+                )
             if not name.startswith(_FREE):
                 raise CadetError(f"{name}: expected {was!r}, with which the weights were trained, got {now!r}")
         self.config = config
@@ -96,6 +83,16 @@ class Detector:
     def __repr__(self) -> str:
         num_weights = sum(parameter.numel() for parameter in self.network.parameters())
         return summary(self, classes=self.config.class_names, num_weights=num_weights, device=str(self.device))
+
+    def __call__(
+        self,
+        image: NDArray[np.uint8],
+        points_velo: NDArray[np.float32],
+        calib: Calibration,
+        plane: NDArray[np.float64] | None = None,
+    ) -> tuple[Label, ...]:
+        """Detect objects in an image (H, W, 3) and a scan (N, 4): see `detect_frames`, which takes batches."""
+        return self.detect_frame(Frame(image, points_velo, (), calib, plane))
 
     def detect(
         self,
@@ -161,19 +158,19 @@ class Detector:
         """
         samples = [sample.to(self.device) for sample in samples]
         return [
-            detections(outputs, sample.plane, calib, sample.image_size, self.config)
+            detections(self.network, outputs, sample, calib, self.config)
             for outputs, sample, calib in zip(self.run(samples), samples, calibs, strict=True)
         ]
 
-    def run(self, samples: Sequence[Sample]) -> list[FrameOutputs]:
+    def run(self, samples: Sequence[Sample]) -> list[Any]:
         """Run the network on samples that are on its device.
 
         Raises:
             CadetError: the network's outputs are no numbers.
         """
         with torch.inference_mode():
-            found: list[FrameOutputs] = self.network(samples, config=self.config)
+            found: list[Any] = self.network(samples, config=self.config)
             for sample, outputs in zip(samples, found, strict=True):
-                if not bool(torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()):
+                if not outputs.is_finite:
                     raise CadetError(f"frame {sample.frame_id}: the network's outputs are not finite")
         return found

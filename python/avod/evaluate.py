@@ -113,19 +113,23 @@ ABLATIONS: Final[Mapping[str, tuple[bool, bool]]] = {"image masked": (False, Tru
 def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector:
     """Return a detector with the same network that one sensor's feature maps are hidden from.
 
-    Both stages then see the other's crops alone, as path drop shows them in training. Points still choose the anchors
-    that are looked at, the ground plane, and how high proposals stand where the configuration measures that.
+    Both stages then see the other's crops alone, as path drop shows them in training, and points correct no boxes
+    without the LIDAR. They still choose the anchors that are looked at, the ground plane, and how high proposals stand
+    where the configuration measures that.
 
     Raises:
-        CadetError: both sensors are left out.
+        CadetError: both sensors are left out, or the detector has no camera.
     """
     if not has_image and not has_lidar:
         raise CadetError("without image and LIDAR there is nothing to detect in")
+    config = detector.config
+    if config.network == "center":
+        raise CadetError("a center detector sees the LIDAR alone: there is no sensor to leave out")
     masked = copy(detector)
     # A modality that training never kept is not seen in detection.
-    masked.config = replace(
-        detector.config, path_drop=PathDropConfig(keep_image=float(has_image), keep_bev=float(has_lidar))
-    )
+    path_drop = PathDropConfig(keep_image=float(has_image), keep_bev=float(has_lidar))
+    passes = config.refinement.passes if has_lidar else 0
+    masked.config = replace(config, path_drop=path_drop, refinement=replace(config.refinement, passes=passes))
     return masked
 
 

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avod.train.log import TERMS
+from avod.train.log import TOTAL, terms_of
 from cadet._util import style
 from cadet.errors import CadetError
 from cadet.formats.kitti import Label
@@ -68,7 +68,7 @@ def loss_figure(
     """
     if not rows:
         raise CadetError("the log has no rows to draw")
-    curves = {name: np.maximum(_running_mean([row[name] for row in rows]), _LEAST) for name in TERMS}
+    curves = {name: np.maximum(_running_mean([row[name] for row in rows]), _LEAST) for name in terms_of(rows[0])}
     plot = _Plot(
         np.array([row["step"] for row in [*rows, *validations]]),
         np.concatenate([*curves.values(), [max(row["total"], _LEAST) for row in validations]]),
@@ -76,9 +76,9 @@ def loss_figure(
     )
     steps = [row["step"] for row in rows]
     for index, (name, values) in enumerate(curves.items()):
-        color = style.TEXT if name == "total" else _CURVE_COLORS[index]
+        color = style.TEXT if name == TOTAL else _CURVE_COLORS[index]
         has_dots = len(rows) < _FEW_ROWS
-        plot.curve(steps, plot.loss_y(values), color, width=2 if name == "total" else 1, has_dots=has_dots)
+        plot.curve(steps, plot.loss_y(values), color, width=2 if name == TOTAL else 1, has_dots=has_dots)
         plot.legend(f"{name} {values[-1]:.3g}", color)
     if validations:
         steps = [row["step"] for row in validations]

@@ -125,11 +125,11 @@ def measure(detector: Detector, data: Data, ids: tuple[str, ...]) -> Timing:
             marks.append(time.perf_counter())
             sample = sample_from_frame(frame, frame_id, detector.config)
             marks.append(time.perf_counter())
-            plane = sample.plane.to(detector.device)
-            (outputs,) = detector.run([sample.to(detector.device)])
+            sample = sample.to(detector.device)
+            (outputs,) = detector.run([sample])
             _wait(detector.device)
             marks.append(time.perf_counter())
-            detections(outputs, plane, frame.calib, sample.image_size, detector.config)
+            detections(detector.network, outputs, sample, frame.calib, detector.config)
             marks.append(time.perf_counter())
             if number > 0:
                 sums = [total + end - start for total, start, end in zip(sums, marks, marks[1:], strict=False)]

@@ -1,71 +1,20 @@
-"""From the network's outputs to KITTI's labels with scores."""
+"""From the network's boxes to KITTI's labels with scores."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from avod.config import Config, DetectionConfig
-from avod.geometry.encoding import anchors_from_boxes, boxes_4c_from_anchors, boxes_from_4c
-from avod.geometry.orientation import fix_up
-from avod.geometry.projection import ground_boxes
-from avod.model.avod.network import FrameOutputs
-from avod.ops import nms
-from cadet._util.summary import summary
+from avod.data.sample import Sample
+from avod.model.boxes import Boxes
+from avod.model.network import AnyNetwork
 from cadet.formats.kitti import Calibration, Label
 from cadet.formats.kitti.boxes import alpha_from_boxes, clip_boxes_img, project_boxes
-
-
-@dataclass(frozen=True, eq=False)
-class Boxes:
-    """Detected boxes of a frame, best first.
-
-    Attributes:
-        boxes_cam: (D, 7), bottom center in the cam frame.
-        scores: (D,) probability of the class.
-        classes: (D,) int64, 1 for the first class.
-    """
-
-    boxes_cam: Tensor
-    scores: Tensor
-    classes: Tensor
-
-    def __repr__(self) -> str:
-        return summary(self, boxes_cam=self.boxes_cam, scores=self.scores, classes=self.classes)
-
-
-def decode(outputs: FrameOutputs, plane: Tensor, config: DetectionConfig) -> Boxes:
-    """Decode proposals, drop the lesser ones, choose headings.
-
-    Boxes are compared turned to the axes: all classes together, ranked by the greatest logit of a class, or each class
-    on its own, ranked by score.
-
-    Args:
-        outputs: of the network.
-        plane: (4,) ground plane of the sample.
-        config: overlap and number.
-    """
-    boxes_4c = boxes_4c_from_anchors(outputs.proposals, plane) + outputs.box_offsets
-    boxes_cam = boxes_from_4c(boxes_4c, plane)
-    boxes_bev = ground_boxes(anchors_from_boxes(boxes_cam))
-    scores, classes = outputs.class_logits.softmax(dim=1)[:, 1:].max(dim=1)
-    if config.suppression == "class":
-        parts = [(classes == kind).nonzero().squeeze(1) for kind in range(outputs.class_logits.shape[1] - 1)]
-        kept = torch.cat(
-            [part[nms(boxes_bev[part], scores[part], config.nms_iou, config.max_detections)] for part in parts]
-        )
-    else:
-        ranks = outputs.class_logits[:, 1:].amax(dim=1)
-        kept = nms(boxes_bev, ranks, config.nms_iou, config.max_detections)
-    # The greatest logit need not have the highest score: that depends on the others' too.
-    kept = kept[torch.argsort(scores[kept], descending=True, stable=True)][: config.max_detections]
-    fixed = fix_up(boxes_cam[kept], outputs.vectors[kept], is_reference=config.fix_up == "reference")
-    return Boxes(fixed, scores[kept], classes[kept] + 1)
 
 
 def labels_from_boxes(
@@ -120,8 +69,8 @@ def _is_in_image(
 
 
 def detections(
-    outputs: FrameOutputs, plane: Tensor, calib: Calibration, image_size: tuple[int, int], config: Config
+    network: AnyNetwork, outputs: Any, sample: Sample, calib: Calibration, config: Config
 ) -> tuple[Label, ...]:
-    """Turn the network's outputs for a frame into labels with scores, best first."""
+    """Turn a network's outputs for a frame into labels with scores, best first."""
     with torch.no_grad():
-        return labels_from_boxes(decode(outputs, plane, config.detection), calib, image_size, config)
+        return labels_from_boxes(network.boxes(outputs, sample, config), calib, sample.image_size, config)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,7 @@ from avod.data.order import frame_number, torch_generator
 from avod.data.packing import on_device
 from avod.device import Processes
 from avod.evaluate import score
-from avod.model.avod.losses import frame_losses
-from avod.model.avod.network import AvodNetwork
-from avod.model.avod.targets import anchor_targets
+from avod.model.network import AnyNetwork
 from avod.results import detections
 from avod.train.log import Validated
 from cadet import kitti
@@ -64,7 +63,7 @@ class Validator:
         self._config, self._workers, self._should_stop = config, workers, should_stop
         self._on_frame = on_frame
 
-    def __call__(self, network: AvodNetwork, step: int, processes: Processes) -> Validated | None:
+    def __call__(self, network: AnyNetwork, step: int, processes: Processes) -> Validated | None:
         """Validate a network, which is left in evaluation mode.
 
         Args:
@@ -111,19 +110,22 @@ class Validator:
         return Validated(means, score(report, names), {name: score(report, (name,)) for name in names})
 
     def _judge(
-        self, network: AvodNetwork, sample: Any, calib: kitti.Calibration, *, step: int, device: torch.device
+        self,
+        network: AnyNetwork,
+        sample: Any,
+        calib: kitti.Calibration,
+        *,
+        step: int,
+        device: torch.device,
     ) -> tuple[str, dict[str, float]]:
         sample = on_device(sample, device)
         with torch.inference_mode():
             (features,) = network.extract([sample])
             outputs = network.judge(sample, features)
             generator = torch_generator(0, "validation", frame_number(sample.frame_id))
-            judged = network.judge(sample, features, generator)
-            targets = anchor_targets(sample, self._config.rpn, generator)
-            losses = frame_losses(judged, targets, sample, self._config).by_name()
+            losses = network.losses(network.judge(sample, features, generator), sample, generator)
             numbers = {name: float(value) for name, value in losses.items()}
-            is_finite = torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()
-            if not bool(is_finite & torch.isfinite(losses["total"])):
+            if not (outputs.is_finite and math.isfinite(numbers["total"])):
                 raise CadetError(f"validation after step {step}: the outputs on frame {sample.frame_id} are not finite")
-            labels = detections(outputs, sample.plane, calib, sample.image_size, self._config)
+            labels = detections(network, outputs, sample, calib, self._config)
         return text_from_labels(labels), numbers

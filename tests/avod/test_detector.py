@@ -15,8 +15,10 @@ from avod.config import Config
 from avod.device import resolve_device
 from avod.evaluate import Scored, best, score
 from avod.geometry.encoding import boxes_4c_from_anchors, boxes_4c_from_boxes
-from avod.model.avod.network import FrameOutputs
-from avod.results import Boxes, decode, labels_from_boxes
+from avod.model.avod.decoding import decode
+from avod.model.avod.outputs import FrameOutputs
+from avod.model.boxes import Boxes
+from avod.results import labels_from_boxes
 from avod.train.step import new_network
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.evaluation import evaluate

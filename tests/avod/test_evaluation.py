@@ -28,7 +28,7 @@ def frames() -> list[cadet.Frame]:
 
 @pytest.fixture(scope="module")
 def detector() -> avod.Detector:
-    return avod.Detector.load("tiny_car")
+    return avod.Detector("tiny_car")
 
 
 def detect(detector: avod.Detector, frame: cadet.Frame, image: np.ndarray | None = None) -> tuple[Label, ...]:

@@ -35,7 +35,7 @@ def frames() -> list[cadet.Frame]:
 @pytest.mark.parametrize("name", _NAMES)
 def test_every_packaged_checkpoint_loads_and_is_small(name: str) -> None:
     assert packaged_checkpoints() == _NAMES
-    detector = avod.Detector.load(name)
+    detector = avod.Detector(name)
     assert detector.config == Config.named(name)
     folder = Path(avod.__file__).parent / "checkpoints" / name
     assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.json", "model.safetensors"]
@@ -44,7 +44,7 @@ def test_every_packaged_checkpoint_loads_and_is_small(name: str) -> None:
 
 @pytest.mark.parametrize("name", _NAMES)
 def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame], name: str) -> None:
-    detector = avod.Detector.load(name)
+    detector = avod.Detector(name)
     num_plain = num_found = num_wrong = 0
     for frame in frames:
         found = detector.detect_frame(frame)
@@ -67,7 +67,7 @@ def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_p
     arguments = ["predict", "--checkpoint", "tiny_car", "--data", str(tmp_path), "--out", str(tmp_path / "found")]
     result = CliRunner().invoke(command, arguments, catch_exceptions=False)
     assert result.exit_code == 0, result.output
-    detected = avod.Detector.load("tiny_car").detect_frame(frame)
+    detected = avod.Detector("tiny_car").detect_frame(frame)
     written = labels_from_text((tmp_path / "found" / "000007.txt").read_text())
     assert len(written) == len(detected) > 0
 
@@ -76,7 +76,7 @@ def test_an_unknown_name_lists_what_there_is() -> None:
     with pytest.raises(
         MissingFileError, match=r"^tiny_cra: not a checkpoint: expected a folder .*, or one of small_car, tiny_car$"
     ):
-        avod.Detector.load("tiny_cra")
+        avod.Detector("tiny_cra")
 
 
 def boxes_of(labels: list[cadet.kitti.Label]) -> np.ndarray:

@@ -18,10 +18,11 @@ from avod.device import Processes
 from avod.evaluate import evaluate_detector, score
 from avod.figures import _AP_COLOR, loss_figure
 from avod.model.avod.network import AvodNetwork
-from avod.train.log import TERMS, Validated, ValidationLog, read_validations
+from avod.train.log import Validated, ValidationLog, read_validations
 from avod.validate import Validator
 from cadet import kitti
 from cadet.errors import CadetError, MissingFileError
+from detector.logs import TERMS
 from detector.runs import StopAfter, assert_same_training, short_run, weights
 
 STEPS = 8
@@ -52,7 +53,7 @@ def test_the_best_checkpoint_is_kept_and_scores_what_the_log_says(data: Path, va
     settings = json.loads((validated / "best_val" / "checkpoint.json").read_text())
     assert settings["step"] == best["step"]
     assert not (validated / "best_val" / "optimizer.safetensors").exists()
-    detector = Detector.load(validated / "best_val")
+    detector = Detector(validated / "best_val")
     ids = kitti.Dataset(data, "val").ids
     report = evaluate_detector(detector, data, ids)
     assert score(report, detector.config.class_names) == pytest.approx(best["ap"], abs=1e-3)
@@ -62,18 +63,18 @@ def test_the_best_checkpoint_is_kept_and_scores_what_the_log_says(data: Path, va
 
 
 def test_the_best_of_equal_ones_is_the_last_and_a_worse_one_is_not_kept(tmp_path: Path) -> None:
-    log = ValidationLog(tmp_path, 0, ("Car",))
+    log = ValidationLog(tmp_path, 0, TERMS, ("Car",))
     found = [log.add(step, made(ap)) for step, ap in enumerate((30.0, 40.0, 35.0, 40.0, 39.99), start=1)]
     assert found == [True, True, False, True, False]
     # Rows past the step that training goes on from are made again.
-    again = ValidationLog(tmp_path, 1, ("Car",))
+    again = ValidationLog(tmp_path, 1, TERMS, ("Car",))
     assert again.steps == [1] and [row["ap"] for row in read_validations(tmp_path / "val.csv")] == [30.0]
     assert again.add(2, made(31.0))
     # What has the same digits in the file is as good, in one process and after a stop.
     assert again.add(3, made(31.00004)) and again.add(4, made(31.00003))
-    assert ValidationLog(tmp_path, 4, ("Car",)).add(5, made(31.00002))
+    assert ValidationLog(tmp_path, 4, TERMS, ("Car",)).add(5, made(31.00002))
     with pytest.raises(CadetError, match=r"val.csv:1: expected the columns step, .*, ap, ap_Cyclist$"):
-        ValidationLog(tmp_path, 5, ("Cyclist",))
+        ValidationLog(tmp_path, 5, TERMS, ("Cyclist",))
 
 
 def made(ap: float) -> Validated:
@@ -94,7 +95,7 @@ def test_a_validation_that_was_stopped_is_made_when_training_goes_on(
 
 
 def test_workers_and_repetition_change_no_validation(config: Config, data: Path, validated: Path) -> None:
-    network = Detector.load(validated).network
+    network = Detector(validated).network
     alone, helped = (Validator(data, "val", config, workers=n)(network, 8, Processes()) for n in (0, 2))
     assert alone is not None and alone == helped
     assert alone.losses["total"] == pytest.approx(read_validations(validated / "val.csv")[-1]["total"], rel=1e-4)

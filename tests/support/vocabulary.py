@@ -49,14 +49,14 @@ CLASSES: tuple[type[Any], ...] = (generate.Settings, Run, *FILES.values())
 FUNCTIONS: tuple[Callable[..., Any], ...] = (
     *(generate.generate, cadet.stream, cadet.analyze, cadet.evaluate, kitti.lint, convert, convert_bdd100k),
     *(cut_objects, fit_lidar, write_report, write_gallery, analyze_detectors),
-    *(cadet.Environment, cadet.Scene.random, cadet.Assets.read, cadet.ResetPolicy.as_sequence, avod.Detector.load),
+    *(cadet.Environment, cadet.Scene.random, cadet.Assets.read, cadet.ResetPolicy.as_sequence, avod.Detector),
 )
 """The functions whose parameters are settings."""
 
 COMMAND_ONLY: Mapping[str, str] = {
     "ablate": "`avod.evaluate.ablation`",
     "all": "prints every finding",
-    "checkpoint": "the path of `avod.Detector.load`",
+    "checkpoint": "the network of `avod.Detector`",
     "details": "all of `parts`, by distance and occlusion",
     "frame_id": "the frame that is drawn",
     "image_size": "`cadet.Camera.resized`",

@@ -234,7 +234,7 @@ def test_the_best_of_the_last_checkpoints_counts(
     # Chosen on the first set, and tested as it is on the other.
     assert [(item.tested, item.step) for item in read_outcomes(tmp_path)] == [("sim", 2), ("real", 2)]
     assert (place / "best" / "model.safetensors").read_bytes() == (written[0] / "model.safetensors").read_bytes()
-    detector = Detector.load(written[0])
+    detector = Detector(written[0])
     for tested in ("sim", "real"):
         for frame_id, labels in predict(detector, sets[tested].folder, sets[tested].val_ids):
             assert (place / f"detections_{tested}" / f"{frame_id}.txt").read_text() == text_from_labels(labels)

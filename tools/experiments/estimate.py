@@ -60,7 +60,7 @@ def measure_speed(config: Config, frames: FrameSet, machine: Machine) -> Speed:
         )
         # The last step writes a checkpoint before it is heard of.
         last = train(with_steps(config, WARM_UP + TIMED + 1), run, on_step=on_step)
-        detector = Detector.load(last, device=processes.device, precision=machine.precision)
+        detector = Detector(last, device=processes.device, precision=machine.precision)
         processes.any(False)  # The first process removes its folder when all have read.
     ids = frames.val_ids[: WARM_UP + TIMED]
     marks = [time.perf_counter()]

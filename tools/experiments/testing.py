@@ -52,7 +52,7 @@ def run_tests(cell: Cell, out: Path, sets: Sets, machine: Machine) -> bool:
 
 def _test(cell: Cell, folder: Path, paths: Sequence[Path], tested: str, frames: FrameSet, machine: Machine) -> bool:
     processes = machine.processes
-    detectors = [Detector.load(path, device=processes.device, precision=machine.precision) for path in paths]
+    detectors = [Detector(path, device=processes.device, precision=machine.precision) for path in paths]
     ids = frames.val_ids
     found = _detect(detectors, frames, ids, f"{cell.name} on {tested} frames", machine)
     if found is None:

@@ -259,7 +259,7 @@ def view_command(
 
 
 def _detector(checkpoint: Path, device: str, precision: str, changes: Mapping[str, Any]) -> Detector:
-    detector = Detector.load(checkpoint, device=resolve_device(device), precision=resolve_precision(precision))
+    detector = Detector(checkpoint, device=resolve_device(device), precision=resolve_precision(precision))
     try:
         detector.configure(changes)
     except CadetError as error:

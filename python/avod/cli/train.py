@@ -34,7 +34,7 @@ from avod.config.tables import changed_config
 from avod.data.frames import is_simulation
 from avod.data.mixture import shares_of
 from avod.device import Processes, is_first_process
-from avod.model.avod.network import AvodNetwork
+from avod.model.network import AnyNetwork
 from avod.train.checkpoint import checkpoints, read_checkpoint
 from avod.train.log import Validated
 from avod.train.run import train, with_steps
@@ -228,7 +228,7 @@ def _recorded(out: Path) -> tuple[Record | None, Config]:
 
 def _validation(
     config: Config, run: Run, stopping: Stopping, on_validated: Callable[[str], None]
-) -> Callable[[AvodNetwork, int, Processes], Validated | None]:
+) -> Callable[[AnyNetwork, int, Processes], Validated | None]:
     last_s = time.monotonic()
 
     def on_frame(done: int, total: int) -> None:
@@ -240,7 +240,7 @@ def _validation(
     folder = next(name for name, _ in shares_of(run.data) if not is_simulation(name))
     validator = Validator(folder, run.val_split, config, workers=run.workers, should_stop=stopping, on_frame=on_frame)
 
-    def validate(network: AvodNetwork, step: int, processes: Processes) -> Validated | None:
+    def validate(network: AnyNetwork, step: int, processes: Processes) -> Validated | None:
         found = validator(network, step, processes)
         if found is not None:
             on_validated(

@@ -11,6 +11,9 @@ from typing import Annotated, Any, Final, Literal
 
 from avod.config.augmentation import AugmentationConfig
 from avod.config.base import CONFIGS, with_base
+from avod.config.center import CenterConfig
+from avod.config.limits import MAX_ANCHORS, MAX_LAYERS, MAX_PIXELS
+from avod.config.refinement import RefinementConfig
 from avod.config.training import TrainingConfig
 from cadet._util.checks import Limits, check_fields, check_range, shown
 from cadet._util.plain_tables import object_of_table
@@ -23,13 +26,6 @@ Size = tuple[float, float, float]
 
 CAR_SIZES: Final[tuple[Size, ...]] = ((3.514, 1.581, 1.511), (4.236, 1.653, 1.547))
 """Two clusters (l, w, h) of KITTI's cars, meters."""
-
-MAX_PIXELS: Final = 2**23
-"""The most pixels of the image after resizing, and the most cells of a map: for each the network keeps many numbers."""
-MAX_ANCHORS: Final = 2**22
-"""The most anchors of the whole grid; AVOD has 89,600."""
-MAX_LAYERS: Final = 8
-"""The most stages of an encoder, and the most hidden layers of the second stage."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -279,6 +275,9 @@ class Config(NamedFile):
 
     classes: tuple[ObjectClass, ...] = (ObjectClass(),)
     """Classes to detect; class k of the network is the k-th, 0 is background."""
+    network: Literal["avod", "center"] = "avod"
+    """AVOD-FPN, or a network that marks objects' centers in the maps; that has no use for the settings from `image` to
+    `second_stage`."""
     ground: Literal["file", "estimated"] = "file"
     """The ground plane: the frame's plane where it has one, as in AVOD, or estimated from the scan wherever
     that shows ground, so that training meets the errors that frames without a plane have."""
@@ -296,6 +295,10 @@ class Config(NamedFile):
     """The first stage."""
     second_stage: SecondStageConfig = field(default_factory=SecondStageConfig)
     """The second stage."""
+    center: CenterConfig = field(default_factory=CenterConfig)
+    """The center detector."""
+    refinement: RefinementConfig = field(default_factory=RefinementConfig)
+    """The stage that corrects boxes by the points in them."""
     training: TrainingConfig = field(default_factory=TrainingConfig)
     """Training."""
     augmentation: AugmentationConfig = field(default_factory=AugmentationConfig)
@@ -310,9 +313,13 @@ class Config(NamedFile):
         if self.second_stage.height_cells and "max_height" not in (*self.bev.slice_maps, *self.bev.cloud_maps):
             raise CadetError("Config.second_stage.height_cells: expected 0 where no map holds max_height")
         self.augmentation.check_classes(len(names))
-        stride = self.extractor.stride
         _, rows, columns = self.bev.shape
-        for name, size in (("image.size[0]", self.image.size[0]), ("bev.x_m: cells", columns)):
+        if self.network == "center":
+            stride, sizes = self.center.stride, {"bev.z_m: cells": rows, "bev.x_m: cells": columns}
+        else:
+            stride = self.extractor.stride
+            sizes = {"image.size[0]": self.image.size[0], "bev.x_m: cells": columns}
+        for name, size in sizes.items():
             if size % stride:
                 raise CadetError(f"Config.{name}: expected a multiple of {stride}, got {size}")
         if rows * columns > MAX_PIXELS:

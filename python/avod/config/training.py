@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal
 
 from cadet._util.checks import Limits, check_fields
 
@@ -25,10 +25,13 @@ class TrainingConfig:
     """Frames whose losses are averaged in a step, on each device."""
     min_objects: Annotated[int, Limits(1)] = 1
     """Frames with fewer objects of the classes are left out."""
+    schedule: Literal["steps", "one_cycle"] = "steps"
+    """Of the learning rate: it falls in steps, as AVOD's, or rises from a tenth over the first quarter of the steps and
+    falls to nothing along a cosine."""
     learning_rate: Annotated[float, Limits(1e-12, 10)] = 1e-4
-    """At step 0."""
+    """At step 0, or the greatest of the cycle."""
     decay_factor: Annotated[float, Limits(1e-6, 1)] = 0.8
-    """The learning rate is multiplied by this ..."""
+    """Of the schedule in steps: the learning rate is multiplied by this ..."""
     decay_steps: Annotated[int, Limits(1, _MOST_STEPS)] = 30_000
     """... whenever this many steps have passed."""
     max_gradient_norm: Annotated[float, Limits(1e-12)] = 1.0

@@ -30,6 +30,9 @@ _PART: Final = 8192
 _MAX_ROUGH: Final = 1e30
 _HEIGHT_M: Final = 1.65
 """Of KITTI's camera over the road."""
+_NO_IMAGE: Final = torch.zeros((3, 0, 0), dtype=torch.uint8)
+_NO_ANCHORS: Final = torch.zeros((0, 6))
+_NO_POINTS: Final = torch.zeros((0, 3))
 _FLAT_GROUND: Final = np.array([0.0, -1.0, 0.0, _HEIGHT_M])
 
 
@@ -88,13 +91,13 @@ def build_sample(
     if (change := WorldChange.drawn(augmentation)) is not None:
         points_cam, boxes_cam = change.points(points_cam), change.boxes(boxes_cam)
         plane, projection = change.plane(plane), change.projection(projection)
-    cells = occupancy(points_cam, plane, config.anchors, config.bev)
-    anchors = anchors_over(cells, plane, config.classes, config.anchors, config.bev)
+    has_camera = config.network == "avod"
     return Sample(
         frame_id=frame_id,
         bev=torch.from_numpy(bev.maps(points_cam, plane, config.bev, maps)),
-        image=torch.from_numpy(_resized(image, config, augmentation)).permute(2, 0, 1),
-        anchors=_tensor("anchors", anchors),
+        image=torch.from_numpy(_resized(image, config, augmentation)).permute(2, 0, 1) if has_camera else _NO_IMAGE,
+        anchors=_tensor("anchors", _anchors(points_cam, plane, config)) if has_camera else _NO_ANCHORS,
+        points_cam=_tensor("points_cam", points_cam) if config.refinement.max_points else _NO_POINTS,
         plane=_tensor("plane", plane),
         projection=_tensor("projection", projection),
         image_size=(width, height),
@@ -174,6 +177,11 @@ def _points_cam_in_image(
         points_velo = np.concatenate([points_velo[:0], *kept])
     points_cam = calib.points_cam_from_velo(points_velo)
     return points_cam[points_in_image(points_cam, calib, image_size)]
+
+
+def _anchors(points_cam: NDArray[np.float64], plane: NDArray[np.float64], config: Config) -> NDArray[np.float64]:
+    cells = occupancy(points_cam, plane, config.anchors, config.bev)
+    return anchors_over(cells, plane, config.classes, config.anchors, config.bev)
 
 
 def _resized(image: NDArray[np.uint8], config: Config, augmentation: Augmentation) -> NDArray[np.uint8]:

@@ -18,8 +18,9 @@ class Sample:
     Attributes:
         frame_id: of a folder's frame, or what names a frame that comes from no folder.
         bev: (C, H, W) maps of the bird's-eye view, row 0 far.
-        image: (3, h, w) uint8 RGB, resized.
-        anchors: (N, 6) over occupied ground, cam frame.
+        image: (3, h, w) uint8 RGB, resized; empty for a detector that does not look at it.
+        anchors: (N, 6) over occupied ground, cam frame; empty for a detector without anchors.
+        points_cam: (P, 3) that the image sees; empty for a detector that does not look at single points.
         plane: (4,) [a, b, c, d], unit normal, b < 0.
         projection: (3, 4) P2 of the image before resizing.
         image_size: its width and height.
@@ -31,6 +32,7 @@ class Sample:
     bev: Tensor
     image: Tensor
     anchors: Tensor
+    points_cam: Tensor
     plane: Tensor
     projection: Tensor
     image_size: tuple[int, int]
@@ -62,6 +64,7 @@ class Sample:
             bev=change(self.bev),
             image=change(self.image),
             anchors=change(self.anchors),
+            points_cam=change(self.points_cam),
             plane=change(self.plane),
             projection=change(self.projection),
             boxes_cam=change(self.boxes_cam),

@@ -1,1 +1,1 @@
-"""The network: two feature pyramids, the region proposal network, the second stage."""
+"""Networks: AVOD-FPN, the center detector, and what both share."""

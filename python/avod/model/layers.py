@@ -54,23 +54,24 @@ class ShiftBatchNorm(nn.Module):
 
 
 class Convolution(nn.Module):
-    """Convolution of stride 1 that keeps the size, without bias; then batch normalization and ReLU.
+    """Convolution without bias; then batch normalization and ReLU.
 
     Args:
         num_in: channels that come in.
         num_out: channels that go out.
         config: of the batch normalization.
         kernel: side of the kernel, odd.
+        stride: 1 keeps the size, 2 halves it.
     """
 
-    def __init__(self, num_in: int, num_out: int, config: ExtractorConfig, kernel: int = 3) -> None:
+    def __init__(self, num_in: int, num_out: int, config: ExtractorConfig, kernel: int = 3, stride: int = 1) -> None:
         super().__init__()
-        self.convolution = nn.Conv2d(num_in, num_out, kernel, padding=kernel // 2, bias=False)
+        self.convolution = nn.Conv2d(num_in, num_out, kernel, stride, padding=kernel // 2, bias=False)
         self.norm = ShiftBatchNorm(num_out, config)
         nn.init.xavier_uniform_(self.convolution.weight)
 
     def forward(self, *features: Tensor) -> Tensor:
-        """Map one or more (B, c, H, W), whose channels are `num_in` together, to (B, num_out, H, W)."""
+        """Map one or more (B, c, H, W), whose channels are `num_in` together, to (B, num_out, H / s, W / s)."""
         if self.training:
             return functional.relu_(cast("Tensor", self.norm(self._convolved(features, self.convolution.weight))))
         scale, shift = self.norm.folded()
@@ -79,9 +80,10 @@ class Convolution(nn.Module):
     def _convolved(self, features: tuple[Tensor, ...], weight: Tensor, bias: Tensor | None = None) -> Tensor:
         # The sum over maps equals the convolution of their concatenation, which is never made.
         weights = torch.split(weight, [part.shape[1] for part in features], dim=1)
-        convolved = functional.conv2d(features[0], weights[0], bias, padding=self.convolution.padding)
+        stride, padding = self.convolution.stride, self.convolution.padding
+        convolved = functional.conv2d(features[0], weights[0], bias, stride, padding)
         for part, its_weight in zip(features[1:], weights[1:], strict=True):
-            convolved = convolved.add_(functional.conv2d(part, its_weight, padding=self.convolution.padding))
+            convolved = convolved.add_(functional.conv2d(part, its_weight, None, stride, padding))
         return convolved
 
 

@@ -25,7 +25,8 @@ from torch import Tensor, nn
 from avod.config import Config
 from avod.config.tables import config_from_table, table_from_config
 from avod.data.order import seeded
-from avod.model.avod.network import AvodNetwork, abstract_network
+from avod.model.making import abstract_network, make_network
+from avod.model.network import AnyNetwork
 from avod.train.settings import made_with
 from cadet._util.plain_text import json_from_text
 from cadet._util.summary import summary
@@ -188,7 +189,7 @@ def keep_checkpoint(path: Path, kept: Path, *, has_optimizer: bool = False) -> N
     aside.replace(kept)
 
 
-def trained_network(checkpoint: Checkpoint) -> AvodNetwork:
+def trained_network(checkpoint: Checkpoint) -> AnyNetwork:
     """Make the network of a checkpoint. The file's shapes are compared first, so that it bounds the memory.
 
     Raises:
@@ -198,12 +199,12 @@ def trained_network(checkpoint: Checkpoint) -> AvodNetwork:
     file = checkpoint.path / _MODEL
     _check_weights(file, _shapes(file), abstract_network(checkpoint.config).state_dict())
     with seeded(torch.device("cpu"), checkpoint.seed):
-        network = AvodNetwork(checkpoint.config)
+        network = make_network(checkpoint.config)
     load_network(checkpoint, network)
     return network
 
 
-def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:
+def load_network(checkpoint: Checkpoint, network: AnyNetwork) -> None:
     """Load a checkpoint's weights.
 
     Raises:

@@ -16,14 +16,15 @@ from cadet._util.user_files import names_file
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import write_whole
 
-TERMS: Final = ("objectness", "anchor", "classification", "box", "orientation", "total")
-COLUMNS: Final = ("step", "learning_rate", *TERMS, "seconds_per_step")
+TOTAL: Final = "total"
+"""The last of the losses, each of which has a column of its name."""
 
+_FIRST: Final = ("step", "learning_rate")
+_LAST: Final = "seconds_per_step"
 _COUNT: Final = "count"
 _NUMBER: Final = re.compile(r"[+-]?\d{1,40}(\.\d{0,40})?(e[+-]?\d{1,3})?", re.ASCII)
 _STEP: Final = re.compile(r"\d{1,15}", re.ASCII)
 _LARGEST: Final = 3.4028235e38
-_VALIDATION_COLUMNS: Final = ("step", *TERMS, "ap")
 
 
 class _Table:
@@ -40,7 +41,7 @@ class _Table:
 
     def __init__(self, path: Path, columns: tuple[str, ...], first_step: int) -> None:
         self._path, self._columns = path, columns
-        rows = read_table(path, columns) if path.is_file() else []
+        rows = read_table(path, columns, is_more_allowed=False) if path.is_file() else []
         self.rows = [row for row in rows if row["step"] <= first_step]
         lines = [",".join(columns) + "\n", *map(self._line, self.rows)]
         write_whole({path: "".join(lines).encode("ascii")})
@@ -63,6 +64,7 @@ class TrainingLog:
     Args:
         folder: holds `log.csv`.
         first_step: where training begins or goes on.
+        terms: names of the losses, the total last.
         every: steps between two rows.
         pending: what `pending` gave when training stopped between two rows.
         tensorboard: write TensorBoard's files too.
@@ -75,14 +77,16 @@ class TrainingLog:
         self,
         folder: Path,
         first_step: int,
+        terms: tuple[str, ...],
         every: int = 10,
         *,
         pending: Mapping[str, float] | None = None,
         tensorboard: bool = False,
     ) -> None:
-        self._table = _Table(folder / "log.csv", COLUMNS, first_step)
+        self._table = _Table(folder / "log.csv", (*_FIRST, *terms, _LAST), first_step)
+        self._terms = terms
         self._every = every
-        self._sums = {name: value for name, value in (pending or {}).items() if name in TERMS}
+        self._sums = {name: value for name, value in (pending or {}).items() if name in terms}
         self._count = int((pending or {}).get(_COUNT, 0))
         self._num_timed = 0
         self._start_s = time.monotonic()
@@ -94,7 +98,7 @@ class TrainingLog:
         A step that was left out has no losses and does not count; a row without any step is left out too.
         """
         if losses:
-            for name in TERMS:
+            for name in self._terms:
                 self._sums[name] = self._sums.get(name, 0.0) + float(losses[name])
             self._count += 1
             self._num_timed += 1
@@ -117,9 +121,9 @@ class TrainingLog:
         values: dict[str, float] = {"step": step, "learning_rate": rate}
         values |= {name: total / self._count for name, total in self._sums.items()}
         # Of the steps of this process: those before a stop were timed by another.
-        values["seconds_per_step"] = (now_s - self._start_s) / max(self._num_timed, 1)
+        values[_LAST] = (now_s - self._start_s) / max(self._num_timed, 1)
         self._table.add(values)
-        self.add_scalars(step, {name: values[name] for name in COLUMNS[1:]})
+        self.add_scalars(step, {name: value for name, value in values.items() if name != "step"})
         self._sums, self._count, self._num_timed, self._start_s = {}, 0, 0, now_s
 
 
@@ -145,11 +149,12 @@ class ValidationLog:
     Args:
         folder: holds `val.csv`.
         first_step: where training begins or goes on.
+        terms: names of the losses, the total last.
         class_names: of the detector.
     """
 
-    def __init__(self, folder: Path, first_step: int, class_names: tuple[str, ...]) -> None:
-        columns = (*_VALIDATION_COLUMNS, *(f"ap_{name}" for name in class_names))
+    def __init__(self, folder: Path, first_step: int, terms: tuple[str, ...], class_names: tuple[str, ...]) -> None:
+        columns = ("step", *terms, "ap", *(f"ap_{name}" for name in class_names))
         self._table = _Table(folder / "val.csv", columns, first_step)
 
     @property
@@ -172,7 +177,12 @@ def read_log(path: Path) -> list[dict[str, float]]:
         MissingFileError: no such file.
         CadetError: another header, another number of fields, or one that is no finite number; the line is named.
     """
-    return read_table(path, COLUMNS)
+    return read_table(path, (*_FIRST, TOTAL, _LAST))
+
+
+def terms_of(row: Mapping[str, float]) -> tuple[str, ...]:
+    """Name the losses of a row of `log.csv`, the total last."""
+    return tuple(name for name in row if name not in (*_FIRST, _LAST))
 
 
 def read_validations(path: Path) -> list[dict[str, float]]:
@@ -182,16 +192,16 @@ def read_validations(path: Path) -> list[dict[str, float]]:
         MissingFileError: no such file.
         CadetError: another header, another number of fields, or one that is no finite number; the line is named.
     """
-    return read_table(path, _VALIDATION_COLUMNS, is_longer_allowed=True)
+    return read_table(path, ("step", TOTAL, "ap"))
 
 
-def read_table(path: Path, columns: tuple[str, ...], *, is_longer_allowed: bool = False) -> list[dict[str, float]]:
+def read_table(path: Path, columns: tuple[str, ...], *, is_more_allowed: bool = True) -> list[dict[str, float]]:
     """Read a table of finite numbers, the first of each row a step.
 
     Args:
         path: the file.
-        columns: of its header.
-        is_longer_allowed: whether more columns may follow these.
+        columns: that its header has, in this order.
+        is_more_allowed: whether it may have others between and behind them.
 
     Raises:
         MissingFileError: no such file.
@@ -202,7 +212,7 @@ def read_table(path: Path, columns: tuple[str, ...], *, is_longer_allowed: bool 
     # What stands behind the last end of a line was being written when a training was killed.
     header, *lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
     names = tuple(header.split(","))
-    if names[: len(columns)] != columns or (len(names) > len(columns) and not is_longer_allowed):
+    if tuple(name for name in names if name in columns or not is_more_allowed) != columns:
         raise CadetError(f"{path}:1: expected the columns {', '.join(columns)}")
     return [_row(names, line, f"{path}:{number}") for number, line in enumerate(lines[:-1], start=2)]
 

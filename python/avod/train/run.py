@@ -19,7 +19,7 @@ from avod.data.mixture import shares_of
 from avod.data.sample import Sample
 from avod.data.simulated import SimulatedData
 from avod.device import Processes, name_of_process, resolve_device
-from avod.model.avod.network import AvodNetwork
+from avod.model.network import AnyNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.log import TrainingLog, Validated, ValidationLog
 from avod.train.settings import Record, Run, check_resumed, with_skipped, write_record
@@ -31,7 +31,7 @@ from cadet.errors import CadetError, CadetWarning
 __all__ = ["OnStep", "Run", "Validate", "train", "with_steps"]
 
 OnStep = Callable[[int, dict[str, Tensor]], None]
-Validate = Callable[[AvodNetwork, int, Processes], Validated | None]
+Validate = Callable[[AnyNetwork, int, Processes], Validated | None]
 """Judges a network after so many steps; None if it was told to stop."""
 
 BEST: str = "best_val"
@@ -112,8 +112,8 @@ class _Training:
             self.average.network.precision = run.precision
         self.network.train()
         if run.compile:
-            for pyramid in (self.network.bev_pyramid, self.network.image_pyramid):
-                pyramid.compile(dynamic=False)
+            for extractor in self.network.extractors():
+                extractor.compile(dynamic=False)
         self.folder = self.out / "checkpoints"
         self.last = self.folder / f"{start.step:09d}"
         self.log: TrainingLog | None = None
@@ -122,9 +122,11 @@ class _Training:
             self.out.mkdir(parents=True, exist_ok=True)
             write_record(self.out, record)
             remove_partial(self.folder)
-            self.log = TrainingLog(self.out, start.step, pending=start.pending, tensorboard=run.tensorboard)
+            self.log = TrainingLog(
+                self.out, start.step, self.network.terms, pending=start.pending, tensorboard=run.tensorboard
+            )
             if self.validate is not None:
-                self.validations = ValidationLog(self.out, start.step, config.class_names)
+                self.validations = ValidationLog(self.out, start.step, self.network.terms, config.class_names)
 
     def go_on(self, on_step: OnStep | None, should_stop: Callable[[], bool]) -> Path:
         config, first, processes = self.config.training, self.start.step, self.processes

@@ -11,7 +11,7 @@ import torch
 
 from avod.config import Config
 from avod.config.tables import differences, table_from_config
-from avod.model.avod.network import AvodNetwork
+from avod.model.network import AnyNetwork
 from avod.train.checkpoint import Checkpoint, checkpoints, load_network, load_optimizer, read_checkpoint
 from avod.train.log import read_log
 from avod.train.settings import Record, Run, read_record
@@ -38,7 +38,7 @@ class Start:
 
     step: int
     seed: int
-    network: AvodNetwork
+    network: AnyNetwork
     optimizer: torch.optim.Optimizer
     pending: Mapping[str, float] = field(default_factory=dict)
     init: str | None = None
@@ -92,7 +92,7 @@ def _new(config: Config, seed: int, device: torch.device, init: str | Path | Non
     )
 
 
-def _average(network: AvodNetwork, config: Config) -> WeightAverage | None:
+def _average(network: AnyNetwork, config: Config) -> WeightAverage | None:
     decay = config.training.average_decay
     return WeightAverage(network, decay) if decay else None
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final, cast
 
 import torch
 from torch import Tensor, nn
@@ -12,9 +13,8 @@ from torch import Tensor, nn
 from avod.config import Config, TrainingConfig
 from avod.data.order import seeded, stream_seed, torch_generator
 from avod.data.sample import Sample
-from avod.model.avod.losses import frame_losses
-from avod.model.avod.network import AvodNetwork, FrameOutputs, abstract_network
-from avod.model.avod.targets import anchor_targets
+from avod.model.making import abstract_network, make_network
+from avod.model.network import AnyNetwork
 from cadet.errors import CadetError
 
 MAX_WEIGHTS: Final = 10**9
@@ -26,7 +26,15 @@ class NonFiniteLossError(CadetError, FloatingPointError):
 
 
 def learning_rate(step: int, config: TrainingConfig) -> float:
-    """Return the learning rate of a step, counted from 0."""
+    """Return the learning rate of a step, counted from 0.
+
+    Reference: Smith and Topin, "Super-Convergence" (2018), for "one_cycle".
+    """
+    if config.schedule == "one_cycle":
+        rise = max(config.steps // 4, 1)
+        if step < rise:
+            return config.learning_rate * (0.1 + 0.9 * step / rise)
+        return config.learning_rate * (1.0 + math.cos(math.pi * (step - rise) / (config.steps - rise))) / 2.0
     return config.learning_rate * config.decay_factor ** (step // config.decay_steps)
 
 
@@ -69,13 +77,12 @@ def training_step(
     for group in optimizer.param_groups:
         group["lr"] = learning_rate(step, config.training)
     optimizer.zero_grad(set_to_none=True)
-    second = config.second_stage
-    has_truths = second.truth_proposals > 0 and step < second.truth_steps
     with seeded(samples[0].bev.device, stream_seed(seed, "dropout", step, rank)):
-        outputs: list[FrameOutputs] = network(samples, generator, has_truths=has_truths)
+        outputs: list[Any] = network(samples, generator, step=step)
     terms: dict[str, Tensor] = {}
+    unwrapped = cast("AnyNetwork", getattr(network, "module", network))
     for sample, output in zip(samples, outputs, strict=True):
-        losses = frame_losses(output, anchor_targets(sample, config.rpn, generator), sample, config).by_name()
+        losses = unwrapped.losses(output, sample, generator)
         check_losses(losses, step, sample.frame_id)
         terms = {name: terms.get(name, 0.0) + value / len(samples) for name, value in losses.items()}
     terms["total"].backward()  # type: ignore[no-untyped-call]
@@ -112,7 +119,7 @@ def clip_gradients(network: nn.Module, max_norm: float, step: int, frame_ids: Se
         gradient.mul_(scale)
 
 
-def new_network(config: Config, seed: int) -> AvodNetwork:
+def new_network(config: Config, seed: int) -> AnyNetwork:
     """Make a network whose weights follow from the seed.
 
     Raises:
@@ -122,7 +129,7 @@ def new_network(config: Config, seed: int) -> AvodNetwork:
     if count > MAX_WEIGHTS:
         raise CadetError(f"the configuration's network has {count:,} weights, expected at most {MAX_WEIGHTS:,}")
     with seeded(torch.device("cpu"), stream_seed(seed, "weights")):
-        return AvodNetwork(config)
+        return make_network(config)
 
 
 class WeightAverage:
@@ -139,11 +146,11 @@ class WeightAverage:
     Reference: `num_updates` of TensorFlow's ExponentialMovingAverage.
     """
 
-    def __init__(self, network: AvodNetwork, decay: float) -> None:
+    def __init__(self, network: AnyNetwork, decay: float) -> None:
         self.network = copy.deepcopy(network).eval().requires_grad_(False)
         self._decay = decay
 
-    def update(self, network: AvodNetwork, step: int) -> None:
+    def update(self, network: AnyNetwork, step: int) -> None:
         """Take in the weights after a step, counted from 0."""
         decay = min(self._decay, (1.0 + step) / (10.0 + step))
         averages, values = self.network.state_dict(), network.state_dict()

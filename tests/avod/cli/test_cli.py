@@ -132,7 +132,7 @@ def test_all_checkpoints_are_evaluated_on_one_reading(
     assert read == ["000000", "000001", "000002"]
     values = re.findall(r"^(\d{9})  (\d+\.\d\d)", result.output, re.MULTILINE)
     for name, value in values:
-        detector = Detector.load(run / "checkpoints" / name)
+        detector = Detector(run / "checkpoints" / name)
         report = evaluate_detector(detector, dataset, kitti.Dataset(dataset).ids)
         assert f"{score(report, detector.config.class_names):.2f}" == value
     assert [name for name, _ in values] == ["000000001", "000000002", "000000003"]

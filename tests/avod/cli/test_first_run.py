@@ -19,13 +19,14 @@ from avod.cli.commands import avod
 from avod.config import Config
 from avod.figures import loss_figure
 from avod.train import train
-from avod.train.log import COLUMNS, TERMS, read_log
+from avod.train.log import read_log
 from avod.train.run import Run, with_steps
 from cadet import __version__
 from cadet._util import style
 from cadet.cli import progress
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti import write_frame
+from detector.logs import COLUMNS, TERMS
 from synthetic import make_frame
 
 CONFIG_FILE = Path(__file__).parents[2] / "support" / "detector" / "overfit.toml"

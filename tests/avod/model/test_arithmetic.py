@@ -11,10 +11,12 @@ import torch
 from avod.config import Config
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
-from avod.model.avod.network import AvodNetwork, FrameOutputs
+from avod.model.avod.outputs import FrameOutputs
 from avod.model.layers import Convolution, ShiftBatchNorm, UpConvolution
-from avod.train.log import TERMS, read_log
+from avod.model.network import AnyNetwork
+from avod.train.log import read_log
 from avod.train.step import new_network
+from detector.logs import TERMS
 from detector.runs import short_run, small_config, write_set
 from synthetic import make_frame
 
@@ -34,7 +36,7 @@ def sample(config: Config) -> Sample:
     return sample_from_frame(make_frame(), "000000", config)
 
 
-def trained(config: Config) -> AvodNetwork:
+def trained(config: Config) -> AnyNetwork:
     """Return a network with averages and shifts that are not those it was made with."""
     network = new_network(config, 0)
     generator = torch.Generator().manual_seed(1)
@@ -46,7 +48,7 @@ def trained(config: Config) -> AvodNetwork:
     return network.eval()
 
 
-def run(network: AvodNetwork, sample: Sample) -> FrameOutputs:
+def run(network: AnyNetwork, sample: Sample) -> FrameOutputs:
     with torch.inference_mode():
         (outputs,) = network([sample])
     assert isinstance(outputs, FrameOutputs)

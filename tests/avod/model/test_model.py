@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 import torch
 
-from avod.config import Config, ExtractorConfig, PathDropConfig
+from avod.config import Config, ExtractorConfig, PathDropConfig, RefinementConfig
 from avod.model.avod.network import AvodNetwork
 from avod.model.avod.path_drop import detection_masks, draw_masks, fuse
 from avod.model.avod.pyramid import FeaturePyramid
@@ -148,7 +148,7 @@ def test_dropout_keeps_the_mean_and_leaves_detection_alone() -> None:
 
 
 def test_biases_begin_at_zero_and_weights_are_glorots() -> None:
-    network = AvodNetwork(Config.named("tiny_car"))
+    network = AvodNetwork(dataclasses.replace(Config.named("tiny_car"), refinement=RefinementConfig()))
     for name, parameter in network.named_parameters():
         if parameter.ndim == 1:
             assert (parameter == 0).all(), name

@@ -13,9 +13,10 @@ import torch
 from avod.config import Config
 from avod.model.avod.network import AvodNetwork
 from avod.train.checkpoint import read_checkpoint, trained_network
-from avod.train.log import TERMS, Validated
+from avod.train.log import Validated
 from avod.train.step import WeightAverage, new_network
 from cadet.errors import CadetError
+from detector.logs import TERMS
 from detector.runs import StopAfter, assert_same_training, short_run, small_config, weights, write_set
 
 STEPS = 7

@@ -17,12 +17,15 @@ from avod.config import Config
 from avod.config.tables import config_from_table
 from avod.detector import Detector
 from avod.device import resolve_device
-from avod.model.avod.network import AvodNetwork, abstract_network
+from avod.model.avod.network import AvodNetwork
+from avod.model.making import abstract_network
+from avod.model.network import AnyNetwork
 from avod.train import checkpoint as checkpoints
 from avod.train.checkpoint import load_optimizer, read_checkpoint, save_checkpoint
-from avod.train.log import COLUMNS, read_log
+from avod.train.log import read_log
 from avod.train.step import MAX_WEIGHTS, new_network
 from cadet.errors import CadetError, MissingFileError
+from detector.logs import COLUMNS
 
 CONFIG = Config.named(Path(__file__).parents[2] / "support" / "detector" / "overfit.toml")
 HEADER = ",".join(COLUMNS) + "\n"
@@ -61,12 +64,12 @@ def test_claimed_layers_are_compared_with_the_weights_before_they_take_memory(
 ) -> None:
     change_config(saved, "second_stage", "hidden", value=[65_536, 65_536])
 
-    def refuse(config: Config) -> AvodNetwork:
+    def refuse(config: Config) -> AnyNetwork:
         raise AssertionError("the network was made")
 
-    monkeypatch.setattr(checkpoints, "AvodNetwork", refuse)
+    monkeypatch.setattr(checkpoints, "make_network", refuse)
     with pytest.raises(CadetError, match=r"second_stage\.layers\.0\.weight is \(256, 801\), expected \(65536, 801\)"):
-        Detector.load(saved)
+        Detector(saved)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +113,7 @@ def test_weights_of_another_type_are_refused(saved: Path) -> None:
     for dtype, kind in ((torch.int32, "I32"), (torch.bfloat16, "BF16")):
         save_file(tensors | {name: tensors[name].to(dtype)}, file)
         with pytest.raises(CadetError, match=rf"{name} is of type {kind}, expected F32$"):
-            Detector.load(saved)
+            Detector(saved)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +165,7 @@ def test_a_negative_mean_is_no_mistake(saved: Path) -> None:
         (HEADER + ROW.replace("10,", "10.5,", 1), r"log\.csv:2: step: expected a whole number, got '10\.5'$"),
         (HEADER + ROW[:-1] + ",1\n", r"log\.csv:2: expected 9 fields, got 10$"),
         (HEADER + "\n", r"log\.csv:2: expected 9 fields, got 1$"),
-        (HEADER.replace("box", "cox") + ROW, r"log\.csv:1: expected the columns step, learning_rate, "),
+        (HEADER.replace("total", "totem") + ROW, r"log\.csv:1: expected the columns step, learning_rate, "),
         ("", r"log\.csv:1: expected the columns "),
         (HEADER + ROW.replace("0.3", "\0"), r"log\.csv:2: classification: expected a finite number, got '\\x00'$"),
     ],
@@ -183,7 +186,7 @@ def test_a_row_that_was_cut_off_is_left_out(tmp_path: Path) -> None:
         read_log(tmp_path / "none.csv")
 
 
-@pytest.mark.parametrize("use", [resolve_device, lambda name: Detector.load("tiny_car", device=name)])
+@pytest.mark.parametrize("use", [resolve_device, lambda name: Detector("tiny_car", device=name)])
 @pytest.mark.parametrize("name", ["meta", "gpu", "hpu", "lazy", "cuda:-1", "cpu:x", ""])
 def test_devices_that_cannot_be_used_are_named(use: Callable[[str], object], name: str) -> None:
     with pytest.raises(CadetError, match=f"^device: {name!r} cannot be used: ") as error:

@@ -75,7 +75,7 @@ def test_two_processes_stop_together_and_go_on_as_if_they_had_not(folder: Path) 
 
 def test_processes_share_the_frames_of_a_validation_out(folder: Path) -> None:
     config = small_config(folder)
-    network = Detector.load(folder / "unbroken").network
+    network = Detector(folder / "unbroken").network
     found = Validator(folder / "set", "val", config)(network, STEPS, Processes())
     assert found is not None
     row = read_validations(folder / "unbroken" / "val.csv")[-1]

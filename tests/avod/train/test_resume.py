@@ -72,7 +72,7 @@ def test_the_callers_random_numbers_are_left_alone(
     validator = Validator(data, "val", config, workers=workers)
     short_run(config, data, tmp_path / "run", 2, workers=workers, validate=validator, val_every=1)
     assert torch.equal(torch.get_rng_state(), before)
-    assert len(list(predict(Detector.load(unbroken), data, ("000003", "000004"), workers=workers))) == 2
+    assert len(list(predict(Detector(unbroken), data, ("000003", "000004"), workers=workers))) == 2
     assert torch.equal(torch.get_rng_state(), before)
 
 

@@ -20,10 +20,12 @@ from avod.data.sample import Sample
 from avod.detector import Detector
 from avod.geometry.encoding import boxes_4c_from_anchors
 from avod.geometry.height_profile import cell_tops, height_profiles
-from avod.model.avod.network import AvodNetwork, FrameOutputs
+from avod.model.avod.network import AvodNetwork
+from avod.model.avod.outputs import FrameOutputs
+from avod.model.network import AnyNetwork
 from avod.train import train
 from avod.train.checkpoint import read_checkpoint
-from avod.train.log import COLUMNS, read_log
+from avod.train.log import read_log
 from avod.train.run import Run, with_steps
 from avod.train.step import (
     NonFiniteLossError,
@@ -36,6 +38,7 @@ from avod.train.step import (
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.formats.kitti import write_frame
+from detector.logs import COLUMNS
 from detector.runs import Frozen, weights
 from synthetic import make_frame
 
@@ -61,7 +64,7 @@ def test_standing_proposals_hide_the_first_stages_heights_from_the_second(sample
         second_stage = dataclasses.replace(CONFIG.second_stage, height_cells=2, standing_heights_m=limits_m)
         network = new_network(dataclasses.replace(CONFIG, second_stage=second_stage), 0).eval()
         with torch.no_grad():
-            last = cast("torch.nn.Linear", network.anchor_regressor.outputs[0])
+            last = cast("torch.nn.Linear", cast("AvodNetwork", network).anchor_regressor.outputs[0])
             last.bias[[1, 4]] += first_stages_error_m  # of y and height
             return cast("FrameOutputs", network([sample])[0])
 
@@ -91,7 +94,7 @@ def test_each_gradient_is_clipped_on_its_own() -> None:
     torch.testing.assert_close(layer.bias.grad, torch.tensor([0.5]))
 
 
-def train_by_heart(config: Config, sample: Sample, steps: int) -> tuple[AvodNetwork, list[float]]:
+def train_by_heart(config: Config, sample: Sample, steps: int) -> tuple[AnyNetwork, list[float]]:
     network = new_network(config, 0).train()
     optimizer = make_optimizer(network, config.training)
     totals = [
@@ -141,7 +144,7 @@ def test_the_second_stages_losses_reach_the_first_only_where_asked(
     network = new_network(config, 0).train()
     outputs = network([sample], torch.Generator().manual_seed(0))[0]
     (outputs.class_logits.sum() + outputs.box_offsets.sum()).backward()
-    gradients = [parameter.grad for parameter in network.anchor_regressor.parameters()]
+    gradients = [parameter.grad for parameter in cast("AvodNetwork", network).anchor_regressor.parameters()]
     assert any(g is not None and bool((g != 0).any()) for g in gradients) == reaches
 
 
@@ -207,7 +210,7 @@ def test_a_loss_that_is_no_number_stops_training_and_names_the_frame(sample: Sam
     network = new_network(CONFIG, 0).train()
     optimizer = make_optimizer(network, CONFIG.training)
     with torch.no_grad():
-        network.anchor_regressor.outputs[0].bias[3] = math.nan  # type: ignore[operator]
+        cast("torch.nn.Linear", cast("AvodNetwork", network).anchor_regressor.outputs[0]).bias[3] = math.nan
     with pytest.raises(NonFiniteLossError, match=r"^step 5: the anchor loss of frame 000003 is nan$"):
         training_step(network, optimizer, [sample], CONFIG, step=5, seed=0)
 
@@ -314,7 +317,7 @@ def test_a_damaged_checkpoint_is_refused(
     last = run(dataset, tmp_path, 1)
     (last / file).write_bytes(content)
     with pytest.raises(CadetError, match=message):
-        Detector.load(last)
+        Detector(last)
 
 
 def test_a_checkpoint_is_read_by_its_keys(dataset: Path, tmp_path: Path) -> None:
@@ -335,7 +338,7 @@ def test_a_checkpoint_from_before_ground_could_be_estimated_takes_planes_from_fi
     settings = json.loads((last / "checkpoint.json").read_text())
     assert settings["config"].pop("ground") == "file"
     (last / "checkpoint.json").write_text(json.dumps(settings))
-    assert read_checkpoint(last).config.ground == Detector.load(last).config.ground == "file"
+    assert read_checkpoint(last).config.ground == Detector(last).config.ground == "file"
 
 
 @pytest.mark.filterwarnings("ignore:frame .* is left out")

@@ -11,7 +11,7 @@ from torch.nn import functional
 from avod.config import Config
 from avod.data.sample import Sample
 from avod.geometry.encoding import boxes_4c_from_anchors
-from avod.model.avod.network import FrameOutputs
+from avod.model.avod.outputs import FrameOutputs
 from avod.model.avod.targets import AnchorTargets, ProposalTargets
 
 
@@ -33,14 +33,9 @@ class Losses:
     box: Tensor
     orientation: Tensor
 
-    @property
-    def total(self) -> Tensor:
-        """Their sum."""
-        return self.objectness + self.anchor + self.classification + self.box + self.orientation
-
     def by_name(self) -> dict[str, Tensor]:
-        """Return the terms by name, the total last."""
-        return {f.name: getattr(self, f.name) for f in fields(self)} | {"total": self.total}
+        """Return the terms by name."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
 
 def frame_losses(outputs: FrameOutputs, anchors: AnchorTargets, sample: Sample, config: Config) -> Losses:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import cast
@@ -10,15 +9,20 @@ from typing import cast
 import torch
 from torch import Tensor, nn
 
-from avod.config import Config
+from avod.config import Config, DetectionConfig
 from avod.data.sample import Sample
 from avod.geometry.encoding import anchors_from_offsets, standing_anchors
 from avod.geometry.height_profile import cell_tops, height_profiles
 from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
+from avod.model.avod.decoding import decode
+from avod.model.avod.losses import frame_losses
+from avod.model.avod.outputs import FrameOutputs
 from avod.model.avod.path_drop import detection_masks, draw_masks, fuse
 from avod.model.avod.pyramid import FeaturePyramid
-from avod.model.avod.targets import ProposalTargets, sample_proposals, truth_proposals
+from avod.model.avod.targets import anchor_targets, sample_proposals, truth_proposals
+from avod.model.boxes import Boxes
 from avod.model.layers import Convolution, Head
+from avod.model.network import DetectionNetwork, stacked
 from avod.ops import crop_and_resize, nms
 from cadet._util.summary import summary
 
@@ -27,32 +31,6 @@ _NUM_BOX_OFFSETS = 10
 _NUM_VECTOR = 2
 _HEIGHT_SCALE = 2.0
 """Brings heights in meters to the spread of features."""
-
-
-@dataclass(frozen=True, eq=False)
-class FrameOutputs:
-    """The network's outputs for one frame, N anchors and P proposals.
-
-    Attributes:
-        anchor_logits: (N, 2) of background and object.
-        anchor_offsets: (N, 6).
-        proposals: (P, 6) anchors as the first stage regresses them, best first; with targets those that were sampled.
-        class_logits: (P, K + 1), background first.
-        box_offsets: (P, 10) from the proposals' corners and heights, meters.
-        vectors: (P, 2) of headings.
-        targets: what the proposals should become; None where nothing is drawn.
-    """
-
-    anchor_logits: Tensor
-    anchor_offsets: Tensor
-    proposals: Tensor
-    class_logits: Tensor
-    box_offsets: Tensor
-    vectors: Tensor
-    targets: ProposalTargets | None = None
-
-    def __repr__(self) -> str:
-        return summary(self, **{f.name: getattr(self, f.name) for f in fields(self)[:-1]})
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,18 +53,18 @@ class FrameFeatures:
         return summary(self, **{f.name: getattr(self, f.name) for f in fields(self)})
 
 
-class AvodNetwork(nn.Module):
+class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
     """AVOD-FPN.
 
     Args:
         config: the detector.
     """
 
+    TERMS = ("objectness", "anchor", "classification", "box", "orientation")
     mean_rgb: Tensor
 
     def __init__(self, config: Config) -> None:
-        super().__init__()
-        self.config = config
+        super().__init__(config)
         width = config.extractor.fused_channels[-1]
         rpn, second = config.rpn, config.second_stage
         self.bev_pyramid = FeaturePyramid(config.bev.shape[0], config.extractor)
@@ -106,42 +84,12 @@ class AvodNetwork(nn.Module):
         )
         mean = torch.tensor(config.image.mean_rgb).view(3, 1, 1)
         self.register_buffer("mean_rgb", mean, persistent=False)
-        # Channels last is what convolutions on processors with bf16 and on GPUs like, and what crops read.
-        self.to(memory_format=torch.channels_last)
-        self.precision: torch.dtype | None = None
-        """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
-
-    def forward(
-        self,
-        samples: Sequence[Sample],
-        generator: torch.Generator | None = None,
-        *,
-        has_truths: bool = False,
-        config: Config | None = None,
-    ) -> list[FrameOutputs]:
-        """Run both stages on each sample.
-
-        Args:
-            samples: one or more.
-            generator: on the CPU; draws path drop and the second stage's mini-batch. Needed in training mode; in
-                evaluation mode outputs have targets if it is given, and no path is dropped.
-            has_truths: with a generator, copies of the true boxes join the proposals.
-            config: other settings of a network with the same weights, such as the number of proposals; None for the
-                network's own.
-
-        Returns:
-            The outputs of each sample.
-        """
-        return [
-            self.judge(sample, features, generator, has_truths=has_truths, config=config)
-            for sample, features in zip(samples, self.extract(samples), strict=True)
-        ]
 
     def extract(self, samples: Sequence[Sample]) -> list[FrameFeatures]:
         """Make the feature maps of samples."""
-        with self._arithmetic(samples[0].bev):
-            bev = self.bev_pyramid(_stacked([sample.bev for sample in samples]))
-            image = self.image_pyramid(_stacked([sample.image for sample in samples]) - self.mean_rgb)
+        with self.arithmetic(samples[0].bev):
+            bev = self.bev_pyramid(stacked([sample.bev for sample in samples]))
+            image = self.image_pyramid(stacked([sample.image for sample in samples]) - self.mean_rgb)
             bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
         return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
 
@@ -151,10 +99,14 @@ class AvodNetwork(nn.Module):
         features: FrameFeatures,
         generator: torch.Generator | None = None,
         *,
-        has_truths: bool = False,
+        step: int | None = None,
         config: Config | None = None,
     ) -> FrameOutputs:
-        """Run both stages on the feature maps of a sample; arguments as for `forward`."""
+        """Run both stages on the feature maps of a sample; arguments as for `forward`.
+
+        Outputs made with a generator have targets: a mini-batch of proposals, which copies of the true boxes join in
+        the first steps. In training mode a path may be dropped.
+        """
         config = self.config if config is None else config
         masks = detection_masks(config.path_drop)
         if self.training:
@@ -167,10 +119,11 @@ class AvodNetwork(nn.Module):
         proposals = regressed[nms(ground_boxes(regressed), scores, config.rpn.nms_iou, count)]
         targets = None
         if generator is not None:
-            if has_truths:
-                truths = truth_proposals(sample, config.second_stage.truth_proposals, generator)
+            second = config.second_stage
+            if second.truth_proposals and step is not None and step < second.truth_steps:
+                truths = truth_proposals(sample, second.truth_proposals, generator)
                 proposals = torch.cat([proposals, truths])
-            chosen, targets = sample_proposals(proposals.detach(), sample, config.second_stage, generator)
+            chosen, targets = sample_proposals(proposals.detach(), sample, second, generator)
             proposals = proposals[chosen]
         if config.second_stage.gradient == "stopped":
             proposals = proposals.detach()
@@ -182,7 +135,29 @@ class AvodNetwork(nn.Module):
             if most_m > 0.0:
                 proposals = standing_anchors(proposals, sample.plane, heights[:, -1].clamp(least_m, most_m))
         class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, heights, masks)
-        return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
+        return FrameOutputs(
+            anchor_logits,
+            anchor_offsets,
+            proposals,
+            class_logits,
+            box_offsets,
+            vectors,
+            targets,
+            self.refined(sample, generator),
+        )
+
+    def extractors(self) -> tuple[nn.Module, ...]:
+        """Return both feature pyramids."""
+        return self.bev_pyramid, self.image_pyramid
+
+    def own_losses(self, outputs: FrameOutputs, sample: Sample, generator: torch.Generator) -> dict[str, Tensor]:
+        """Compute both stages' losses, the first's over a mini-batch of anchors."""
+        targets = anchor_targets(sample, self.config.rpn, generator)
+        return frame_losses(outputs, targets, sample, self.config).by_name()
+
+    def decode(self, outputs: FrameOutputs, sample: Sample, config: DetectionConfig) -> Boxes:
+        """Decode proposals."""
+        return decode(outputs, sample.plane, config)
 
     def _judge_anchors(
         self, sample: Sample, features: FrameFeatures, masks: tuple[float, float]
@@ -190,7 +165,7 @@ class AvodNetwork(nn.Module):
         crops = self._crops(
             sample, sample.anchors, features.image_bottleneck, features.bev_bottleneck, masks, self.config.rpn.crop_size
         )
-        with self._arithmetic(crops):
+        with self.arithmetic(crops):
             (logits,) = cast("tuple[Tensor]", self.anchor_classifier(crops))
             (offsets,) = cast("tuple[Tensor]", self.anchor_regressor(crops))
         return logits.to(crops.dtype), offsets.to(crops.dtype)
@@ -206,7 +181,7 @@ class AvodNetwork(nn.Module):
         crops = self._crops(sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size)
         if heights is not None:
             crops = torch.cat([crops, heights * (_HEIGHT_SCALE * float(masks[1] > 0.0))], dim=1)
-        with self._arithmetic(crops):
+        with self.arithmetic(crops):
             outputs = self.second_stage(crops)
         logits, offsets, vectors = (output.to(crops.dtype) for output in outputs)
         return logits, offsets, vectors
@@ -223,18 +198,3 @@ class AvodNetwork(nn.Module):
         image_crops = crop_and_resize(image_map, image_boxes(anchors, sample.projection, sample.image_size), size)
         bev_crops = crop_and_resize(bev_map, bev_boxes(anchors, self.config.bev), size)
         return fuse(image_crops, bev_crops, masks).flatten(1)
-
-    def _arithmetic(self, values: Tensor) -> contextlib.AbstractContextManager[object]:
-        if self.precision is None:
-            return contextlib.nullcontext()
-        return torch.autocast(values.device.type, dtype=self.precision)
-
-
-def _stacked(maps: list[Tensor]) -> Tensor:
-    return torch.stack(maps).contiguous(memory_format=torch.channels_last)
-
-
-def abstract_network(config: Config) -> AvodNetwork:
-    """Make a network of shapes alone, on PyTorch's "meta" device: its weights take no memory."""
-    with torch.device("meta"):
-        return AvodNetwork(config)

@@ -1,0 +1,149 @@
+"""What every network of a detector does: feature maps of samples, what it finds in them, its losses, its boxes."""
+
+from __future__ import annotations
+
+import contextlib
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
+
+import torch
+from torch import Tensor, nn
+
+from avod.config import Config, DetectionConfig
+from avod.data.sample import Sample
+from avod.model.boxes import Boxes
+from avod.model.refinement import PointRefinement, RefinementOutputs
+
+
+class Outputs(Protocol):
+    """What a network finds in a frame."""
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all that boxes are made of are numbers."""
+
+    @property
+    def refinement(self) -> RefinementOutputs | None:
+        """Moved copies of true boxes as the points correct them; None where nothing is drawn, or without that stage."""
+
+
+FeaturesT = TypeVar("FeaturesT")
+OutputsT = TypeVar("OutputsT", bound=Outputs)
+
+
+class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
+    """A network that finds objects in samples.
+
+    Args:
+        config: the detector.
+    """
+
+    TERMS: ClassVar[tuple[str, ...]]
+    """Names of its own losses."""
+
+    def __init__(self, config: Config) -> None:
+        super().__init__()
+        self.config = config
+        self.refinement = PointRefinement(config.refinement) if config.refinement.max_points else None
+        self.precision: torch.dtype | None = None
+        """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
+
+    def forward(
+        self,
+        samples: Sequence[Sample],
+        generator: torch.Generator | None = None,
+        *,
+        step: int | None = None,
+        config: Config | None = None,
+    ) -> list[OutputsT]:
+        """Find objects in each sample.
+
+        Args:
+            samples: one or more.
+            generator: on the CPU; draws all that losses need. Needed in training mode; in evaluation mode outputs can
+                be judged by `losses` if it is given.
+            step: of a training, counted from 0.
+            config: other settings of a network with the same weights, such as the number of proposals; None for the
+                network's own.
+
+        Returns:
+            The outputs of each sample.
+        """
+        return [
+            self.judge(sample, features, generator, step=step, config=config)
+            for sample, features in zip(samples, self.extract(samples), strict=True)
+        ]
+
+    @abstractmethod
+    def extract(self, samples: Sequence[Sample]) -> list[FeaturesT]:
+        """Make the feature maps of samples."""
+
+    @abstractmethod
+    def judge(
+        self,
+        sample: Sample,
+        features: FeaturesT,
+        generator: torch.Generator | None = None,
+        *,
+        step: int | None = None,
+        config: Config | None = None,
+    ) -> OutputsT:
+        """Find objects in the feature maps of a sample; arguments as for `forward`."""
+
+    @abstractmethod
+    def extractors(self) -> tuple[nn.Module, ...]:
+        """Return the parts that make feature maps, for compiling them."""
+
+    @abstractmethod
+    def own_losses(self, outputs: OutputsT, sample: Sample, generator: torch.Generator) -> dict[str, Tensor]:
+        """Compute the weighted losses that `TERMS` names."""
+
+    @abstractmethod
+    def decode(self, outputs: OutputsT, sample: Sample, config: DetectionConfig) -> Boxes:
+        """Decode boxes and drop the lesser ones."""
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Names of the losses, the total last."""
+        return (*self.TERMS, *(() if self.refinement is None else ("refinement",)), "total")
+
+    def losses(self, outputs: OutputsT, sample: Sample, generator: torch.Generator) -> dict[str, Tensor]:
+        """Compute the losses of a sample's outputs, which were made with a generator.
+
+        Returns:
+            Scalars by name, weights applied, the total last.
+        """
+        terms = self.own_losses(outputs, sample, generator)
+        if outputs.refinement is not None:
+            terms["refinement"] = outputs.refinement.loss() * self.config.refinement.weight
+        return terms | {"total": torch.stack(list(terms.values())).sum()}
+
+    def boxes(self, outputs: OutputsT, sample: Sample, config: Config) -> Boxes:
+        """Turn outputs into boxes, best first, which the points in them correct where the network has that stage."""
+        boxes = self.decode(outputs, sample, config.detection)
+        if self.refinement is None:
+            return boxes
+        return replace(boxes, boxes_cam=self.refinement(sample, boxes.boxes_cam, config.refinement.passes))
+
+    def refined(self, sample: Sample, generator: torch.Generator | None) -> RefinementOutputs | None:
+        """Correct moved copies of a sample's true boxes, for the losses."""
+        if self.refinement is None or generator is None:
+            return None
+        return self.refinement.corrected_copies(sample, generator)
+
+    def arithmetic(self, values: Tensor) -> contextlib.AbstractContextManager[object]:
+        """Compute convolutions and layers with the network's precision meanwhile."""
+        if self.precision is None:
+            return contextlib.nullcontext()
+        return torch.autocast(values.device.type, dtype=self.precision)
+
+
+AnyNetwork = DetectionNetwork[Any, Any]
+"""A network of any kind."""
+
+
+def stacked(maps: list[Tensor]) -> Tensor:
+    """Stack maps (C, H, W) channels last, which convolutions on processors with bf16 and on GPUs like."""
+    return torch.stack(maps).contiguous(memory_format=torch.channels_last)

@@ -1,0 +1,225 @@
+"""A last stage that corrects boxes by the points in and around them, whatever network found them.
+
+Reference: Li et al., "LiDAR R-CNN: An Efficient and Universal 3D Object Detector" (CVPR 2021).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, cast
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from avod.config import RefinementConfig
+from avod.data.sample import Sample
+from avod.geometry.encoding import MIN_SIZE_M, ground_y
+from avod.geometry.orientation import wrap_angle
+from avod.model.layers import Head
+
+_LOWEST_M: Final = -0.3
+_HIGHEST_M: Final = 3.2
+"""Heights over the ground between which points are looked at."""
+_LEAST_POINTS: Final = 3
+"""Boxes of fewer points are left as they are."""
+_SCALES: Final = (0.2, 0.2, 0.1, 0.08, 0.06, 0.06, 0.08)
+"""Spread of what is corrected: along and across (m), bottom (m), logarithms of length, width and height, turn (rad)."""
+_MOST: Final = (1.0, 1.0, 0.5, 0.5, 0.5, 0.5, 0.5)
+"""Nothing is corrected by more."""
+_NOISE: Final = (0.25, 0.14, 0.12, 0.08, 0.06, 0.07, 0.07)
+"""Standard deviation of copies of true boxes, likewise; drawn for each copy between nothing and twice this."""
+_POINT_FEATURES: Final = 7
+_BOX_FEATURES: Final = 9
+_SMOOTHING: Final = 0.3
+_FARTHEST_M: Final = 40.0
+_MANY: Final = 1e4
+
+
+@dataclass(frozen=True, eq=False)
+class RefinementOutputs:
+    """Corrections of moved copies of true boxes.
+
+    Attributes:
+        found: (N, 7), in units of `_SCALES`.
+        wanted: (N, 7).
+    """
+
+    found: Tensor
+    wanted: Tensor
+
+    def loss(self) -> Tensor:
+        """Compute the smooth L1 sum of each correction, averaged over them; 0 without any."""
+        errors = functional.smooth_l1_loss(self.found, self.wanted, beta=_SMOOTHING, reduction="none")
+        return errors.sum() / max(len(errors), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """Points of N boxes, at most M each, in the boxes' own frames.
+
+    Attributes:
+        features: (N, M, 7); zeros where there is no point.
+        is_point: (N, M) bool.
+        counts: (N,) points of each box, before some were left out.
+    """
+
+    features: Tensor
+    is_point: Tensor
+    counts: Tensor
+
+
+class PointRefinement(nn.Module):
+    """Corrects boxes by the points in and around them.
+
+    Args:
+        config: of the stage.
+    """
+
+    def __init__(self, config: RefinementConfig) -> None:
+        super().__init__()
+        self.config = config
+        first, second, third = config.channels
+        self.before = nn.ModuleList([nn.Linear(_POINT_FEATURES, first), nn.Linear(first, second)])
+        self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
+        self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
+        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES),), 1.0)
+        nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
+
+    def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> Tensor:
+        """Correct boxes (N, 7), so often; those with hardly a point stay as they are."""
+        scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
+        for _ in range(passes):
+            points = self._points(sample, boxes_cam, None)
+            corrections = (self._corrections(points, sample, boxes_cam) * scales).clamp(-limits, limits)
+            has_points = points.counts >= _LEAST_POINTS
+            boxes_cam = torch.where(has_points[:, None], corrected(boxes_cam, corrections, sample.plane), boxes_cam)
+        return boxes_cam
+
+    def corrected_copies(self, sample: Sample, generator: torch.Generator) -> RefinementOutputs:
+        """Correct moved copies of a sample's true boxes.
+
+        Args:
+            sample: the sample.
+            generator: on the CPU; draws the copies, and which of their points are left out.
+        """
+        truths = sample.boxes_cam.repeat_interleave(self.config.copies, dim=0)
+        copies = _moved(truths, sample.plane, generator)
+        points = self._points(sample, copies, generator)
+        wanted = corrections_to(copies, truths, sample.plane) / truths.new_tensor(_SCALES)
+        has_points = points.counts >= _LEAST_POINTS
+        return RefinementOutputs(self._corrections(points, sample, copies)[has_points], wanted[has_points])
+
+    def _corrections(self, points: _Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
+        if len(boxes_cam) == 0:
+            points_of_none = points.features.sum() * 0.0
+            return boxes_cam.new_zeros((0, len(_SCALES))) + points_of_none
+        hidden = points.features
+        for layer, norm in zip(self.before, self.norms, strict=False):
+            hidden = functional.relu(norm(layer(hidden)))
+        whole = _greatest(hidden, points.is_point)
+        hidden = torch.cat([hidden, whole[:, None].expand_as(hidden)], dim=2)
+        hidden = functional.relu(self.norms[2](self.after[0](hidden)))
+        whole = _greatest(self.after[1](hidden), points.is_point)
+        (found,) = self.head(torch.cat([whole, _box_features(points, sample, boxes_cam)], dim=1))
+        return cast("Tensor", found)
+
+    def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> _Points:
+        """Gather the points of boxes; with a generator some are left out, a share drawn for each box."""
+        most = self.config.max_points
+        along, across, heights = _in_frames(sample.points_cam, boxes_cam, sample.plane)
+        half_length, half_width = boxes_cam[:, 3:4] / 2.0, boxes_cam[:, 4:5] / 2.0
+        is_near = (along.abs() < half_length + self.config.margin_m) & (
+            across.abs() < half_width + self.config.margin_m
+        )
+        is_near &= (heights > _LOWEST_M) & (heights < _HIGHEST_M)
+        box, point = is_near.nonzero(as_tuple=True)
+        if generator is not None:
+            kept_shares = 0.3 + 0.9 * torch.rand(len(boxes_cam), generator=generator)
+            is_kept = torch.rand(len(box), generator=generator) < kept_shares[box.cpu()]
+            box, point = box[is_kept.to(box.device)], point[is_kept.to(box.device)]
+        counts = torch.bincount(box, minlength=len(boxes_cam))
+        number = torch.arange(len(box), device=box.device) - (counts.cumsum(0) - counts)[box]
+        # Of more points than there is room for, as many as there is room for, evenly along the scan's order.
+        steps = counts[box].clamp(min=most)
+        slot = number * most // steps
+        is_first = (number == 0) | (slot != (number - 1) * most // steps)
+        slot = torch.where(counts[box] > most, slot, number)
+        is_first |= counts[box] <= most
+        box, point, slot = box[is_first], point[is_first], slot[is_first]
+        is_point = torch.zeros((len(boxes_cam), most), dtype=torch.bool, device=box.device)
+        is_point[box, slot] = True
+        u, v, height = along[box, point], across[box, point], heights[point]
+        length, width = half_length[box, 0], half_width[box, 0]
+        features = boxes_cam.new_zeros((len(boxes_cam), most, _POINT_FEATURES))
+        features[box, slot] = torch.stack(
+            [u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1
+        )
+        return _Points(features, is_point, counts)
+
+
+def corrections_to(boxes_cam: Tensor, truths_cam: Tensor, plane: Tensor) -> Tensor:
+    """Tell what makes boxes into others: (N, 7) and (N, 7) to (N, 7) as `_SCALES` names it.
+
+    Which end is the front is not corrected: turns are those to the nearer of both headings.
+    """
+    shift = truths_cam[:, :3] - boxes_cam[:, :3]
+    along, across = _turned(shift[:, 0], shift[:, 2], boxes_cam[:, 6])
+    bottom = shift @ plane[:3]
+    turn = torch.remainder(truths_cam[:, 6] - boxes_cam[:, 6] + math.pi / 2.0, math.pi) - math.pi / 2.0
+    return torch.cat(
+        [torch.stack([along, across, bottom], dim=1), torch.log(truths_cam[:, 3:6] / boxes_cam[:, 3:6]), turn[:, None]],
+        dim=1,
+    )
+
+
+def corrected(boxes_cam: Tensor, corrections: Tensor, plane: Tensor) -> Tensor:
+    """Apply what `corrections_to` tells: (N, 7) and (N, 7) to (N, 7)."""
+    along, across, bottom = corrections[:, :3].unbind(dim=1)
+    cos, sin = torch.cos(boxes_cam[:, 6]), torch.sin(boxes_cam[:, 6])
+    x = boxes_cam[:, 0] + cos * along + sin * across
+    z = boxes_cam[:, 2] - sin * along + cos * across
+    height_m = boxes_cam[:, :3] @ plane[:3] + plane[3] + bottom
+    y = ground_y(x, z, plane) + height_m / plane[1]
+    sizes = (boxes_cam[:, 3:6] * torch.exp(corrections[:, 3:6])).clamp(min=MIN_SIZE_M)
+    turned = wrap_angle(boxes_cam[:, 6] + corrections[:, 6])
+    return torch.cat([torch.stack([x, y, z], dim=1), sizes, turned[:, None]], dim=1)
+
+
+def _moved(boxes_cam: Tensor, plane: Tensor, generator: torch.Generator) -> Tensor:
+    """Move, scale and turn boxes a little, half of them end to end."""
+    count = len(boxes_cam)
+    how_much = 2.0 * torch.rand((count, 1), generator=generator)
+    noise = torch.randn((count, len(_NOISE)), generator=generator) * how_much * torch.tensor(_NOISE)
+    noise[:, 6] += math.pi * torch.randint(2, (count,), generator=generator)
+    return corrected(boxes_cam, noise.to(boxes_cam), plane)
+
+
+def _in_frames(points_cam: Tensor, boxes_cam: Tensor, plane: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """Give points in the frames of boxes: (P, 3) and (N, 7) to along and across (N, P), and heights (P,)."""
+    x = points_cam[None, :, 0] - boxes_cam[:, 0:1]
+    z = points_cam[None, :, 2] - boxes_cam[:, 2:3]
+    along, across = _turned(x, z, boxes_cam[:, 6:7])
+    return along, across, points_cam @ plane[:3] + plane[3]
+
+
+def _turned(x: Tensor, z: Tensor, rotation_y: Tensor) -> tuple[Tensor, Tensor]:
+    cos, sin = torch.cos(rotation_y), torch.sin(rotation_y)
+    return cos * x - sin * z, sin * x + cos * z
+
+
+def _box_features(points: _Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
+    """Tell how a box stands to the sensor, how large it is, and how high its points are: (N, 9)."""
+    to_sensor = -boxes_cam[:, :3]
+    distance_m = torch.hypot(to_sensor[:, 0], to_sensor[:, 2]).clamp(min=1.0)
+    along, across = _turned(to_sensor[:, 0], to_sensor[:, 2], boxes_cam[:, 6])
+    top_m = points.features[..., 2].amax(dim=1)
+    bottom_m = boxes_cam[:, :3] @ sample.plane[:3] + sample.plane[3]
+    seen = [distance_m / _FARTHEST_M, along / distance_m, across / distance_m, torch.log1p(points.counts) / 5.0]
+    return torch.stack([*seen, *boxes_cam[:, 3:6].unbind(dim=1), bottom_m, top_m], dim=1)
+
+
+def _greatest(values: Tensor, is_point: Tensor) -> Tensor:
+    """Find the greatest of all points: (N, M, C) to (N, C)."""
+    return values.masked_fill(~is_point[..., None], -_MANY).amax(dim=1).clamp(min=-5.0)

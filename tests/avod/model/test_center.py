@@ -1,0 +1,153 @@
+"""The center detector: targets and decoding in closed form, and a frame learned by heart."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from avod import Detector
+from avod.config import Config
+from avod.data.dataset import sample_from_frame
+from avod.data.sample import Sample
+from avod.evaluate import without
+from avod.model.center.network import CenterNetwork, CenterOutputs, mark_loss
+from avod.model.center.targets import boxes_from_cells, center_targets, output_size
+from avod.train.step import learning_rate, make_optimizer, new_network, training_step
+from cadet.errors import CadetError
+from cadet.evaluation import box_iou_3d
+from detector.runs import assert_same_training, short_run, write_set
+from synthetic import make_frame
+
+CONFIG = Config.named(Path(__file__).parents[2] / "support" / "detector" / "center.toml")
+
+
+@pytest.fixture(scope="module")
+def sample() -> Sample:
+    return sample_from_frame(make_frame(), "000003", CONFIG)
+
+
+def test_a_sample_holds_nothing_that_this_network_does_not_look_at(sample: Sample) -> None:
+    assert sample.image.numel() == 0 and len(sample.anchors) == 0 and len(sample.points_cam) > 1000
+
+
+def test_decoding_inverts_the_targets(sample: Sample) -> None:
+    targets = center_targets(sample, CONFIG)
+    assert len(targets.cells) == len(sample.boxes_cam) == 3
+    found = boxes_from_cells(targets.cells, targets.boxes, sample.classes - 1, sample.plane, CONFIG)
+    torch.testing.assert_close(found, sample.boxes_cam, atol=1e-4, rtol=0)
+
+
+def test_marks_are_one_at_centers_and_fade_by_the_objects_width(sample: Sample) -> None:
+    marks = center_targets(sample, CONFIG).marks
+    assert marks.shape == (2, *output_size(CONFIG))
+    assert [(marks[kind] == 1.0).sum().item() for kind in (0, 1)] == [2, 1]
+    cell_m = 2 * CONFIG.bev.cell_m
+    for box, kind in zip(sample.boxes_cam.tolist(), (sample.classes - 1).tolist(), strict=True):
+        row, column = int((25.6 - box[2]) / cell_m), int((box[0] + 12.8) / cell_m)
+        spread = max(0.8, 0.27 * box[4] / cell_m)
+        assert marks[kind, row, column] == 1.0
+        assert marks[kind, row - 1, column].item() == pytest.approx(math.exp(-0.5 / spread**2), rel=1e-5)
+    assert marks.amin() == 0.0
+
+
+def test_objects_outside_the_maps_have_no_mark(sample: Sample) -> None:
+    far = sample.boxes_cam.clone()
+    far[:, 2] += 100.0
+    targets = center_targets(Sample(**{**vars(sample), "boxes_cam": far}), CONFIG)
+    assert len(targets.cells) == 0 and targets.boxes.shape == (0, 10) and not targets.marks.any()
+
+
+def test_the_mark_loss_is_the_published_one() -> None:
+    generator = torch.Generator().manual_seed(0)
+    logits = torch.randn((2, 3, 4), generator=generator)
+    marks = torch.rand((2, 3, 4), generator=generator)
+    marks[0, 1, 2] = marks[1, 0, 0] = 1.0
+    expected = 0.0
+    for logit, mark in zip(logits.flatten().tolist(), marks.flatten().tolist(), strict=True):
+        p = 1.0 / (1.0 + math.exp(-logit))
+        expected -= (1 - p) ** 2 * math.log(p) if mark == 1.0 else (1 - mark) ** 4 * p**2 * math.log(1 - p)
+    assert mark_loss(logits, marks).item() == pytest.approx(expected, rel=1e-5)
+
+
+def test_perfect_outputs_are_decoded_into_the_true_boxes(sample: Sample) -> None:
+    network = CenterNetwork(CONFIG)
+    targets = center_targets(sample, CONFIG)
+    numbers = torch.zeros((10, *output_size(CONFIG)))
+    numbers.flatten(1)[:, targets.cells] = targets.boxes.T
+    logits = torch.logit(targets.marks.clamp(1e-3, 0.99))
+    boxes = network.decode(CenterOutputs(logits, numbers), sample, CONFIG.detection)
+    sure = boxes.scores > 0.9
+    assert sorted(boxes.classes[sure].tolist()) == [1, 1, 2]
+    overlap = box_iou_3d(boxes.boxes_cam[sure].double().numpy(), sample.boxes_cam.double().numpy())
+    assert (overlap.max(axis=0) > 0.999).all()
+
+
+@pytest.mark.timeout(400)  # some 20 s of one core, more where it is shared
+def test_one_frame_is_learned_by_heart(sample: Sample) -> None:
+    network = new_network(CONFIG, 0).train()
+    optimizer = make_optimizer(network, CONFIG.training)
+    steps = range(CONFIG.training.steps)
+    losses = [training_step(network, optimizer, [sample], CONFIG, step=step, seed=0) for step in steps]
+    assert list(losses[0]) == ["mark", "box", "refinement", "total"]
+    # Points that are scattered in boxes, not over their surfaces, teach the last stage little.
+    assert all(losses[-1][name] < 0.05 * losses[0][name] for name in ("mark", "box"))
+    frame = make_frame()
+    detector = Detector(network)
+    found = detector.detect_frame(frame)
+    truths = [label for label in frame.labels if not label.is_dont_care]
+    overlap = box_iou_3d(np.stack([x.box_cam for x in found]), np.stack([x.box_cam for x in truths]))
+    for column, truth in enumerate(truths):
+        best = found[int(overlap[:, column].argmax())]
+        assert overlap[:, column].max() > 0.6 and best.type == truth.type and (best.score or 0.0) > 0.5
+        assert math.cos(best.rotation_y - truth.rotation_y) > 0.9
+    empty = make_frame(points_velo=np.zeros((0, 4), np.float32))
+    assert all((label.score or 0.0) < 0.5 for label in detector.detect_frame(empty))
+
+
+def test_a_training_that_was_stopped_goes_on_as_if_it_was_not(tmp_path: Path) -> None:
+    data = write_set(tmp_path / "set")
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    short_run(CONFIG, data, whole, 5, seed=3)
+    with pytest.raises(KeyboardInterrupt):
+        short_run(CONFIG, data, parts, 5, seed=3, on_step=interrupt_after(4))
+    short_run(CONFIG, data, parts, 5, resume=True)
+    assert_same_training(parts, whole)
+
+
+def interrupt_after(step: int):  # type: ignore[no-untyped-def]
+    def on_step(done: int, losses: object) -> None:
+        if done == step:
+            raise KeyboardInterrupt
+
+    return on_step
+
+
+def test_the_cycle_rises_to_the_learning_rate_and_falls_to_nothing() -> None:
+    training = CONFIG.training
+    rates = [learning_rate(step, training) for step in range(training.steps)]
+    assert rates[0] == pytest.approx(0.1 * training.learning_rate)
+    assert rates[training.steps // 4] == max(rates) == training.learning_rate
+    middle = training.steps // 4 + (training.steps - training.steps // 4) // 2
+    assert rates[middle] == pytest.approx(training.learning_rate / 2)
+    assert 0.0 < rates[-1] < 1e-3 * training.learning_rate
+
+
+def test_maps_that_the_strides_do_not_divide_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "odd.toml"
+    file.write_text('base = "center_car"\n[bev]\nz_m = [0.0, 50.56]\n')
+    with pytest.raises(CadetError, match=r"bev\.z_m: cells: expected a multiple of 8, got 316"):
+        Config.named(str(file))
+
+
+def test_settings_and_ablations_that_mean_nothing_to_this_network_are_refused() -> None:
+    detector = Detector(new_network(CONFIG, 0))
+    with pytest.raises(CadetError, match=r"^rpn\.proposals: a center detector has no proposals"):
+        detector.configure({"rpn": {"proposals": 10}})
+    with pytest.raises(CadetError, match="no sensor to leave out"):
+        without(detector, has_image=False, has_lidar=True)
+    detector.configure({"refinement": {"passes": 0}})
+    assert detector.config.refinement.passes == 0
