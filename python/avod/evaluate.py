@@ -58,6 +58,7 @@ def analyze_detectors(
     levels: str = "kitti",
     min_overlap: MinOverlap = "strict",
     recall: str = "r40",
+    bootstrap: int = 0,
     workers: int = 0,
     on_frame: Callable[[], None] = lambda: None,
 ) -> list[Analysis]:
@@ -76,6 +77,7 @@ def analyze_detectors(
         levels: "kitti" or "large_small".
         min_overlap: as for `cadet.evaluate`.
         recall: as for `cadet.evaluate`.
+        bootstrap: as for `cadet.analyze`.
         workers: processes that prepare frames.
         on_frame: called after each frame.
     """
@@ -100,6 +102,7 @@ def analyze_detectors(
             levels=levels,
             min_overlap=min_overlap,
             recall=recall,
+            bootstrap=bootstrap,
         )
         for results in found
     ]

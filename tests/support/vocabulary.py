@@ -20,6 +20,7 @@ import cadet
 from avod.cli.commands import avod as avod_command
 from avod.evaluate import analyze_detectors
 from avod.train.settings import Run
+from avod.worth import fixed_recipe, worth
 from cadet import generate, kitti
 from cadet.cli.tools import cadet as cadet_command
 from cadet.datasets.lidar_fit import fit_lidar
@@ -50,6 +51,7 @@ FUNCTIONS: tuple[Callable[..., Any], ...] = (
     *(generate.generate, cadet.stream, cadet.analyze, cadet.evaluate, kitti.lint, convert, convert_bdd100k),
     *(cut_objects, fit_lidar, write_report, write_gallery, analyze_detectors),
     *(cadet.Environment, cadet.Scene.random, cadet.Assets.read, cadet.ResetPolicy.as_sequence, avod.Detector),
+    *(worth, fixed_recipe),
 )
 """The functions whose parameters are settings."""
 
@@ -70,6 +72,7 @@ COMMAND_ONLY: Mapping[str, str] = {
     "rerun": "`cadet.figures.recording.view_episode`",
     "set": "any key of a detector's file",
     "sizes_from": "`avod.clusters.mean_sizes_of`",
+    "test_split": "the list whose `ids` `avod.worth.worth` takes",
     "threads": "`torch.set_num_threads`",
     "version": "prints the version",
 }

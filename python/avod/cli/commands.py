@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, clusters, bench, view."""
+"""`avod`: train, predict, eval, worth, clusters, bench, view."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from avod.cli.options import (
     split_option,
 )
 from avod.cli.train import train_command
+from avod.cli.worth import worth_command
 from avod.data.frames import open_frames
 from avod.detector import Detector
 from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score
@@ -51,11 +52,12 @@ from cadet.formats.kitti.files.unreadable import Unreadable
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="avod")
 def avod() -> None:
-    """Train AVOD-FPN on KITTI folders and detect 3D objects with it."""
+    """Train detectors of 3D objects on KITTI folders, and detect with them."""
 
 
 avod.add_command(train_command)
 avod.add_command(clusters_command)
+avod.add_command(worth_command)
 
 
 @avod.command(name="predict")
