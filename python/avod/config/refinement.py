@@ -10,7 +10,7 @@ from cadet._util.checks import Limits, check_fields
 
 @dataclass(frozen=True, kw_only=True)
 class RefinementConfig:
-    """A last stage that looks at the points in and around a found box, and corrects it; AVOD has none.
+    """A last stage that looks at the points in and around a found box, corrects it, and judges it; AVOD has none.
 
     Raises:
         CadetError: a number outside its range.
@@ -26,8 +26,10 @@ class RefinementConfig:
     """Of each point after each layer."""
     hidden: Annotated[tuple[int, ...], Limits(1, 65536)] = (128, 128)
     """Widths of the layers behind the greatest of all points' features."""
-    copies: Annotated[int, Limits(1, 1024)] = 8
-    """Copies of each true box, moved, scaled and turned a little, that it learns from in a step."""
+    copies: Annotated[int, Limits(0, 1024)] = 8
+    """Copies of each true box, moved, scaled and turned a little, that it learns from in a step ..."""
+    found_boxes: Annotated[int, Limits(0, 1024)] = 32
+    """... besides so many boxes that the network found, the best."""
     passes: Annotated[int, Limits(0, 8)] = 1
     """How often a box is corrected in detection."""
     weight: Annotated[float, Limits(0)] = 1.0

@@ -5,28 +5,32 @@ from __future__ import annotations
 import contextlib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, ClassVar, Generic, Protocol, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Generic, TypeVar
 
 import torch
 from torch import Tensor, nn
 
 from avod.config import Config, DetectionConfig
 from avod.data.sample import Sample
-from avod.model.boxes import Boxes
+from avod.model.boxes import Boxes, kept_boxes
 from avod.model.refinement import PointRefinement, RefinementOutputs
 
 
-class Outputs(Protocol):
-    """What a network finds in a frame."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Outputs(ABC):
+    """What a network finds in a frame.
+
+    Attributes:
+        refinement: boxes as the points in them correct them; None where nothing is drawn, or without that stage.
+    """
+
+    refinement: RefinementOutputs | None = None
 
     @property
+    @abstractmethod
     def is_finite(self) -> bool:
         """Whether all that boxes are made of are numbers."""
-
-    @property
-    def refinement(self) -> RefinementOutputs | None:
-        """Moved copies of true boxes as the points correct them; None where nothing is drawn, or without that stage."""
 
 
 FeaturesT = TypeVar("FeaturesT")
@@ -80,7 +84,6 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
     def extract(self, samples: Sequence[Sample]) -> list[FeaturesT]:
         """Make the feature maps of samples."""
 
-    @abstractmethod
     def judge(
         self,
         sample: Sample,
@@ -91,6 +94,25 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         config: Config | None = None,
     ) -> OutputsT:
         """Find objects in the feature maps of a sample; arguments as for `forward`."""
+        config = self.config if config is None else config
+        outputs = self.find(sample, features, generator, step=step, config=config)
+        if self.refinement is None or generator is None:
+            return outputs
+        with torch.no_grad():
+            found_cam = self.decode(outputs, sample, config.detection).boxes_cam[: config.refinement.found_boxes]
+        return replace(outputs, refinement=self.refinement.learned(sample, found_cam, generator))
+
+    @abstractmethod
+    def find(
+        self,
+        sample: Sample,
+        features: FeaturesT,
+        generator: torch.Generator | None,
+        *,
+        step: int | None,
+        config: Config,
+    ) -> OutputsT:
+        """Find objects in the feature maps of a sample, before the last stage; arguments as for `forward`."""
 
     @abstractmethod
     def extractors(self) -> tuple[nn.Module, ...]:
@@ -121,17 +143,20 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         return terms | {"total": torch.stack(list(terms.values())).sum()}
 
     def boxes(self, outputs: OutputsT, sample: Sample, config: Config) -> Boxes:
-        """Turn outputs into boxes, best first, which the points in them correct where the network has that stage."""
-        boxes = self.decode(outputs, sample, config.detection)
-        if self.refinement is None:
-            return boxes
-        return replace(boxes, boxes_cam=self.refinement(sample, boxes.boxes_cam, config.refinement.passes))
+        """Turn outputs into boxes, best first.
 
-    def refined(self, sample: Sample, generator: torch.Generator | None) -> RefinementOutputs | None:
-        """Correct moved copies of a sample's true boxes, for the losses."""
-        if self.refinement is None or generator is None:
-            return None
-        return self.refinement.corrected_copies(sample, generator)
+        Where the network has that stage, the points in boxes correct them, and a box's score becomes the root of its
+        product with how well points fit the box.
+        """
+        found = self.decode(outputs, sample, config.detection)
+        passes = config.refinement.passes
+        if self.refinement is None or passes == 0:
+            return found
+        boxes_cam, qualities = self.refinement(sample, found.boxes_cam, passes)
+        scores = torch.sqrt(found.scores * qualities)
+        # Boxes that were corrected onto one object overlap now.
+        kept = kept_boxes(boxes_cam, scores, found.classes, config.detection)
+        return Boxes(boxes_cam[kept], scores[kept], found.classes[kept])
 
     def arithmetic(self, values: Tensor) -> contextlib.AbstractContextManager[object]:
         """Compute convolutions and layers with the network's precision meanwhile."""

@@ -33,26 +33,41 @@ _NOISE: Final = (0.25, 0.14, 0.12, 0.08, 0.06, 0.07, 0.07)
 _POINT_FEATURES: Final = 7
 _BOX_FEATURES: Final = 9
 _SMOOTHING: Final = 0.3
+_QUALITY_WEIGHT: Final = 2.0
+_LEAST_OVERLAP: Final = 0.2
+"""Found boxes that overlap an object by less have none."""
 _FARTHEST_M: Final = 40.0
 _MANY: Final = 1e4
 
 
 @dataclass(frozen=True, eq=False)
 class RefinementOutputs:
-    """Corrections of moved copies of true boxes.
+    """Corrections and judgments of moved copies of true boxes and of found ones.
 
     Attributes:
         found: (N, 7), in units of `_SCALES`.
-        wanted: (N, 7).
+        wanted: (N, 7), of those that have an object.
+        has_object: (N,) bool.
+        quality_logits: (N,).
+        qualities: (N,) what they should be: 0 for an overlap of the corrected box in 3D of a quarter or less, 1 for one
+            of three quarters or more.
     """
 
     found: Tensor
     wanted: Tensor
+    has_object: Tensor
+    quality_logits: Tensor
+    qualities: Tensor
 
     def loss(self) -> Tensor:
-        """Compute the smooth L1 sum of each correction, averaged over them; 0 without any."""
-        errors = functional.smooth_l1_loss(self.found, self.wanted, beta=_SMOOTHING, reduction="none")
-        return errors.sum() / max(len(errors), 1)
+        """Compute the smooth L1 sum of corrections, averaged over those with an object, and cross entropy of qualities.
+
+        Reference of the qualities: Jiang et al., "IoU-Net" (ECCV 2018), scaled as in PV-RCNN (Shi et al., CVPR 2020).
+        """
+        errors = functional.smooth_l1_loss(self.found, self.wanted, beta=_SMOOTHING, reduction="none").sum(dim=1)
+        correction = torch.where(self.has_object, errors, 0.0).sum() / self.has_object.sum().clamp(min=1)
+        judgment = functional.binary_cross_entropy_with_logits(self.quality_logits, self.qualities, reduction="sum")
+        return correction + _QUALITY_WEIGHT * judgment / max(len(self.qualities), 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,37 +99,58 @@ class PointRefinement(nn.Module):
         self.before = nn.ModuleList([nn.Linear(_POINT_FEATURES, first), nn.Linear(first, second)])
         self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
         self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
-        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES),), 1.0)
+        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES), 1), 1.0)
         nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
-    def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> Tensor:
-        """Correct boxes (N, 7), so often; those with hardly a point stay as they are."""
-        scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
-        for _ in range(passes):
-            points = self._points(sample, boxes_cam, None)
-            corrections = (self._corrections(points, sample, boxes_cam) * scales).clamp(-limits, limits)
-            has_points = points.counts >= _LEAST_POINTS
-            boxes_cam = torch.where(has_points[:, None], corrected(boxes_cam, corrections, sample.plane), boxes_cam)
-        return boxes_cam
-
-    def corrected_copies(self, sample: Sample, generator: torch.Generator) -> RefinementOutputs:
-        """Correct moved copies of a sample's true boxes.
+    def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> tuple[Tensor, Tensor]:
+        """Correct boxes so often, and judge them.
 
         Args:
             sample: the sample.
-            generator: on the CPU; draws the copies, and which of their points are left out.
+            boxes_cam: (N, 7).
+            passes: 1 or more.
+
+        Returns:
+            (N, 7) boxes, those with hardly a point as they were, and (N,) the quality of each, 0..1.
+        """
+        scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
+        qualities = boxes_cam.new_zeros(len(boxes_cam))
+        for _ in range(passes):
+            points = self._points(sample, boxes_cam, None)
+            corrections, logits = self._judge(points, sample, boxes_cam)
+            corrections = (corrections * scales).clamp(-limits, limits)
+            has_points = points.counts >= _LEAST_POINTS
+            boxes_cam = torch.where(has_points[:, None], corrected(boxes_cam, corrections, sample.plane), boxes_cam)
+            qualities = torch.where(has_points, torch.sigmoid(logits), 0.0)
+        return boxes_cam, qualities
+
+    def learned(self, sample: Sample, found_cam: Tensor, generator: torch.Generator) -> RefinementOutputs:
+        """Correct and judge moved copies of a sample's true boxes, and boxes that were found.
+
+        Args:
+            sample: the sample.
+            found_cam: (N, 7).
+            generator: on the CPU; draws the copies, and which of the points are left out.
         """
         truths = sample.boxes_cam.repeat_interleave(self.config.copies, dim=0)
-        copies = _moved(truths, sample.plane, generator)
-        points = self._points(sample, copies, generator)
-        wanted = corrections_to(copies, truths, sample.plane) / truths.new_tensor(_SCALES)
-        has_points = points.counts >= _LEAST_POINTS
-        return RefinementOutputs(self._corrections(points, sample, copies)[has_points], wanted[has_points])
+        nearest, is_near = _nearest(found_cam, sample.boxes_cam)
+        boxes_cam = torch.cat([_moved(truths, sample.plane, generator), found_cam])
+        truths = torch.cat([truths, nearest])
+        has_object = torch.cat([is_near.new_ones(len(truths) - len(nearest)), is_near])
+        points = self._points(sample, boxes_cam, generator)
+        scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
+        wanted = corrections_to(boxes_cam, truths, sample.plane) / scales
+        corrections, logits = self._judge(points, sample, boxes_cam)
+        with torch.no_grad():
+            now = corrected(boxes_cam, (corrections * scales).clamp(-limits, limits), sample.plane)
+            qualities = torch.where(has_object, (2.0 * _overlap(now, truths) - 0.5).clamp(0.0, 1.0), 0.0)
+        chosen = points.counts >= _LEAST_POINTS
+        return RefinementOutputs(
+            corrections[chosen], wanted[chosen], has_object[chosen], logits[chosen], qualities[chosen]
+        )
 
-    def _corrections(self, points: _Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
-        if len(boxes_cam) == 0:
-            points_of_none = points.features.sum() * 0.0
-            return boxes_cam.new_zeros((0, len(_SCALES))) + points_of_none
+    def _judge(self, points: _Points, sample: Sample, boxes_cam: Tensor) -> tuple[Tensor, Tensor]:
+        """Return corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,)."""
         hidden = points.features
         for layer, norm in zip(self.before, self.norms, strict=False):
             hidden = functional.relu(norm(layer(hidden)))
@@ -122,8 +158,8 @@ class PointRefinement(nn.Module):
         hidden = torch.cat([hidden, whole[:, None].expand_as(hidden)], dim=2)
         hidden = functional.relu(self.norms[2](self.after[0](hidden)))
         whole = _greatest(self.after[1](hidden), points.is_point)
-        (found,) = self.head(torch.cat([whole, _box_features(points, sample, boxes_cam)], dim=1))
-        return cast("Tensor", found)
+        corrections, logits = self.head(torch.cat([whole, _box_features(points, sample, boxes_cam)], dim=1))
+        return cast("Tensor", corrections), cast("Tensor", logits).squeeze(1)
 
     def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> _Points:
         """Gather the points of boxes; with a generator some are left out, a share drawn for each box."""
@@ -185,6 +221,27 @@ def corrected(boxes_cam: Tensor, corrections: Tensor, plane: Tensor) -> Tensor:
     sizes = (boxes_cam[:, 3:6] * torch.exp(corrections[:, 3:6])).clamp(min=MIN_SIZE_M)
     turned = wrap_angle(boxes_cam[:, 6] + corrections[:, 6])
     return torch.cat([torch.stack([x, y, z], dim=1), sizes, turned[:, None]], dim=1)
+
+
+def _nearest(boxes_cam: Tensor, truths_cam: Tensor) -> tuple[Tensor, Tensor]:
+    """Find the true box whose center is nearest to each (N, 7), and whether both overlap enough: (N, 7) and (N,)."""
+    if len(truths_cam) == 0:
+        return boxes_cam, torch.zeros(len(boxes_cam), dtype=torch.bool, device=boxes_cam.device)
+    nearest = truths_cam[torch.cdist(boxes_cam[:, [0, 2]], truths_cam[:, [0, 2]]).argmin(dim=1)]
+    return nearest, _overlap(boxes_cam, nearest) > _LEAST_OVERLAP
+
+
+def _overlap(boxes_cam: Tensor, truths_cam: Tensor) -> Tensor:
+    """Compute the intersection over union in 3D of boxes and others (N, 7), as if both had the others' headings."""
+    shift = boxes_cam[:, :3] - truths_cam[:, :3]
+    along, across = _turned(shift[:, 0], shift[:, 2], truths_cam[:, 6])
+    half, half_true = boxes_cam[:, 3:5] / 2.0, truths_cam[:, 3:5] / 2.0
+    place = torch.stack([along, across], dim=1)
+    shared = torch.minimum(place + half, half_true) - torch.maximum(place - half, -half_true)
+    low, low_true = boxes_cam[:, 1], truths_cam[:, 1]
+    height = torch.minimum(low, low_true) - torch.maximum(low - boxes_cam[:, 5], low_true - truths_cam[:, 5])
+    both = shared.clamp(min=0.0).prod(dim=1) * height.clamp(min=0.0)
+    return both / (boxes_cam[:, 3:6].prod(dim=1) + truths_cam[:, 3:6].prod(dim=1) - both)
 
 
 def _moved(boxes_cam: Tensor, plane: Tensor, generator: torch.Generator) -> Tensor:

@@ -11,7 +11,7 @@ import torch
 
 from avod.config import RefinementConfig
 from avod.data.sample import Sample
-from avod.model.refinement import PointRefinement, corrected, corrections_to
+from avod.model.refinement import PointRefinement, _overlap, corrected, corrections_to
 from cadet.evaluation import box_iou_3d
 
 FLAT = torch.tensor([0.0, -1.0, 0.0, 1.65])
@@ -55,6 +55,19 @@ def surface_points(boxes_cam: torch.Tensor, count: int, seed: int) -> torch.Tens
     return (local + boxes_cam[:, None, :3]).reshape(-1, 3)
 
 
+def beside(boxes_cam: torch.Tensor, seed: int) -> torch.Tensor:
+    """Put boxes where no object is, 3 m behind those."""
+    generator = torch.Generator().manual_seed(seed)
+    moved = boxes_cam.clone()
+    moved[:, 2] += 3.0 + torch.rand(len(moved), generator=generator)
+    return moved
+
+
+def beside_points(boxes_cam: torch.Tensor) -> torch.Tensor:
+    """Scatter points in boxes."""
+    return surface_points(boxes_cam, 20, seed=3)
+
+
 @pytest.mark.parametrize("plane", [FLAT, TILTED])
 def test_applied_corrections_give_the_other_box_and_keep_the_end_that_is_the_front(plane: torch.Tensor) -> None:
     found, truths = boxes(50, seed=0), boxes(50, seed=1)
@@ -95,9 +108,35 @@ def test_boxes_of_hardly_a_point_stay_as_they_are() -> None:
     torch.nn.init.constant_(stage.head.outputs[0].bias, 1.0)  # type: ignore[arg-type]
     truths = boxes(2, seed=3)
     points = torch.cat([surface_points(truths[:1], 50, seed=0), truths[1:, :3] - torch.tensor([0.0, 0.5, 0.0])])
-    now = stage(sample_of(points, truths), truths)
+    now, qualities = stage(sample_of(points, truths), truths)
     assert torch.equal(now[1], truths[1]) and not torch.equal(now[0], truths[0])
-    assert stage(sample_of(points, truths), truths[:0]).shape == (0, 7)
+    assert qualities[1] == 0.0 < qualities[0]
+    none, no_qualities = stage(sample_of(points, truths), truths[:0])
+    assert none.shape == (0, 7) and no_qualities.shape == (0,)
+
+
+def test_copies_and_found_boxes_are_compared_with_their_objects() -> None:
+    truths = boxes(3, seed=4)
+    truths[:, [0, 2]] = torch.tensor([[-6.0, 10.0], [0.0, 16.0], [6.0, 24.0]])
+    points = surface_points(truths, 80, seed=1)
+    found = torch.cat([truths[1:2], beside(truths, 0)])
+    stage = PointRefinement(dataclasses.replace(CONFIG, copies=2))
+    outputs = stage.learned(sample_of(torch.cat([points, beside_points(found)]), truths), found, torch.Generator())
+    assert outputs.has_object.tolist() == [True] * 7 + [False] * 3
+    # The untrained stage corrects nothing: a true box keeps its full overlap.
+    assert outputs.qualities[6] == 1.0 and not outputs.qualities[7:].any()
+    torch.testing.assert_close(outputs.wanted[6], torch.zeros(7), atol=1e-5, rtol=0)
+    nothing = sample_of(beside_points(found), truths[:0])
+    assert not stage.learned(nothing, found, torch.Generator()).has_object.any()
+
+
+def test_the_overlap_is_exact_where_headings_are_equal() -> None:
+    truths, moved = boxes(30, seed=8), boxes(30, seed=9)
+    moved[:, [0, 2]] = truths[:, [0, 2]] + 0.8 * torch.randn((30, 2), generator=torch.Generator().manual_seed(0))
+    moved[:, 6] = truths[:, 6]
+    exact = np.diag(box_iou_3d(moved.double().numpy(), truths.double().numpy()))
+    np.testing.assert_allclose(_overlap(moved, truths).numpy(), exact, atol=1e-4)
+    assert 0.0 < np.median(exact) < 0.9
 
 
 def test_it_learns_where_boxes_stand() -> None:
@@ -107,8 +146,7 @@ def test_it_learns_where_boxes_stand() -> None:
     for step in range(200):
         truths = boxes(12, seed=step)
         sample = sample_of(surface_points(truths, 60, seed=step), truths)
-        outputs = stage.corrected_copies(sample, torch.Generator().manual_seed(step))
-        assert len(outputs.found) <= 8 * 12
+        outputs = stage.learned(sample, beside(truths, step), torch.Generator().manual_seed(step))
         optimizer.zero_grad()
         outputs.loss().backward()  # type: ignore[no-untyped-call]
         optimizer.step()
@@ -117,9 +155,13 @@ def test_it_learns_where_boxes_stand() -> None:
     noise = torch.tensor([0.3, 0.15, 0.1, 0.08, 0.06, 0.06, 0.08])
     moved = corrected(truths, noise * torch.randn((40, 7), generator=torch.Generator().manual_seed(5)), FLAT)
     with torch.no_grad():
-        now = stage(sample, moved)
+        now, qualities = stage(sample, moved)
+        empty = beside(truths, 7)
+        empty = empty[torch.from_numpy(box_iou_3d(empty.double().numpy(), truths.double().numpy()).max(axis=1) == 0.0)]
+        _, empty_qualities = stage(sample, empty)
 
     def overlap(found: torch.Tensor) -> float:
         return float(np.median(np.diag(box_iou_3d(found.double().numpy(), truths.double().numpy()))))
 
     assert overlap(moved) < 0.7 and overlap(now) > overlap(moved) + 0.08, (overlap(moved), overlap(now))
+    assert qualities.median() > empty_qualities.median() + 0.3

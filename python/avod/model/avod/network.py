@@ -93,21 +93,20 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
             bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
         return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
 
-    def judge(
+    def find(
         self,
         sample: Sample,
         features: FrameFeatures,
-        generator: torch.Generator | None = None,
+        generator: torch.Generator | None,
         *,
-        step: int | None = None,
-        config: Config | None = None,
+        step: int | None,
+        config: Config,
     ) -> FrameOutputs:
         """Run both stages on the feature maps of a sample; arguments as for `forward`.
 
         Outputs made with a generator have targets: a mini-batch of proposals, which copies of the true boxes join in
         the first steps. In training mode a path may be dropped.
         """
-        config = self.config if config is None else config
         masks = detection_masks(config.path_drop)
         if self.training:
             assert generator is not None
@@ -135,16 +134,7 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
             if most_m > 0.0:
                 proposals = standing_anchors(proposals, sample.plane, heights[:, -1].clamp(least_m, most_m))
         class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, heights, masks)
-        return FrameOutputs(
-            anchor_logits,
-            anchor_offsets,
-            proposals,
-            class_logits,
-            box_offsets,
-            vectors,
-            targets,
-            self.refined(sample, generator),
-        )
+        return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
 
     def extractors(self) -> tuple[nn.Module, ...]:
         """Return both feature pyramids."""

@@ -8,12 +8,12 @@ import torch
 from torch import Tensor
 
 from avod.model.avod.targets import ProposalTargets
-from avod.model.refinement import RefinementOutputs
+from avod.model.network import Outputs
 from cadet._util.summary import summary
 
 
 @dataclass(frozen=True, eq=False)
-class FrameOutputs:
+class FrameOutputs(Outputs):
     """The network's outputs for one frame, N anchors and P proposals.
 
     Attributes:
@@ -24,7 +24,6 @@ class FrameOutputs:
         box_offsets: (P, 10) from the proposals' corners and heights, meters.
         vectors: (P, 2) of headings.
         targets: what the proposals should become; None where nothing is drawn.
-        refinement: of the last stage; None where nothing is drawn, or without that stage.
     """
 
     anchor_logits: Tensor
@@ -34,10 +33,11 @@ class FrameOutputs:
     box_offsets: Tensor
     vectors: Tensor
     targets: ProposalTargets | None = None
-    refinement: RefinementOutputs | None = None
 
     def __repr__(self) -> str:
-        return summary(self, **{f.name: getattr(self, f.name) for f in fields(self)[:-2]})
+        return summary(
+            self, **{f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("targets", "refinement")}
+        )
 
     @property
     def is_finite(self) -> bool:

@@ -15,8 +15,7 @@ from avod.data.sample import Sample
 from avod.model.boxes import Boxes, kept_boxes
 from avod.model.center.targets import NUM_BOX, boxes_from_cells, center_targets
 from avod.model.layers import Convolution
-from avod.model.network import DetectionNetwork, stacked
-from avod.model.refinement import RefinementOutputs
+from avod.model.network import DetectionNetwork, Outputs, stacked
 from cadet._util.summary import summary
 
 _RARE: Final = -4.0
@@ -27,21 +26,19 @@ _LEAST: Final = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class CenterOutputs:
+class CenterOutputs(Outputs):
     """The network's outputs for one frame, C classes, R x W cells.
 
     Attributes:
         marks: (C, R, W) logits of an object's center.
         boxes: (10, R, W), of an object whose center is in the cell.
-        refinement: of the last stage; None where nothing is drawn, or without that stage.
     """
 
     marks: Tensor
     boxes: Tensor
-    refinement: RefinementOutputs | None = None
 
     def __repr__(self) -> str:
-        return summary(self, **{f.name: getattr(self, f.name) for f in fields(self)[:-1]})
+        return summary(self, **{f.name: getattr(self, f.name) for f in fields(self) if f.name != "refinement"})
 
     @property
     def is_finite(self) -> bool:
@@ -78,18 +75,18 @@ class CenterNetwork(DetectionNetwork[Tensor, CenterOutputs]):
             found = torch.cat([self.mark_head(features), self.box_head(features)], dim=1)
         return list(found.float())
 
-    def judge(
+    def find(
         self,
         sample: Sample,
         features: Tensor,
-        generator: torch.Generator | None = None,
+        generator: torch.Generator | None,
         *,
-        step: int | None = None,
-        config: Config | None = None,
+        step: int | None,
+        config: Config,
     ) -> CenterOutputs:
-        """Part the outputs of a sample; arguments as for `forward`."""
-        del step, config
-        return CenterOutputs(features[:-NUM_BOX], features[-NUM_BOX:], self.refined(sample, generator))
+        """Part the outputs of a sample."""
+        del sample, generator, step, config
+        return CenterOutputs(features[:-NUM_BOX], features[-NUM_BOX:])
 
     def extractors(self) -> tuple[nn.Module, ...]:
         """Return the convolutions."""
