@@ -28,8 +28,10 @@ _SCALES: Final = (0.2, 0.2, 0.1, 0.08, 0.06, 0.06, 0.08)
 """Spread of what is corrected: along and across (m), bottom (m), logarithms of length, width and height, turn (rad)."""
 _MOST: Final = (1.0, 1.0, 0.5, 0.5, 0.5, 0.5, 0.5)
 """Nothing is corrected by more."""
-_NOISE: Final = (0.25, 0.14, 0.12, 0.08, 0.06, 0.07, 0.07)
-"""Standard deviation of copies of true boxes, likewise; drawn for each copy between nothing and twice this."""
+_NOISE: Final = (0.07, 0.06, 0.12, 0.08, 0.06, 0.07, 0.07)
+"""Standard deviation of copies of true boxes, likewise; drawn for each copy between nothing and twice this ..."""
+_NOISE_OF_SIZE: Final = 0.045
+"""... and what it grows by along and across, as a share of length and width."""
 _POINT_FEATURES: Final = 7
 _BOX_FEATURES: Final = 9
 _SMOOTHING: Final = 0.3
@@ -248,9 +250,11 @@ def _moved(boxes_cam: Tensor, plane: Tensor, generator: torch.Generator) -> Tens
     """Move, scale and turn boxes a little, half of them end to end."""
     count = len(boxes_cam)
     how_much = 2.0 * torch.rand((count, 1), generator=generator)
-    noise = torch.randn((count, len(_NOISE)), generator=generator) * how_much * torch.tensor(_NOISE)
-    noise[:, 6] += math.pi * torch.randint(2, (count,), generator=generator)
-    return corrected(boxes_cam, noise.to(boxes_cam), plane)
+    spread = boxes_cam.new_tensor(_NOISE).repeat(count, 1)
+    spread[:, :2] += _NOISE_OF_SIZE * boxes_cam[:, 3:5]
+    noise = (torch.randn(spread.shape, generator=generator) * how_much).to(boxes_cam) * spread
+    noise[:, 6] += math.pi * torch.randint(2, (count,), generator=generator).to(boxes_cam)
+    return corrected(boxes_cam, noise, plane)
 
 
 def _in_frames(points_cam: Tensor, boxes_cam: Tensor, plane: Tensor) -> tuple[Tensor, Tensor, Tensor]:

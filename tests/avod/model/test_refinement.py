@@ -143,7 +143,7 @@ def test_it_learns_where_boxes_stand() -> None:
     torch.manual_seed(0)
     stage = PointRefinement(dataclasses.replace(CONFIG, copies=8))
     optimizer = torch.optim.Adam(stage.parameters(), lr=5e-3)
-    for step in range(200):
+    for step in range(300):
         truths = boxes(12, seed=step)
         sample = sample_of(surface_points(truths, 60, seed=step), truths)
         outputs = stage.learned(sample, beside(truths, step), torch.Generator().manual_seed(step))
