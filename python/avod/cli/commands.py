@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, worth, clusters, bench, view."""
+"""`avod`: train, predict, eval, worth, export, clusters, bench, view."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from avod.cli.clusters import clusters_command
+from avod.cli.export import export_command
 from avod.cli.options import (
     checkpoint_option,
     data_option,
@@ -58,6 +59,7 @@ def avod() -> None:
 avod.add_command(train_command)
 avod.add_command(clusters_command)
 avod.add_command(worth_command)
+avod.add_command(export_command)
 
 
 @avod.command(name="predict")

@@ -32,8 +32,8 @@ _NOISE: Final = (0.07, 0.06, 0.12, 0.08, 0.06, 0.07, 0.07)
 """Standard deviation of copies of true boxes, likewise; drawn for each copy between nothing and twice this ..."""
 _NOISE_OF_SIZE: Final = 0.045
 """... and what it grows by along and across, as a share of length and width."""
-_POINT_FEATURES: Final = 7
-_BOX_FEATURES: Final = 9
+POINT_FEATURES: Final = 7
+BOX_FEATURES: Final = 9
 _SMOOTHING: Final = 0.3
 _QUALITY_WEIGHT: Final = 2.0
 _LEAST_OVERLAP: Final = 0.2
@@ -73,7 +73,7 @@ class RefinementOutputs:
 
 
 @dataclass(frozen=True, eq=False)
-class _Points:
+class Points:
     """Points of N boxes, at most M each, in the boxes' own frames.
 
     Attributes:
@@ -98,10 +98,10 @@ class PointRefinement(nn.Module):
         super().__init__()
         self.config = config
         first, second, third = config.channels
-        self.before = nn.ModuleList([nn.Linear(_POINT_FEATURES, first), nn.Linear(first, second)])
+        self.before = nn.ModuleList([nn.Linear(POINT_FEATURES, first), nn.Linear(first, second)])
         self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
         self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
-        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES), 1), 1.0)
+        self.head = Head(third + BOX_FEATURES, config.hidden, (len(_SCALES), 1), 1.0)
         nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
     def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> tuple[Tensor, Tensor]:
@@ -119,7 +119,8 @@ class PointRefinement(nn.Module):
         qualities = boxes_cam.new_zeros(len(boxes_cam))
         for _ in range(passes):
             points = self._points(sample, boxes_cam, None)
-            corrections, logits = self._judge(points, sample, boxes_cam)
+            seen = box_features(points, sample, boxes_cam)
+            corrections, logits = self.judge(points.features, points.is_point, seen)
             corrections = (corrections * scales).clamp(-limits, limits)
             has_points = points.counts >= _LEAST_POINTS
             boxes_cam = torch.where(has_points[:, None], corrected(boxes_cam, corrections, sample.plane), boxes_cam)
@@ -142,7 +143,8 @@ class PointRefinement(nn.Module):
         points = self._points(sample, boxes_cam, generator)
         scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
         wanted = corrections_to(boxes_cam, truths, sample.plane) / scales
-        corrections, logits = self._judge(points, sample, boxes_cam)
+        seen = box_features(points, sample, boxes_cam)
+        corrections, logits = self.judge(points.features, points.is_point, seen)
         with torch.no_grad():
             now = corrected(boxes_cam, (corrections * scales).clamp(-limits, limits), sample.plane)
             qualities = torch.where(has_object, (2.0 * _overlap(now, truths) - 0.5).clamp(0.0, 1.0), 0.0)
@@ -151,19 +153,28 @@ class PointRefinement(nn.Module):
             corrections[chosen], wanted[chosen], has_object[chosen], logits[chosen], qualities[chosen]
         )
 
-    def _judge(self, points: _Points, sample: Sample, boxes_cam: Tensor) -> tuple[Tensor, Tensor]:
-        """Return corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,)."""
-        hidden = points.features
+    def judge(self, features: Tensor, is_point: Tensor, seen: Tensor) -> tuple[Tensor, Tensor]:
+        """Run the layers.
+
+        Args:
+            features: (N, M, 7) of points, zeros where there is none.
+            is_point: (N, M) bool.
+            seen: (N, 9) what `box_features` gives.
+
+        Returns:
+            Corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,).
+        """
+        hidden = features
         for layer, norm in zip(self.before, self.norms, strict=False):
             hidden = functional.relu(norm(layer(hidden)))
-        whole = _greatest(hidden, points.is_point)
+        whole = _greatest(hidden, is_point)
         hidden = torch.cat([hidden, whole[:, None].expand_as(hidden)], dim=2)
         hidden = functional.relu(self.norms[2](self.after[0](hidden)))
-        whole = _greatest(self.after[1](hidden), points.is_point)
-        corrections, logits = self.head(torch.cat([whole, _box_features(points, sample, boxes_cam)], dim=1))
+        whole = _greatest(self.after[1](hidden), is_point)
+        corrections, logits = self.head(torch.cat([whole, seen], dim=1))
         return cast("Tensor", corrections), cast("Tensor", logits).squeeze(1)
 
-    def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> _Points:
+    def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> Points:
         """Gather the points of boxes; with a generator some are left out, a share drawn for each box."""
         most = self.config.max_points
         along, across, heights = _in_frames(sample.points_cam, boxes_cam, sample.plane)
@@ -190,11 +201,11 @@ class PointRefinement(nn.Module):
         is_point[box, slot] = True
         u, v, height = along[box, point], across[box, point], heights[point]
         length, width = half_length[box, 0], half_width[box, 0]
-        features = boxes_cam.new_zeros((len(boxes_cam), most, _POINT_FEATURES))
+        features = boxes_cam.new_zeros((len(boxes_cam), most, POINT_FEATURES))
         features[box, slot] = torch.stack(
             [u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1
         )
-        return _Points(features, is_point, counts)
+        return Points(features, is_point, counts)
 
 
 def corrections_to(boxes_cam: Tensor, truths_cam: Tensor, plane: Tensor) -> Tensor:
@@ -270,7 +281,7 @@ def _turned(x: Tensor, z: Tensor, rotation_y: Tensor) -> tuple[Tensor, Tensor]:
     return cos * x - sin * z, sin * x + cos * z
 
 
-def _box_features(points: _Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
+def box_features(points: Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
     """Tell how a box stands to the sensor, how large it is, and how high its points are: (N, 9)."""
     to_sensor = -boxes_cam[:, :3]
     distance_m = torch.hypot(to_sensor[:, 0], to_sensor[:, 2]).clamp(min=1.0)

@@ -88,10 +88,14 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
     def extract(self, samples: Sequence[Sample]) -> list[FrameFeatures]:
         """Make the feature maps of samples."""
         with self.arithmetic(samples[0].bev):
-            bev = self.bev_pyramid(stacked([sample.bev for sample in samples]))
-            image = self.image_pyramid(stacked([sample.image for sample in samples]) - self.mean_rgb)
-            bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
-        return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
+            maps = self.run_maps(*(stacked([getattr(sample, name) for sample in samples]) for name in ("bev", "image")))
+        return [FrameFeatures(*of_frame) for of_frame in zip(*maps, strict=True)]
+
+    def run_maps(self, bev: Tensor, image: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+        """Map (B, c, H, W) and (B, 3, h, w), colors 0..255, to the fields of `FrameFeatures`, frames stacked."""
+        bev = self.bev_pyramid(bev)
+        image = self.image_pyramid(image - self.mean_rgb)
+        return bev, image, self.bev_bottleneck(bev), self.image_bottleneck(image)
 
     def find(
         self,
@@ -156,9 +160,14 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
             sample, sample.anchors, features.image_bottleneck, features.bev_bottleneck, masks, self.config.rpn.crop_size
         )
         with self.arithmetic(crops):
-            (logits,) = cast("tuple[Tensor]", self.anchor_classifier(crops))
-            (offsets,) = cast("tuple[Tensor]", self.anchor_regressor(crops))
+            logits, offsets = self.run_anchors(crops)
         return logits.to(crops.dtype), offsets.to(crops.dtype)
+
+    def run_anchors(self, crops: Tensor) -> tuple[Tensor, Tensor]:
+        """Map fused crops of anchors to logits (N, 2) and offsets (N, 6)."""
+        (logits,) = cast("tuple[Tensor]", self.anchor_classifier(crops))
+        (offsets,) = cast("tuple[Tensor]", self.anchor_regressor(crops))
+        return logits, offsets
 
     def _judge_proposals(
         self,

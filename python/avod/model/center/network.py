@@ -71,9 +71,13 @@ class CenterNetwork(DetectionNetwork[Tensor, CenterOutputs]):
         """Make the outputs of samples: (C + 10, R, W)."""
         maps = stacked([sample.bev for sample in samples])
         with self.arithmetic(maps):
-            features = self.backbone(maps)
-            found = torch.cat([self.mark_head(features), self.box_head(features)], dim=1)
+            found = self.run_maps(maps)
         return list(found.float())
+
+    def run_maps(self, bev: Tensor) -> Tensor:
+        """Map (B, c, H, W) to (B, C + 10, R, W)."""
+        features = self.backbone(bev)
+        return torch.cat([self.mark_head(features), self.box_head(features)], dim=1)
 
     def find(
         self,
