@@ -46,7 +46,7 @@ def test_class_groups() -> None:
     [
         ("[rpn]\nhiden = 3", "{file}: rpn.hiden: unknown key; known: crop_size, bottleneck_channels, hidden, "),
         ('[rpn]\n"hid\\nen" = 3', "{file}: rpn.'hid\\nen': unknown key; known: crop_size, "),
-        ("epochs = 3", "{file}: epochs: unknown key; known: classes, network, ground, bev, "),
+        ("epochs = 3", "{file}: epochs: unknown key; known: classes, network, ignored_types, ground, bev, "),
         ("[[classes]]\nname = 'Car'\nsizes = []", "{file}: classes[0].sizes: unknown key; known: name, "),
         ("[rpn]\nhidden = 2.5", "{file}: rpn.hidden: expected a whole number, got 2.5"),
         ("[rpn]\nhidden = true", "{file}: rpn.hidden: expected a whole number, got True"),

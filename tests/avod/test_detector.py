@@ -138,6 +138,7 @@ def test_a_cloud_and_an_image_are_a_frame(detector: Detector) -> None:
     expected = detector.detect_frame(frame)
     assert len(expected) > 3
     assert detector.detect(frame.points_velo, frame.image, INTRINSICS, POSE, plane=frame.plane) == expected
+    assert detector(frame.image, frame.points_velo, frame.calib, frame.plane) == detector.detect_frame(frame)
     # Intensity counts for nothing, nor does the precision of the numbers.
     points = frame.points_velo[:, :3].astype(np.float64)
     assert detector.detect(points, frame.image, INTRINSICS.tolist(), POSE[:3].tolist(), plane=frame.plane) == expected

@@ -33,6 +33,7 @@ def make_sample(anchors: torch.Tensor, boxes: list[tuple[float, ...]], classes: 
         image_size=(8, 8),
         boxes_cam=torch.tensor(boxes).reshape(-1, 7),
         classes=torch.tensor(classes, dtype=torch.int64),
+        ignored_cam=torch.zeros((0, 7)),
     )
 
 
@@ -136,6 +137,17 @@ def test_second_stage_losses_by_hand() -> None:
     assert heavier.item() == pytest.approx((0.125 + 1.5 + 4.0 * (0.02 + 0.08)) / 2, rel=1e-6)
     none = dataclasses.replace(targets, labels=torch.zeros(3, dtype=torch.int64))
     assert [x.item() for x in second_stage_losses(found, none, PLANE, 0.001)[1:]] == [0.0, 0.0]
+
+
+def test_what_overlaps_an_ignored_object_is_no_background() -> None:
+    anchors = shifted(0.0, 0.4, 9.0)
+    sample = make_sample(anchors, [], [])
+    ignoring = dataclasses.replace(sample, ignored_cam=torch.tensor([CAR]))
+    config, generator = Config(), torch.Generator()
+    assert anchor_targets(sample, config.rpn, generator).chosen.sort().values.tolist() == [0, 1, 2]
+    assert anchor_targets(ignoring, config.rpn, generator).chosen.tolist() == [2]
+    chosen, _ = sample_proposals(anchors, ignoring, config.second_stage, generator)
+    assert chosen.tolist() == [2]
 
 
 def test_losses_are_weighted() -> None:

@@ -278,6 +278,8 @@ class Config(NamedFile):
     network: Literal["avod", "center"] = "avod"
     """AVOD-FPN, or a network that marks objects' centers in the maps; that has no use for the settings from `image` to
     `second_stage`."""
+    ignored_types: tuple[str, ...] = ()
+    """Types of labels that are neither objects nor background in training: what looks like them is not learned from."""
     ground: Literal["file", "estimated"] = "file"
     """The ground plane: the frame's plane where it has one, as in AVOD, or estimated from the scan wherever
     that shows ground, so that training meets the errors that frames without a plane have."""
@@ -313,6 +315,9 @@ class Config(NamedFile):
         if self.second_stage.height_cells and "max_height" not in (*self.bev.slice_maps, *self.bev.cloud_maps):
             raise CadetError("Config.second_stage.height_cells: expected 0 where no map holds max_height")
         self.augmentation.check_classes(len(names))
+        for name in self.ignored_types:
+            if not is_object_type(name) or kitti_spelling(name) in names:
+                raise CadetError(f"Config.ignored_types: expected types of labels that are no class, got {shown(name)}")
         _, rows, columns = self.bev.shape
         if self.network == "center":
             stride, sizes = self.center.stride, {"bev.z_m: cells": rows, "bev.x_m: cells": columns}

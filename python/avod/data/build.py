@@ -22,6 +22,7 @@ from cadet._util.arrays import check_array
 from cadet._util.notices import notice
 from cadet.errors import CadetError
 from cadet.formats.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
+from cadet.formats.kitti.label import kitti_spelling
 
 _MIN_UPRIGHT: Final = 0.5
 _ROUGH_ERROR: Final = 2e-6
@@ -101,8 +102,9 @@ def build_sample(
         plane=_tensor("plane", plane),
         projection=_tensor("projection", projection),
         image_size=(width, height),
-        boxes_cam=_tensor("boxes_cam", boxes_cam),
-        classes=torch.from_numpy(classes),
+        boxes_cam=_tensor("boxes_cam", boxes_cam[classes > 0]),
+        classes=torch.from_numpy(classes[classes > 0]),
+        ignored_cam=_tensor("ignored_cam", boxes_cam[classes == 0]),
     )
 
 
@@ -196,10 +198,11 @@ def _resized(image: NDArray[np.uint8], config: Config, augmentation: Augmentatio
 
 
 def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    names = config.class_names
-    chosen = [label for label in labels if label.type in names]
-    classes = np.array([names.index(label.type) + 1 for label in chosen], np.int64)
-    return boxes_cam_from_labels(chosen), classes
+    """Return boxes (M, 7) and classes (M,) of labels, 0 for those of a type that is ignored."""
+    numbers = dict.fromkeys(map(kitti_spelling, config.ignored_types), 0)
+    numbers |= {name: number for number, name in enumerate(config.class_names, start=1)}
+    chosen = [label for label in labels if label.type in numbers]
+    return boxes_cam_from_labels(chosen), np.array([numbers[label.type] for label in chosen], np.int64)
 
 
 def _tensor(name: str, array: NDArray[np.float64]) -> torch.Tensor:

@@ -46,7 +46,7 @@ def resize_objects(
     Args:
         points_cam: (N, 3).
         boxes_cam: (M, 7).
-        classes: (M,), 1 for the first class.
+        classes: (M,), 1 for the first class, 0 for what is of none.
         augmentation: says how much.
 
     Returns:
@@ -56,7 +56,7 @@ def resize_objects(
     if not (spread or shifts_m) or not len(boxes_cam):
         return points_cam, boxes_cam
     sizes = boxes_cam[:, _SIZES]
-    wanted = sizes + np.array(shifts_m)[classes - 1] if shifts_m else sizes
+    wanted = sizes + np.vstack([np.zeros(3), shifts_m])[classes] if shifts_m else sizes
     wanted = wanted * (1.0 + augmentation.stream("sizes").uniform(-spread, spread, sizes.shape))
     factors = np.clip(np.divide(wanted, sizes, out=np.ones_like(sizes), where=sizes > 0.0), _HALF, _TWICE)
     resized = boxes_cam.copy()

@@ -26,6 +26,7 @@ class Sample:
         image_size: its width and height.
         boxes_cam: (M, 7) of the labels of the classes; empty without labels.
         classes: (M,) int64, 1 for the first class.
+        ignored_cam: (I, 7) of the labels that are neither objects nor background.
     """
 
     frame_id: str
@@ -38,6 +39,7 @@ class Sample:
     image_size: tuple[int, int]
     boxes_cam: Tensor
     classes: Tensor
+    ignored_cam: Tensor
 
     def __repr__(self) -> str:
         return summary(
@@ -69,4 +71,5 @@ class Sample:
             projection=change(self.projection),
             boxes_cam=change(self.boxes_cam),
             classes=change(self.classes),
+            ignored_cam=change(self.ignored_cam),
         )

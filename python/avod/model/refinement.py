@@ -148,7 +148,8 @@ class PointRefinement(nn.Module):
         with torch.no_grad():
             now = corrected(boxes_cam, (corrections * scales).clamp(-limits, limits), sample.plane)
             qualities = torch.where(has_object, (2.0 * _overlap(now, truths) - 0.5).clamp(0.0, 1.0), 0.0)
-        chosen = points.counts >= _LEAST_POINTS
+        _, is_ignored = _nearest(boxes_cam, sample.ignored_cam)
+        chosen = (points.counts >= _LEAST_POINTS) & (has_object | ~is_ignored)
         return RefinementOutputs(
             corrections[chosen], wanted[chosen], has_object[chosen], logits[chosen], qualities[chosen]
         )

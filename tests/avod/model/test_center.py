@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -67,10 +68,31 @@ def test_the_mark_loss_is_the_published_one() -> None:
     marks = torch.rand((2, 3, 4), generator=generator)
     marks[0, 1, 2] = marks[1, 0, 0] = 1.0
     expected = 0.0
-    for logit, mark in zip(logits.flatten().tolist(), marks.flatten().tolist(), strict=True):
+    is_ignored = torch.zeros((3, 4), dtype=torch.bool)
+    is_ignored[1] = True
+    values = (logits, marks, is_ignored.expand(2, 3, 4))
+    for logit, mark, ignored in zip(*(value.flatten().tolist() for value in values), strict=True):
         p = 1.0 / (1.0 + math.exp(-logit))
-        expected -= (1 - p) ** 2 * math.log(p) if mark == 1.0 else (1 - mark) ** 4 * p**2 * math.log(1 - p)
-    assert mark_loss(logits, marks).item() == pytest.approx(expected, rel=1e-5)
+        loss = (1 - p) ** 2 * math.log(p) if mark == 1.0 else (1 - mark) ** 4 * p**2 * math.log(1 - p)
+        expected -= 0.0 if ignored and mark != 1.0 else loss
+    assert mark_loss(logits, marks, is_ignored).item() == pytest.approx(expected, rel=1e-5)
+
+
+def test_ignored_objects_are_neither_marked_nor_background() -> None:
+    frame = make_frame()
+    labels = tuple(dataclasses.replace(label, type="Van") if k == 0 else label for k, label in enumerate(frame.labels))
+    ignoring = sample_from_frame(dataclasses.replace(frame, labels=labels), "000003", CONFIG)
+    assert len(ignoring.boxes_cam) == 2 and len(ignoring.ignored_cam) == 1
+    is_ignored = center_targets(ignoring, CONFIG).is_ignored
+    cell_m, box = 2 * CONFIG.bev.cell_m, frame.labels[0].box_cam
+    row, column = int((25.6 - box[2]) / cell_m), int((box[0] + 12.8) / cell_m)
+    assert is_ignored[row, column] and is_ignored[row - 4, column] and not is_ignored[row - 8, column]
+    assert is_ignored.sum().item() == pytest.approx(math.pi * (4.1 / 2 / cell_m) ** 2, rel=0.15)
+    network = new_network(CONFIG, 0)
+    assert network.refinement is not None
+    found = torch.stack([ignoring.ignored_cam[0], ignoring.boxes_cam[0]])
+    outputs = network.refinement.learned(ignoring, found, torch.Generator())
+    assert outputs.has_object.all() and len(outputs.has_object) == 2 * CONFIG.refinement.copies + 1
 
 
 def test_perfect_outputs_are_decoded_into_the_true_boxes(sample: Sample) -> None:

@@ -32,6 +32,7 @@ def sample_of(points_cam: torch.Tensor, boxes_cam: torch.Tensor, plane: torch.Te
         image_size=(8, 8),
         boxes_cam=boxes_cam,
         classes=torch.ones(len(boxes_cam), dtype=torch.int64),
+        ignored_cam=torch.zeros((0, 7)),
     )
 
 

@@ -68,7 +68,8 @@ def anchor_targets(sample: Sample, config: RpnConfig, generator: torch.Generator
     objects = anchors_from_boxes(sample.boxes_cam)
     overlap, nearest = _best_overlap(sample.anchors, objects)
     overlap = torch.round(overlap, decimals=3)
-    chosen = _draw(overlap > config.positive_iou, overlap < config.negative_iou, config.batch_size, generator)
+    is_negative = _is_background(overlap, sample.anchors, sample, config.negative_iou)
+    chosen = _draw(overlap > config.positive_iou, is_negative, config.batch_size, generator)
     offsets = sample.anchors.new_zeros((len(chosen), 6))
     if len(objects) > 0:
         to_nearest = offsets_from_anchors(sample.anchors[chosen], objects[nearest[chosen]])
@@ -110,7 +111,8 @@ def sample_proposals(
         (S,) int64 indices of the drawn proposals, and their targets.
     """
     overlap, nearest = _best_overlap(proposals, anchors_from_boxes(sample.boxes_cam))
-    chosen = _draw(overlap > config.positive_iou, overlap < config.negative_iou, config.batch_size, generator)
+    is_negative = _is_background(overlap, proposals, sample, config.negative_iou)
+    chosen = _draw(overlap > config.positive_iou, is_negative, config.batch_size, generator)
     is_object, nearest = overlap[chosen] > config.positive_iou, nearest[chosen]
     if len(sample.boxes_cam) == 0:
         labels = torch.zeros_like(nearest)
@@ -127,6 +129,12 @@ def _best_overlap(anchors: Tensor, objects: Tensor) -> tuple[Tensor, Tensor]:
         return anchors.new_zeros(len(anchors)), torch.zeros(len(anchors), dtype=torch.int64, device=anchors.device)
     overlap, nearest = axis_aligned_iou(ground_boxes(anchors), ground_boxes(objects)).max(dim=1)
     return overlap, nearest
+
+
+def _is_background(overlap: Tensor, anchors: Tensor, sample: Sample, negative_iou: float) -> Tensor:
+    """Tell which anchors (N, 6) overlap too little with objects, by `overlap`, and with what is ignored: (N,) bool."""
+    ignored, _ = _best_overlap(anchors, anchors_from_boxes(sample.ignored_cam))
+    return (overlap < negative_iou) & (ignored < negative_iou)
 
 
 def _draw(is_positive: Tensor, is_negative: Tensor, batch_size: int, generator: torch.Generator) -> Tensor:

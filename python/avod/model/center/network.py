@@ -105,7 +105,7 @@ class CenterNetwork(DetectionNetwork[Tensor, CenterOutputs]):
         weights = found.new_tensor(_BOX_WEIGHTS)
         box = ((found - targets.boxes).abs() * weights).sum() / count
         return {
-            "mark": mark_loss(outputs.marks, targets.marks) / count,
+            "mark": mark_loss(outputs.marks, targets.marks, targets.is_ignored) / count,
             "box": box * self.config.center.regression_weight,
         }
 
@@ -124,15 +124,15 @@ class CenterNetwork(DetectionNetwork[Tensor, CenterOutputs]):
         return Boxes(boxes_cam[kept], best[kept], kinds[kept] + 1)
 
 
-def mark_loss(logits: Tensor, marks: Tensor) -> Tensor:
-    """Compute the focal loss of marks, summed: cells beside a center count less as negatives.
+def mark_loss(logits: Tensor, marks: Tensor, is_ignored: Tensor) -> Tensor:
+    """Compute the focal loss of marks, summed: cells beside a center count less as negatives, ignored ones not at all.
 
     Reference: Law and Deng, "CornerNet" (ECCV 2018), equation 1, with alpha 2 and beta 4.
     """
     found = torch.sigmoid(logits).clamp(_LEAST, 1.0 - _LEAST)
     is_center = marks == 1.0
     right = (1.0 - found) ** 2 * torch.log(found)
-    wrong = (1.0 - marks) ** 4 * found**2 * torch.log(1.0 - found)
+    wrong = ~is_ignored * (1.0 - marks) ** 4 * found**2 * torch.log(1.0 - found)
     return -torch.where(is_center, right, wrong).sum()
 
 

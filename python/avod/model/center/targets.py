@@ -33,11 +33,13 @@ class CenterTargets:
         marks: (C, R, W): 1 at centers, less beside them, 0 elsewhere.
         cells: (M,) int64, the cell of each center, row by row.
         boxes: (M, 10).
+        is_ignored: (R, W) bool, cells that ignored objects reach.
     """
 
     marks: Tensor
     cells: Tensor
     boxes: Tensor
+    is_ignored: Tensor
 
 
 def center_targets(sample: Sample, config: Config) -> CenterTargets:
@@ -70,7 +72,8 @@ def center_targets(sample: Sample, config: Config) -> CenterTargets:
         torch.sin(heading),
         torch.cos(heading),
     ]
-    return CenterTargets(marks, (row * columns + column).long(), torch.stack(numbers, dim=1))
+    cells = (row * columns + column).long()
+    return CenterTargets(marks, cells, torch.stack(numbers, dim=1), _ignored_cells(sample, config))
 
 
 def boxes_from_cells(cells: Tensor, numbers: Tensor, kinds: Tensor, plane: Tensor, config: Config) -> Tensor:
@@ -97,6 +100,16 @@ def mean_sizes(config: Config, kinds: Tensor) -> Tensor:
     """Return the mean of the sizes (l, w, h) that the anchors of classes (N,), counted from 0, take: (N, 3)."""
     sizes = torch.stack([torch.tensor(item.anchor_sizes_lwh_m).mean(dim=0) for item in config.classes])
     return sizes.to(kinds.device)[kinds]
+
+
+def _ignored_cells(sample: Sample, config: Config) -> Tensor:
+    rows, columns = output_size(config)
+    place_row, place_column = _places(sample.ignored_cam, config)
+    down = torch.arange(rows, device=place_row.device) + 0.5 - place_row[:, None]
+    right = torch.arange(columns, device=place_row.device) + 0.5 - place_column[:, None]
+    reach = sample.ignored_cam[:, 3] / (2.0 * _cell_m(config))
+    is_near = down[:, :, None] ** 2 + right[:, None, :] ** 2 < (reach**2)[:, None, None]
+    return is_near.any(dim=0)
 
 
 def _places(boxes_cam: Tensor, config: Config) -> tuple[Tensor, Tensor]:
