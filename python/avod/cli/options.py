@@ -44,9 +44,10 @@ data_option = click.option(
 checkpoint_option = click.option(
     "--checkpoint",
     metavar="DIR|NAME",
-    required=True,
+    default="center_car",
+    show_default=True,
     type=click.Path(path_type=Path),
-    help="A checkpoint, a run's directory (its last checkpoint), or a packaged one such as small_car.",
+    help="A checkpoint, a run's directory (its last checkpoint), or a packaged one such as tiny_car.",
 )
 num_frames_option = click.option("--num-frames", type=click.IntRange(1), help="At most this many, from the first.")
 

@@ -15,7 +15,7 @@ from avod.config.center import CenterConfig
 from avod.config.limits import MAX_ANCHORS, MAX_LAYERS, MAX_PIXELS
 from avod.config.refinement import RefinementConfig
 from avod.config.training import TrainingConfig
-from cadet._util.checks import Limits, check_fields, check_range, shown
+from cadet._util.checks import Limits, check_fields, shown
 from cadet._util.plain_tables import object_of_table
 from cadet._util.toml_file import NamedFile
 from cadet.bev import BevConfig
@@ -202,14 +202,6 @@ class SecondStageConfig:
     """Whether the second stage's losses reach the first through its boxes, as in AVOD, or only through features."""
     batch_size: Annotated[int, Limits(2)] = 1024
     """Proposals that the loss samples; at most half are positive."""
-    height_cells: Annotated[int, Limits(0, 16)] = 0
-    """Parts along each side of a proposal, seen from above, whose points' greatest heights join the crops, with the
-    greatest of all. 0 in AVOD, whose crops hold heights as features of many cells: a short training hardly learns a
-    car's height from them."""
-    standing_heights_m: tuple[float, float] = (0.0, 0.0)
-    """With `height_cells`: proposals stand on the ground and are as high as the highest point in them, within these
-    limits, when the second stage looks at them; it regresses bottoms and tops from there. (0, 0) keeps the first
-    stage's bottoms and heights, as AVOD does: the second then corrects errors that its crops do not show."""
     truth_proposals: Annotated[int, Limits(0, 1024)] = 0
     """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
     stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
@@ -221,8 +213,6 @@ class SecondStageConfig:
     """... and those that overlap one by more than this carry its class."""
     regression_weight: Annotated[float, Limits(0)] = 5.0
     """Of the box loss against the class loss."""
-    vertical_weight: Annotated[float, Limits(0)] = 1.0
-    """Of bottom and top in the box loss, against 1 of each of the corners' eight coordinates; 1 in AVOD."""
     orientation_weight: Annotated[float, Limits(0)] = 1.0
     """Of the loss of the angle vector."""
 
@@ -230,9 +220,6 @@ class SecondStageConfig:
         check_fields(self)
         if len(self.hidden) > MAX_LAYERS:
             raise CadetError(f"SecondStageConfig.hidden: expected at most {MAX_LAYERS} layers, got {len(self.hidden)}")
-        check_range("SecondStageConfig", "standing_heights_m", self.standing_heights_m, 0, 20)
-        if self.standing_heights_m[1] > 0.0 and not self.height_cells:
-            raise CadetError("SecondStageConfig.standing_heights_m: expected (0, 0) without height_cells")
         _check_order("SecondStageConfig", self.negative_iou, self.positive_iou)
 
 
@@ -312,8 +299,6 @@ class Config(NamedFile):
         names = self.class_names
         if not names or len(set(names)) < len(names):
             raise CadetError(f"Config.classes: expected at least one, each once, got {list(names)}")
-        if self.second_stage.height_cells and "max_height" not in (*self.bev.slice_maps, *self.bev.cloud_maps):
-            raise CadetError("Config.second_stage.height_cells: expected 0 where no map holds max_height")
         self.augmentation.check_classes(len(names))
         for name in self.ignored_types:
             if not is_object_type(name) or kitti_spelling(name) in names:

@@ -46,12 +46,6 @@ def ground_y(x: Tensor, z: Tensor, plane: Tensor) -> Tensor:
     return -(plane[0] * x + plane[2] * z + plane[3]) / plane[1]
 
 
-def standing_anchors(anchors: Tensor, plane: Tensor, heights_m: Tensor) -> Tensor:
-    """Put anchors on the ground plane with other heights: (N, 6), (4,) and (N,) to (N, 6)."""
-    x, _, z, dx, _, dz = anchors.unbind(dim=1)
-    return torch.stack([x, ground_y(x, z, plane), z, dx, heights_m, dz], dim=1)
-
-
 def boxes_4c_from_anchors(anchors: Tensor, plane: Tensor) -> Tensor:
     """Give anchors as corners and heights: (N, 6) and (4,) to (N, 10)."""
     x, y, z, dx, dy, dz = anchors.unbind(dim=1)

@@ -152,11 +152,14 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         passes = config.refinement.passes
         if self.refinement is None or passes == 0:
             return found
-        boxes_cam, qualities = self.refinement(sample, found.boxes_cam, passes)
-        scores = torch.sqrt(found.scores * qualities)
+        # Others would stay below the least score, however well their points fit.
+        may_count = found.scores >= config.detection.min_score**2
+        scores, classes = found.scores[may_count], found.classes[may_count]
+        boxes_cam, qualities = self.refinement(sample, found.boxes_cam[may_count], passes)
+        scores = torch.sqrt(scores * qualities)
         # Boxes that were corrected onto one object overlap now.
-        kept = kept_boxes(boxes_cam, scores, found.classes, config.detection)
-        return Boxes(boxes_cam[kept], scores[kept], found.classes[kept])
+        kept = kept_boxes(boxes_cam, scores, classes, config.detection)
+        return Boxes(boxes_cam[kept], scores[kept], classes[kept])
 
     def arithmetic(self, values: Tensor) -> contextlib.AbstractContextManager[object]:
         """Compute convolutions and layers with the network's precision meanwhile."""

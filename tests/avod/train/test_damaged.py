@@ -68,7 +68,7 @@ def test_claimed_layers_are_compared_with_the_weights_before_they_take_memory(
         raise AssertionError("the network was made")
 
     monkeypatch.setattr(checkpoints, "make_network", refuse)
-    with pytest.raises(CadetError, match=r"second_stage\.layers\.0\.weight is \(256, 801\), expected \(65536, 801\)"):
+    with pytest.raises(CadetError, match=r"second_stage\.layers\.0\.weight is \(256, 784\), expected \(65536, 784\)"):
         Detector(saved)
 
 

@@ -18,8 +18,6 @@ from avod.config import Config, TrainingConfig
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.detector import Detector
-from avod.geometry.encoding import boxes_4c_from_anchors
-from avod.geometry.height_profile import cell_tops, height_profiles
 from avod.model.avod.network import AvodNetwork
 from avod.model.avod.outputs import FrameOutputs
 from avod.model.network import AnyNetwork
@@ -57,28 +55,6 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
         frame = make_frame()
         write_frame(root, index, dataclasses.replace(frame, image=np.roll(frame.image, 40 * index, axis=1)))
     return root
-
-
-def test_standing_proposals_hide_the_first_stages_heights_from_the_second(sample: Sample) -> None:
-    def boxes(limits_m: tuple[float, float], first_stages_error_m: float) -> FrameOutputs:
-        second_stage = dataclasses.replace(CONFIG.second_stage, height_cells=2, standing_heights_m=limits_m)
-        network = new_network(dataclasses.replace(CONFIG, second_stage=second_stage), 0).eval()
-        with torch.no_grad():
-            last = cast("torch.nn.Linear", cast("AvodNetwork", network).anchor_regressor.outputs[0])
-            last.bias[[1, 4]] += first_stages_error_m  # of y and height
-            return cast("FrameOutputs", network([sample])[0])
-
-    right, wrong = boxes((0.5, 2.0), 0.0), boxes((0.5, 2.0), 0.3)
-    assert not torch.equal(right.anchor_offsets, wrong.anchor_offsets)
-    assert torch.equal(right.proposals, wrong.proposals)
-    assert torch.equal(right.box_offsets, wrong.box_offsets)
-    bottoms_m, tops_m = boxes_4c_from_anchors(right.proposals, sample.plane)[:, 8:].unbind(dim=1)
-    torch.testing.assert_close(bottoms_m, torch.zeros_like(bottoms_m), atol=1e-5, rtol=0)
-    measured_m = height_profiles(cell_tops(sample.bev, CONFIG.bev), right.proposals, CONFIG.bev, 2)[:, -1]
-    torch.testing.assert_close(tops_m, measured_m.clamp(0.5, 2.0), atol=1e-5, rtol=0)
-    assert len(set(tops_m.tolist())) > 2
-    right, wrong = boxes((0.0, 0.0), 0.0), boxes((0.0, 0.0), 0.3)
-    assert not torch.equal(right.proposals, wrong.proposals)
 
 
 def test_the_learning_rate_falls_in_stairs() -> None:

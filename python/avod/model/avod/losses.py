@@ -50,9 +50,7 @@ def frame_losses(outputs: FrameOutputs, anchors: AnchorTargets, sample: Sample, 
     assert outputs.targets is not None
     smoothing = config.training.label_smoothing
     objectness, anchor = rpn_losses(outputs, anchors, smoothing)
-    classification, box, orientation = second_stage_losses(
-        outputs, outputs.targets, sample.plane, smoothing, config.second_stage.vertical_weight
-    )
+    classification, box, orientation = second_stage_losses(outputs, outputs.targets, sample.plane, smoothing)
     return Losses(
         objectness,
         anchor * config.rpn.regression_weight,
@@ -79,9 +77,9 @@ def rpn_losses(outputs: FrameOutputs, targets: AnchorTargets, smoothing: float) 
 
 
 def second_stage_losses(
-    outputs: FrameOutputs, targets: ProposalTargets, plane: Tensor, smoothing: float, vertical_weight: float = 1.0
+    outputs: FrameOutputs, targets: ProposalTargets, plane: Tensor, smoothing: float
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """Compute the second stage's losses before weighting; `vertical_weight` is that of a box's bottom and top.
+    """Compute the second stage's losses before weighting.
 
     Returns:
         Mean cross entropy over all proposals; smooth L1 sums of boxes and of angle vectors over the number of proposals
@@ -91,8 +89,7 @@ def second_stage_losses(
     is_object = targets.labels > 0
     num_objects = is_object.sum().clamp(min=1)
     box_targets = targets.boxes_4c - boxes_4c_from_anchors(outputs.proposals, plane)
-    errors = functional.smooth_l1_loss(outputs.box_offsets, box_targets, reduction="none")
-    box_errors = errors[:, :8].sum(dim=1) + vertical_weight * errors[:, 8:].sum(dim=1)
+    box_errors = functional.smooth_l1_loss(outputs.box_offsets, box_targets, reduction="none").sum(dim=1)
     vector_errors = functional.smooth_l1_loss(outputs.vectors, targets.vectors, reduction="none").sum(dim=1)
     zero = torch.zeros_like(box_errors)
     return (

@@ -11,8 +11,7 @@ from torch import Tensor, nn
 
 from avod.config import Config, DetectionConfig
 from avod.data.sample import Sample
-from avod.geometry.encoding import anchors_from_offsets, standing_anchors
-from avod.geometry.height_profile import cell_tops, height_profiles
+from avod.geometry.encoding import anchors_from_offsets
 from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
 from avod.model.avod.decoding import decode
 from avod.model.avod.losses import frame_losses
@@ -29,8 +28,6 @@ from cadet._util.summary import summary
 _NUM_ANCHOR_OFFSETS = 6
 _NUM_BOX_OFFSETS = 10
 _NUM_VECTOR = 2
-_HEIGHT_SCALE = 2.0
-"""Brings heights in meters to the spread of features."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +72,8 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
         num_cropped = rpn.bottleneck_channels * rpn.crop_size**2
         self.anchor_classifier = Head(num_cropped, hidden, (2,), rpn.dropout_keep)
         self.anchor_regressor = Head(num_cropped, hidden, (_NUM_ANCHOR_OFFSETS,), rpn.dropout_keep)
-        num_heights = second.height_cells**2 + 1 if second.height_cells else 0
         self.second_stage = Head(
-            width * second.crop_size**2 + num_heights,
+            width * second.crop_size**2,
             second.hidden,
             (len(config.classes) + 1, _NUM_BOX_OFFSETS, _NUM_VECTOR),
             second.dropout_keep,
@@ -130,14 +126,7 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
             proposals = proposals[chosen]
         if config.second_stage.gradient == "stopped":
             proposals = proposals.detach()
-        heights = None
-        if config.second_stage.height_cells:
-            tops_m = cell_tops(sample.bev, config.bev)
-            heights = height_profiles(tops_m, proposals.detach(), config.bev, config.second_stage.height_cells)
-            least_m, most_m = config.second_stage.standing_heights_m
-            if most_m > 0.0:
-                proposals = standing_anchors(proposals, sample.plane, heights[:, -1].clamp(least_m, most_m))
-        class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, heights, masks)
+        class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, masks)
         return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
 
     def extractors(self) -> tuple[nn.Module, ...]:
@@ -174,12 +163,9 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
         sample: Sample,
         features: FrameFeatures,
         proposals: Tensor,
-        heights: Tensor | None,
         masks: tuple[float, float],
     ) -> tuple[Tensor, Tensor, Tensor]:
         crops = self._crops(sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size)
-        if heights is not None:
-            crops = torch.cat([crops, heights * (_HEIGHT_SCALE * float(masks[1] > 0.0))], dim=1)
         with self.arithmetic(crops):
             outputs = self.second_stage(crops)
         logits, offsets, vectors = (output.to(crops.dtype) for output in outputs)
