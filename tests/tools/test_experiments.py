@@ -241,14 +241,18 @@ def test_the_best_of_the_last_checkpoints_counts(
 
 
 def test_a_cells_numbers_are_those_of_cadet_eval(finished: Path, sets: Sets) -> None:
+    num_compared = 0
     for item in read_outcomes(finished):
         if item.frames is None:
             place = finished / "cells" / f"car-default-{item.trained}-seed0" / f"detections_{item.tested}"
             for levels in ("kitti", "large_small") if item.tested == "sim" else ("kitti",):
                 report = evaluate(sets[item.tested].folder, place, classes=["Car"], levels=levels)
                 for metric in ("3d", "bev"):
-                    for level, curve in report.curves["Car"][metric].items():
+                    # After four steps some cells find no car.
+                    for level, curve in report.curves.get("Car", {}).get(metric, {}).items():
                         assert item.ap[metric][level] == {"r11": curve.r11, "r40": curve.r40}
+                        num_compared += 1
+    assert num_compared > 0
 
 
 def test_cells_are_chosen_by_patterns(finished: Path, scale: Scale, tmp_path: Path) -> None:
