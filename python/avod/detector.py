@@ -72,7 +72,7 @@ class Detector:
         """
         config = changed_config(self.config, changes)
         for name, was, now in differences(table_from_config(self.config), table_from_config(config)):
-            if config.network == "center" and name.startswith("rpn."):
+            if not config.has_camera and name.startswith("rpn."):
                 raise CadetError(
                     f"{name}: a center detector has no proposals; detection.min_score and nms_iou change it"
                 )

@@ -117,8 +117,7 @@ def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector
     """Return a detector with the same network that one sensor's feature maps are hidden from.
 
     Both stages then see the other's crops alone, as path drop shows them in training, and points correct no boxes
-    without the LIDAR. They still choose the anchors that are looked at, the ground plane, and how high proposals stand
-    where the configuration measures that.
+    without the LIDAR. They still choose the anchors that are looked at, and the ground plane.
 
     Raises:
         CadetError: both sensors are left out, or the detector has no camera.
@@ -126,7 +125,7 @@ def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector
     if not has_image and not has_lidar:
         raise CadetError("without image and LIDAR there is nothing to detect in")
     config = detector.config
-    if config.network == "center":
+    if not config.has_camera:
         raise CadetError("a center detector sees the LIDAR alone: there is no sensor to leave out")
     masked = copy(detector)
     # A modality that training never kept is not seen in detection.

@@ -13,7 +13,8 @@ from click.testing import CliRunner
 from avod import Detector
 from avod.cli.commands import avod
 from avod.config import Config
-from avod.export import Part, export_onnx, parts_of
+from avod.export import export_onnx
+from avod.model.parts import Part
 from avod.train.checkpoint import save_checkpoint
 from avod.train.step import new_network
 from cadet.errors import CadetError
@@ -41,7 +42,7 @@ def test_onnxruntime_computes_the_same(tmp_path: Path, name: str) -> None:
     out = tmp_path / "onnx"
     result = CliRunner().invoke(avod, ["export", "--checkpoint", str(checkpoint), "--out", str(out)])
     assert result.exit_code == 0, result.output
-    parts = parts_of(network)
+    parts = network.parts()
     assert {path.name for path in out.iterdir()} == {f"{part.name}.onnx" for part in parts}
     for part in parts:
         session = runtime.InferenceSession(str(out / f"{part.name}.onnx"), providers=["CPUExecutionProvider"])
@@ -57,7 +58,7 @@ def test_onnxruntime_computes_the_same(tmp_path: Path, name: str) -> None:
 def test_parts_take_what_their_examples_are_like() -> None:
     for name in ("center", "overfit"):
         network = new_network(Config.named(SUPPORT / f"{name}.toml"), 0).eval()
-        for part in parts_of(network):
+        for part in network.parts():
             with torch.no_grad():
                 assert len(part.run(*part.inputs.values())) == len(part.outputs)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
@@ -123,6 +123,11 @@ def detection_settings(
     """
     short = {"rpn.proposals": proposals, "detection.min_score": min_score, "detection.nms_iou": nms_iou}
     return table_of_settings([*settings, *(f"{key}={value}" for key, value in short.items() if value is not None)])
+
+
+def loss_text(losses: Mapping[str, Any]) -> str:
+    """Say what the total loss of a step is; a step without losses was left out."""
+    return f"loss {float(losses['total']):.3f}" if losses else "left out"
 
 
 def resolve_workers(count: int | None) -> int:

@@ -17,6 +17,7 @@ from avod.cli.options import (
     check_no_split,
     check_split,
     device_options,
+    loss_text,
     parse_data,
     progress,
     resolve_device,
@@ -121,8 +122,7 @@ def train_command(context: click.Context, /, **options: Any) -> int:
         note = text
 
     def on_step(step: int, losses: dict[str, Any]) -> None:
-        loss = f"loss {float(losses['total']):.3f}" if losses else "left out"
-        advance(step, f"{loss}{note}")
+        advance(step, f"{loss_text(losses)}{note}")
 
     is_first = is_first_process()
     shown = progress(config.training.steps, "training", "steps") if is_first else contextlib.nullcontext(_say_nothing)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from avod.cli.options import (
     device_options,
     frames_of,
+    loss_text,
     progress,
     resolve_device,
     resolve_precision,
@@ -72,11 +72,14 @@ def worth_command(
     )
     stopping = Stopping(None)
     with stopping, progress(config.training.steps, "training", "steps") as advance:
-
-        def on_step(step: int, losses: dict[str, Any]) -> None:
-            advance(step, f"loss {float(losses['total']):.3f}" if losses else "left out")
-
-        found = worth(config, run, frames, ids, on_step=on_step, should_stop=stopping)
+        found = worth(
+            config,
+            run,
+            frames,
+            ids,
+            on_step=lambda step, losses: advance(step, loss_text(losses)),
+            should_stop=stopping,
+        )
     if found is None:
         click.echo(f"{stopping.reason}; to continue: the same command with --resume", err=True)
         return stopping.exit_code

@@ -321,6 +321,11 @@ class Config(NamedFile):
                 f"Config.anchors.stride_m: expected at most {MAX_ANCHORS:,} anchors, got about {anchors:,}"
             )
 
+    @property
+    def has_camera(self) -> bool:
+        """Whether the network looks at the image, and so has anchors, crops, and proposals."""
+        return self.network == "avod"
+
     @classmethod
     def _presets(cls) -> Mapping[str, Callable[[], Config]]:
         return {name: partial(cls.read, path) for name, path in CONFIGS.items()}

@@ -92,12 +92,11 @@ def build_sample(
     if (change := WorldChange.drawn(augmentation)) is not None:
         points_cam, boxes_cam = change.points(points_cam), change.boxes(boxes_cam)
         plane, projection = change.plane(plane), change.projection(projection)
-    has_camera = config.network == "avod"
     return Sample(
         frame_id=frame_id,
         bev=torch.from_numpy(bev.maps(points_cam, plane, config.bev, maps)),
-        image=torch.from_numpy(_resized(image, config, augmentation)).permute(2, 0, 1) if has_camera else _NO_IMAGE,
-        anchors=_tensor("anchors", _anchors(points_cam, plane, config)) if has_camera else _NO_ANCHORS,
+        image=_resized(image, config, augmentation) if config.has_camera else _NO_IMAGE,
+        anchors=_tensor("anchors", _anchors(points_cam, plane, config)) if config.has_camera else _NO_ANCHORS,
         points_cam=_tensor("points_cam", points_cam) if config.refinement.max_points else _NO_POINTS,
         plane=_tensor("plane", plane),
         projection=_tensor("projection", projection),
@@ -186,15 +185,15 @@ def _anchors(points_cam: NDArray[np.float64], plane: NDArray[np.float64], config
     return anchors_over(cells, plane, config.classes, config.anchors, config.bev)
 
 
-def _resized(image: NDArray[np.uint8], config: Config, augmentation: Augmentation) -> NDArray[np.uint8]:
-    """Resize an image, and change the colors of what is then left of it."""
+def _resized(image: NDArray[np.uint8], config: Config, augmentation: Augmentation) -> torch.Tensor:
+    """Resize an image, and change the colors of what is then left of it: (3, h, w)."""
     resized, settings = resize_bilinear(image, config.image.size), augmentation.settings
-    if not (settings.brightness or settings.contrast or settings.hue_deg):
-        return resized
-    brightness, contrast, hue = augmentation.stream("colors").uniform(-1.0, 1.0, 3)
-    return shift_colors(
-        resized, settings.brightness * brightness, 1.0 + settings.contrast * contrast, settings.hue_deg * hue
-    )
+    if settings.brightness or settings.contrast or settings.hue_deg:
+        brightness, contrast, hue = augmentation.stream("colors").uniform(-1.0, 1.0, 3)
+        resized = shift_colors(
+            resized, settings.brightness * brightness, 1.0 + settings.contrast * contrast, settings.hue_deg * hue
+        )
+    return torch.from_numpy(resized).permute(2, 0, 1)
 
 
 def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -14,6 +14,7 @@ from torch import Tensor, nn
 from avod.config import Config, DetectionConfig
 from avod.data.sample import Sample
 from avod.model.boxes import Boxes, kept_boxes
+from avod.model.parts import Part
 from avod.model.refinement import PointRefinement, RefinementOutputs
 
 
@@ -125,6 +126,14 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
     @abstractmethod
     def decode(self, outputs: OutputsT, sample: Sample, config: DetectionConfig) -> Boxes:
         """Decode boxes and drop the lesser ones."""
+
+    @abstractmethod
+    def own_parts(self) -> tuple[Part, ...]:
+        """List its parts before the last stage."""
+
+    def parts(self) -> tuple[Part, ...]:
+        """List its parts, in evaluation mode."""
+        return self.own_parts() if self.refinement is None else (*self.own_parts(), self.refinement.part())
 
     @property
     def terms(self) -> tuple[str, ...]:

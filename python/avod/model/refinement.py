@@ -18,6 +18,7 @@ from avod.data.sample import Sample
 from avod.geometry.encoding import MIN_SIZE_M, ground_y
 from avod.geometry.orientation import wrap_angle
 from avod.model.layers import Head
+from avod.model.parts import EXAMPLE_ROWS, Part
 
 _LOWEST_M: Final = -0.3
 _HIGHEST_M: Final = 3.2
@@ -32,8 +33,8 @@ _NOISE: Final = (0.07, 0.06, 0.12, 0.08, 0.06, 0.07, 0.07)
 """Standard deviation of copies of true boxes, likewise; drawn for each copy between nothing and twice this ..."""
 _NOISE_OF_SIZE: Final = 0.045
 """... and what it grows by along and across, as a share of length and width."""
-POINT_FEATURES: Final = 7
-BOX_FEATURES: Final = 9
+_POINT_FEATURES: Final = 7
+_BOX_FEATURES: Final = 9
 _SMOOTHING: Final = 0.3
 _QUALITY_WEIGHT: Final = 2.0
 _LEAST_OVERLAP: Final = 0.2
@@ -87,6 +88,26 @@ class Points:
     counts: Tensor
 
 
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """What a look at the points of N boxes says.
+
+    Attributes:
+        corrections: (N, 7), in units of `_SCALES`.
+        quality_logits: (N,).
+        has_points: (N,) bool, enough to say so.
+    """
+
+    corrections: Tensor
+    quality_logits: Tensor
+    has_points: Tensor
+
+    def corrected(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
+        """Apply the corrections to the boxes (N, 7)."""
+        limits = boxes_cam.new_tensor(_MOST)
+        return corrected(boxes_cam, (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits), plane)
+
+
 class PointRefinement(nn.Module):
     """Corrects boxes by the points in and around them.
 
@@ -98,10 +119,10 @@ class PointRefinement(nn.Module):
         super().__init__()
         self.config = config
         first, second, third = config.channels
-        self.before = nn.ModuleList([nn.Linear(POINT_FEATURES, first), nn.Linear(first, second)])
+        self.before = nn.ModuleList([nn.Linear(_POINT_FEATURES, first), nn.Linear(first, second)])
         self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
         self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
-        self.head = Head(third + BOX_FEATURES, config.hidden, (len(_SCALES), 1), 1.0)
+        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES), 1), 1.0)
         nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
     def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> tuple[Tensor, Tensor]:
@@ -115,16 +136,11 @@ class PointRefinement(nn.Module):
         Returns:
             (N, 7) boxes, those with hardly a point as they were, and (N,) the quality of each, 0..1.
         """
-        scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
         qualities = boxes_cam.new_zeros(len(boxes_cam))
         for _ in range(passes):
-            points = self._points(sample, boxes_cam, None)
-            seen = box_features(points, sample, boxes_cam)
-            corrections, logits = self.judge(points.features, points.is_point, seen)
-            corrections = (corrections * scales).clamp(-limits, limits)
-            has_points = points.counts >= _LEAST_POINTS
-            boxes_cam = torch.where(has_points[:, None], corrected(boxes_cam, corrections, sample.plane), boxes_cam)
-            qualities = torch.where(has_points, torch.sigmoid(logits), 0.0)
+            look = self._look(sample, boxes_cam, None)
+            boxes_cam = torch.where(look.has_points[:, None], look.corrected(boxes_cam, sample.plane), boxes_cam)
+            qualities = torch.where(look.has_points, torch.sigmoid(look.quality_logits), 0.0)
         return boxes_cam, qualities
 
     def learned(self, sample: Sample, found_cam: Tensor, generator: torch.Generator) -> RefinementOutputs:
@@ -140,19 +156,30 @@ class PointRefinement(nn.Module):
         boxes_cam = torch.cat([_moved(truths, sample.plane, generator), found_cam])
         truths = torch.cat([truths, nearest])
         has_object = torch.cat([is_near.new_ones(len(truths) - len(nearest)), is_near])
-        points = self._points(sample, boxes_cam, generator)
-        scales, limits = boxes_cam.new_tensor(_SCALES), boxes_cam.new_tensor(_MOST)
-        wanted = corrections_to(boxes_cam, truths, sample.plane) / scales
-        seen = box_features(points, sample, boxes_cam)
-        corrections, logits = self.judge(points.features, points.is_point, seen)
+        look = self._look(sample, boxes_cam, generator)
+        wanted = corrections_to(boxes_cam, truths, sample.plane) / boxes_cam.new_tensor(_SCALES)
         with torch.no_grad():
-            now = corrected(boxes_cam, (corrections * scales).clamp(-limits, limits), sample.plane)
-            qualities = torch.where(has_object, (2.0 * _overlap(now, truths) - 0.5).clamp(0.0, 1.0), 0.0)
+            overlap = _overlap(look.corrected(boxes_cam, sample.plane), truths)
+            qualities = torch.where(has_object, (2.0 * overlap - 0.5).clamp(0.0, 1.0), 0.0)
         _, is_ignored = _nearest(boxes_cam, sample.ignored_cam)
-        chosen = (points.counts >= _LEAST_POINTS) & (has_object | ~is_ignored)
-        return RefinementOutputs(
-            corrections[chosen], wanted[chosen], has_object[chosen], logits[chosen], qualities[chosen]
-        )
+        chosen = look.has_points & (has_object | ~is_ignored)
+        found = look.corrections[chosen], wanted[chosen], has_object[chosen], look.quality_logits[chosen]
+        return RefinementOutputs(*found, qualities[chosen])
+
+    def _look(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> _Look:
+        """Look at the points of boxes (N, 7); with a generator some are left out."""
+        points = self._points(sample, boxes_cam, generator)
+        seen = box_features(points, sample, boxes_cam)
+        return _Look(*self.judge(points.features, points.is_point, seen), points.counts >= _LEAST_POINTS)
+
+    def part(self) -> Part:
+        """Describe what `judge` computes."""
+        inputs = {
+            "features": torch.zeros((EXAMPLE_ROWS, self.config.max_points, _POINT_FEATURES)),
+            "is_point": torch.ones((EXAMPLE_ROWS, self.config.max_points), dtype=torch.bool),
+            "seen": torch.zeros((EXAMPLE_ROWS, _BOX_FEATURES)),
+        }
+        return Part("refinement", self.judge, inputs, ("corrections", "quality_logits"), has_rows=True)
 
     def judge(self, features: Tensor, is_point: Tensor, seen: Tensor) -> tuple[Tensor, Tensor]:
         """Run the layers.
@@ -166,7 +193,7 @@ class PointRefinement(nn.Module):
             Corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,).
         """
         hidden = features
-        for layer, norm in zip(self.before, self.norms, strict=False):
+        for layer, norm in zip(self.before, self.norms[:2], strict=True):
             hidden = functional.relu(norm(layer(hidden)))
         whole = _greatest(hidden, is_point)
         hidden = torch.cat([hidden, whole[:, None].expand_as(hidden)], dim=2)
@@ -202,7 +229,7 @@ class PointRefinement(nn.Module):
         is_point[box, slot] = True
         u, v, height = along[box, point], across[box, point], heights[point]
         length, width = half_length[box, 0], half_width[box, 0]
-        features = boxes_cam.new_zeros((len(boxes_cam), most, POINT_FEATURES))
+        features = boxes_cam.new_zeros((len(boxes_cam), most, _POINT_FEATURES))
         features[box, slot] = torch.stack(
             [u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1
         )

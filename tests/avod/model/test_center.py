@@ -20,7 +20,7 @@ from avod.model.center.targets import boxes_from_cells, center_targets, output_s
 from avod.train.step import learning_rate, make_optimizer, new_network, training_step
 from cadet.errors import CadetError
 from cadet.evaluation import box_iou_3d
-from detector.runs import assert_same_training, short_run, write_set
+from detector.runs import assert_same_training, compared, short_run, write_set
 from synthetic import make_frame
 
 CONFIG = Config.named(Path(__file__).parents[2] / "support" / "detector" / "center.toml")
@@ -117,11 +117,8 @@ def test_one_frame_is_learned_by_heart(sample: Sample) -> None:
     assert list(losses[0]) == ["mark", "box", "refinement", "total"]
     # Points that are scattered in boxes, not over their surfaces, teach the last stage little.
     assert all(losses[-1][name] < 0.05 * losses[0][name] for name in ("mark", "box"))
-    frame = make_frame()
     detector = Detector(network)
-    found = detector.detect_frame(frame)
-    truths = [label for label in frame.labels if not label.is_dont_care]
-    overlap = box_iou_3d(np.stack([x.box_cam for x in found]), np.stack([x.box_cam for x in truths]))
+    found, truths, overlap = compared(detector, make_frame())
     for column, truth in enumerate(truths):
         best = found[int(overlap[:, column].argmax())]
         assert overlap[:, column].max() > 0.6 and best.type == truth.type and (best.score or 0.0) > 0.5

@@ -34,10 +34,9 @@ from avod.train.step import (
     training_step,
 )
 from cadet.errors import CadetError, MissingFileError
-from cadet.evaluation import box_iou_3d
 from cadet.formats.kitti import write_frame
 from detector.logs import COLUMNS
-from detector.runs import Frozen, weights
+from detector.runs import Frozen, compared, weights
 from synthetic import make_frame
 
 CONFIG = Config.named(Path(__file__).parents[2] / "support" / "detector" / "overfit.toml")
@@ -83,11 +82,7 @@ def train_by_heart(config: Config, sample: Sample, steps: int) -> tuple[AnyNetwo
 def test_one_frame_is_learnt_by_heart(sample: Sample) -> None:
     network, totals = train_by_heart(CONFIG, sample, CONFIG.training.steps)
     assert np.mean(totals[-20:]) < 0.2 * np.mean(totals[:20])
-    frame = make_frame()
-    detector = Detector(network)
-    found = detector.detect_frame(frame)
-    truths = [label for label in frame.labels if not label.is_dont_care]
-    overlap = box_iou_3d(np.stack([x.box_cam for x in found]), np.stack([x.box_cam for x in truths]))
+    found, truths, overlap = compared(Detector(network), make_frame())
     for column, truth in enumerate(truths):
         row = int(overlap[:, column].argmax())
         assert overlap[row, column] >= 0.7, truth

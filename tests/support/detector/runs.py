@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
+from avod import Detector
 from avod.config import Config
 from avod.data.mixture import Folders
 from avod.model.avod.network import AvodNetwork
@@ -16,7 +18,8 @@ from avod.model.layers import ShiftBatchNorm
 from avod.train import Run, train, with_steps
 from avod.train.checkpoint import load_network, read_checkpoint
 from avod.train.log import read_log
-from cadet.formats.kitti import write_frame
+from cadet.evaluation import box_iou_3d
+from cadet.formats.kitti import Frame, Label, write_frame
 from synthetic import make_frame
 
 BASE = Path(__file__).parent / "overfit.toml"
@@ -91,6 +94,13 @@ def weights(path: Path) -> dict[str, torch.Tensor]:
     network = AvodNetwork(checkpoint.config)
     load_network(checkpoint, network)
     return dict(network.state_dict())
+
+
+def compared(detector: Detector, frame: Frame) -> tuple[tuple[Label, ...], list[Label], NDArray[np.float64]]:
+    """Detect objects in a frame: what was found, what is there, and the overlaps in 3D of both."""
+    found = detector.detect_frame(frame)
+    truths = [label for label in frame.labels if not label.is_dont_care]
+    return found, truths, box_iou_3d(np.stack([x.box_cam for x in found]), np.stack([x.box_cam for x in truths]))
 
 
 def assert_same_training(found: Path, expected: Path) -> None:

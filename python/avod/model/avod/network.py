@@ -22,6 +22,7 @@ from avod.model.avod.targets import anchor_targets, sample_proposals, truth_prop
 from avod.model.boxes import Boxes
 from avod.model.layers import Convolution, Head
 from avod.model.network import DetectionNetwork, stacked
+from avod.model.parts import EXAMPLE_ROWS, Part
 from avod.ops import crop_and_resize, nms
 from cadet._util.summary import summary
 
@@ -132,6 +133,22 @@ class AvodNetwork(DetectionNetwork[FrameFeatures, FrameOutputs]):
     def extractors(self) -> tuple[nn.Module, ...]:
         """Return both feature pyramids."""
         return self.bev_pyramid, self.image_pyramid
+
+    def own_parts(self) -> tuple[Part, ...]:
+        """List the one that makes feature maps, and the heads of both stages."""
+        width, height = self.config.image.size
+        frame = {"bev": torch.zeros((1, *self.config.bev.shape)), "image": torch.zeros((1, 3, height, width))}
+        anchors, proposals = (
+            {"crops": torch.zeros((EXAMPLE_ROWS, cast("nn.Linear", head.layers[0]).in_features))}
+            for head in (self.anchor_classifier, self.second_stage)
+        )
+        maps = ("bev_features", "image_features", "bev_bottleneck", "image_bottleneck")
+        judgments = ("class_logits", "box_offsets", "vectors")
+        return (
+            Part("features", self.run_maps, frame, maps, has_rows=False),
+            Part("anchors", self.run_anchors, anchors, ("logits", "offsets"), has_rows=True),
+            Part("proposals", self.second_stage, proposals, judgments, has_rows=True),
+        )
 
     def own_losses(self, outputs: FrameOutputs, sample: Sample, generator: torch.Generator) -> dict[str, Tensor]:
         """Compute both stages' losses, the first's over a mini-batch of anchors."""

@@ -16,6 +16,7 @@ from avod.model.boxes import Boxes, kept_boxes
 from avod.model.center.targets import NUM_BOX, boxes_from_cells, center_targets
 from avod.model.layers import Convolution
 from avod.model.network import DetectionNetwork, Outputs, stacked
+from avod.model.parts import Part
 from cadet._util.summary import summary
 
 _RARE: Final = -4.0
@@ -95,6 +96,16 @@ class CenterNetwork(DetectionNetwork[Tensor, CenterOutputs]):
     def extractors(self) -> tuple[nn.Module, ...]:
         """Return the convolutions."""
         return (self.backbone,)
+
+    def own_parts(self) -> tuple[Part, ...]:
+        """List the one that makes outputs of maps."""
+
+        def maps(bev: Tensor) -> tuple[Tensor, ...]:
+            found = self.run_maps(bev)
+            return found[:, :-NUM_BOX], found[:, -NUM_BOX:]
+
+        bev = torch.zeros((1, *self.config.bev.shape))
+        return (Part("maps", maps, {"bev": bev}, ("marks", "boxes"), has_rows=False),)
 
     def own_losses(self, outputs: CenterOutputs, sample: Sample, generator: torch.Generator) -> dict[str, Tensor]:
         """Compare marks and boxes with the sample's objects, over the number of objects."""
