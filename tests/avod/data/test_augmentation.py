@@ -159,6 +159,9 @@ def test_a_point_in_two_boxes_follows_the_first() -> None:
     change = Augmentation(size_shifts_m=((2.0, 0.0, 0.0),))
     moved, _ = resize_objects(np.array([[1.0, 1.0, 12.5]]), boxes, np.array([1, 1]), change)
     np.testing.assert_allclose(moved, [[1.5, 1.0, 12.5]], atol=1e-12)
+    # What is of no class keeps its size.
+    _, resized = resize_objects(np.zeros((0, 3)), boxes, np.array([0, 1]), change)
+    np.testing.assert_array_equal(resized[:, 3], [4.0, 6.0])
 
 
 def shares(points: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:

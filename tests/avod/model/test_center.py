@@ -106,6 +106,9 @@ def test_perfect_outputs_are_decoded_into_the_true_boxes(sample: Sample) -> None
     assert sorted(boxes.classes[sure].tolist()) == [1, 1, 2]
     overlap = box_iou_3d(boxes.boxes_cam[sure].double().numpy(), sample.boxes_cam.double().numpy())
     assert (overlap.max(axis=0) > 0.999).all()
+    # Beside a center marks are high, too, but lower.
+    every = network.decode(CenterOutputs(logits, numbers), sample, dataclasses.replace(CONFIG.detection, nms_iou=1.0))
+    assert (every.scores > 0.5).sum() == 3
 
 
 @pytest.mark.timeout(400)  # some 20 s of one core, more where it is shared
