@@ -26,8 +26,12 @@ _NAME: Final = "run.json"
 _FORMAT: Final = "avod-training"
 _VERSION: Final = 1
 _HEAD: Final = ("format", "version", "made_with")
-# How far a training goes and how often it is written down changes no step; detection is no part of training.
-_FREE: Final = ("training.steps", "training.checkpoint_steps", "detection.")
+# How often a training is written down changes no step; detection is no part of training. How far it goes changes none
+# either, unless the schedule spans it.
+_FREE: Final = {
+    "steps": ("training.steps", "training.checkpoint_steps", "detection."),
+    "one_cycle": ("training.checkpoint_steps", "detection."),
+}
 _REFUSED: Final = ("seed", "split", "shares", "num_used", "frames_crc32", "bank_crc32", "init")
 _WHAT: Final = {
     "num_used": "frames to learn from",
@@ -210,7 +214,7 @@ def check_resumed(out: Path, old: Record, new: Record) -> Iterator[str]:
         CadetError: another setting that training follows from; it is named with both values.
     """
     for name, was, now in differences(table_from_config(old.config), table_from_config(new.config)):
-        if not name.startswith(_FREE):
+        if not name.startswith(_FREE[old.config.training.schedule]):
             raise CadetError(
                 f"{out}: its training has {name} = {was!r}, and is to go on with {now!r}: "
                 "change nothing, or begin another with --init or --resume-from"

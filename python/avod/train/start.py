@@ -140,7 +140,8 @@ def _continued(config: Config, run: Run, device: torch.device, checkpoint: Check
     load_network(checkpoint, network)
     average = _average(network, config)
     load_optimizer(checkpoint, network, optimizer)
-    if checkpoint.step >= config.training.steps:
+    # A training that is done may be resumed: nothing is left to do.
+    if checkpoint.step >= config.training.steps + int(run.resume):
         raise CadetError(
             f"{run.resume_from or checkpoint.path}: {checkpoint.step} steps are done, and training ends at "
             f"{config.training.steps}"

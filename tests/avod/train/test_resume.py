@@ -239,6 +239,13 @@ def test_changes_that_make_another_training_are_refused(
         short_run(config, data, out, STEPS + 1, resume=True, **change)
 
 
+def test_a_schedule_that_spans_the_steps_keeps_their_number(config: Config, data: Path, tmp_path: Path) -> None:
+    cycle = dataclasses.replace(config, training=dataclasses.replace(config.training, schedule="one_cycle"))
+    short_run(cycle, data, tmp_path, STEPS, should_stop=StopAfter(1))
+    with pytest.raises(CadetError, match=rf"has training\.steps = {STEPS}, and is to go on with {STEPS + 1}: change"):
+        short_run(cycle, data, tmp_path, STEPS + 1, resume=True)
+
+
 def test_other_settings_and_other_frames_are_refused_and_other_folders_said(
     config: Config, data: Path, unbroken: Path, tmp_path: Path
 ) -> None:
@@ -248,8 +255,10 @@ def test_other_settings_and_other_frames_are_refused_and_other_folders_said(
         CadetError, match=r"has training\.learning_rate = 0\.004, and is to go on with 0\.5: change noth"
     ):
         short_run(faster, data, out, STEPS + 1, resume=True)
-    with pytest.raises(CadetError, match=f"{STEPS} steps are done, and training ends at {STEPS}"):
-        short_run(config, data, out, STEPS, resume=True)
+    with pytest.raises(CadetError, match=f"{STEPS} steps are done, and training ends at {STEPS - 1}"):
+        short_run(config, data, out, STEPS - 1, resume=True)
+    assert short_run(config, data, out, STEPS, resume=True).name == f"{STEPS:09d}"
+    assert_same_training(out, unbroken)
     moved = copied(data, tmp_path / "moved")
     with pytest.warns(CadetWarning, match=rf"data was '{data}' and is '{moved}': numbers may differ"):
         short_run(config, moved, out, STEPS + 1, resume=True)
