@@ -205,17 +205,11 @@ class PointRefinement(nn.Module):
     def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> Points:
         """Gather the points of boxes; with a generator some are left out, a share drawn for each box."""
         most = self.config.max_points
-        along, across, heights = _in_frames(sample.points_cam, boxes_cam, sample.plane)
-        half_length, half_width = boxes_cam[:, 3:4] / 2.0, boxes_cam[:, 4:5] / 2.0
-        is_near = (along.abs() < half_length + self.config.margin_m) & (
-            across.abs() < half_width + self.config.margin_m
-        )
-        is_near &= (heights > _LOWEST_M) & (heights < _HIGHEST_M)
-        box, point = is_near.nonzero(as_tuple=True)
+        box, along, across, height = _near(sample, boxes_cam, self.config.margin_m)
         if generator is not None:
             kept_shares = 0.3 + 0.9 * torch.rand(len(boxes_cam), generator=generator)
             is_kept = torch.rand(len(box), generator=generator) < kept_shares[box.cpu()]
-            box, point = box[is_kept.to(box.device)], point[is_kept.to(box.device)]
+            box, along, across, height = (values[is_kept.to(box.device)] for values in (box, along, across, height))
         counts = torch.bincount(box, minlength=len(boxes_cam))
         number = torch.arange(len(box), device=box.device) - (counts.cumsum(0) - counts)[box]
         # Of more points than there is room for, as many as there is room for, evenly along the scan's order.
@@ -224,11 +218,10 @@ class PointRefinement(nn.Module):
         is_first = (number == 0) | (slot != (number - 1) * most // steps)
         slot = torch.where(counts[box] > most, slot, number)
         is_first |= counts[box] <= most
-        box, point, slot = box[is_first], point[is_first], slot[is_first]
+        box, slot, u, v, height = (values[is_first] for values in (box, slot, along, across, height))
         is_point = torch.zeros((len(boxes_cam), most), dtype=torch.bool, device=box.device)
         is_point[box, slot] = True
-        u, v, height = along[box, point], across[box, point], heights[point]
-        length, width = half_length[box, 0], half_width[box, 0]
+        length, width = boxes_cam[box, 3] / 2.0, boxes_cam[box, 4] / 2.0
         features = boxes_cam.new_zeros((len(boxes_cam), most, _POINT_FEATURES))
         features[box, slot] = torch.stack(
             [u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1
@@ -296,12 +289,25 @@ def _moved(boxes_cam: Tensor, plane: Tensor, generator: torch.Generator) -> Tens
     return corrected(boxes_cam, noise, plane)
 
 
-def _in_frames(points_cam: Tensor, boxes_cam: Tensor, plane: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Give points in the frames of boxes: (P, 3) and (N, 7) to along and across (N, P), and heights (P,)."""
-    x = points_cam[None, :, 0] - boxes_cam[:, 0:1]
-    z = points_cam[None, :, 2] - boxes_cam[:, 2:3]
-    along, across = _turned(x, z, boxes_cam[:, 6:7])
-    return along, across, points_cam @ plane[:3] + plane[3]
+def _near(sample: Sample, boxes_cam: Tensor, margin_m: float) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """Find the points in and around boxes (N, 7), box by box, in the scan's order.
+
+    Returns:
+        Four times (K,): the box, and the point's place along and across it and over the ground.
+    """
+    heights = sample.points_cam @ sample.plane[:3] + sample.plane[3]
+    is_between = (heights > _LOWEST_M) & (heights < _HIGHEST_M)
+    points_cam, heights = sample.points_cam[is_between], heights[is_between]
+    half = boxes_cam[:, 3:5] / 2.0 + margin_m
+    # Squares about all boxes first: of their points few are looked at twice.
+    reach = torch.hypot(half[:, 0], half[:, 1])[:, None]
+    is_close = (points_cam[:, 0] - boxes_cam[:, 0, None]).abs_() < reach
+    is_close &= (points_cam[:, 2] - boxes_cam[:, 2, None]).abs_() < reach
+    box, point = is_close.nonzero(as_tuple=True)
+    shift = points_cam[point] - boxes_cam[box, :3]
+    along, across = _turned(shift[:, 0], shift[:, 2], boxes_cam[box, 6])
+    is_near = (along.abs() < half[box, 0]) & (across.abs() < half[box, 1])
+    return box[is_near], along[is_near], across[is_near], heights[point[is_near]]
 
 
 def _turned(x: Tensor, z: Tensor, rotation_y: Tensor) -> tuple[Tensor, Tensor]:
