@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,9 @@ import torch
 from numpy.typing import NDArray
 
 from avod.config import Config, DetectionConfig
+from avod.data.mirror import mirror_box_tensors, mirror_sample
 from avod.data.sample import Sample
-from avod.model.boxes import Boxes
+from avod.model.boxes import Boxes, joined
 from avod.model.network import AnyNetwork
 from cadet.formats.kitti import Calibration, Label
 from cadet.formats.kitti.boxes import alpha_from_boxes, clip_boxes_img, project_boxes
@@ -71,6 +73,12 @@ def _is_in_image(
 def detections(
     network: AnyNetwork, outputs: Any, sample: Sample, calib: Calibration, config: Config
 ) -> tuple[Label, ...]:
-    """Turn a network's outputs for a frame into labels with scores, best first."""
+    """Turn a network's outputs for a frame into labels with scores, best first; it looks again where `flip` says so."""
     with torch.no_grad():
-        return labels_from_boxes(network.boxes(outputs, sample, config), calib, sample.image_size, config)
+        boxes = network.boxes(outputs, sample, config)
+        if config.detection.flip:
+            mirrored = mirror_sample(sample)
+            (outputs,) = network([mirrored], config=config)
+            again = network.boxes(outputs, mirrored, config)
+            boxes = joined(boxes, replace(again, boxes_cam=mirror_box_tensors(again.boxes_cam)), config.detection)
+        return labels_from_boxes(boxes, calib, sample.image_size, config)

@@ -242,6 +242,9 @@ class DetectionConfig:
     """Detections below this are not written."""
     max_image_fraction: Annotated[float, Limits(0, 1)] = 0.8
     """Detections wider or higher than this share of the image are not written."""
+    flip: bool = False
+    """Look at the mirrored frame, too: boxes that are found in both become their mean, others lose half of their score.
+    Needs maps that reach as far to the left as to the right."""
     fix_up: Literal["corrected", "reference"] = "corrected"
     """How the angle vector chooses among a box's four headings: right, or with AVOD's wrong sign at +-90 degrees."""
 
@@ -312,6 +315,8 @@ class Config(NamedFile):
         for name, size in sizes.items():
             if size % stride:
                 raise CadetError(f"Config.{name}: expected a multiple of {stride}, got {size}")
+        if self.detection.flip and self.bev.x_m[0] != -self.bev.x_m[1]:
+            raise CadetError(f"Config.detection.flip: expected bev.x_m as far to both sides, got {list(self.bev.x_m)}")
         if rows * columns > MAX_PIXELS:
             raise CadetError(f"Config.bev: expected at most {MAX_PIXELS:,} cells, got {rows} x {columns}")
         places = math.prod((high - low) / self.anchors.stride_m + 1.0 for low, high in (self.bev.x_m, self.bev.z_m))

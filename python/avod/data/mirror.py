@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
+
+from avod.data.sample import Sample
+from avod.geometry.orientation import wrap_angle
 
 
 def mirror_image(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -47,3 +54,26 @@ def mirror_boxes(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
     rotation_y = boxes_cam[:, 6]
     mirrored[:, 6] = np.where(rotation_y >= 0.0, np.pi - rotation_y, -np.pi - rotation_y)
     return mirrored
+
+
+def mirror_box_tensors(boxes_cam: Tensor) -> Tensor:
+    """Mirror boxes (M, 7) as `mirror_boxes` does, rotation_y within [-pi, pi)."""
+    turned = wrap_angle(torch.pi - boxes_cam[:, 6:])
+    return torch.cat([-boxes_cam[:, :1], boxes_cam[:, 1:6], turned], dim=1)
+
+
+def mirror_sample(sample: Sample) -> Sample:
+    """Mirror a sample whose maps reach as far to the left as to the right."""
+    projection = mirror_projection(sample.projection.cpu().double().numpy(), sample.image_size[0])
+    x_first = torch.tensor([-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], device=sample.plane.device)
+    return replace(
+        sample,
+        bev=sample.bev.flip(2),
+        image=sample.image.flip(-1),
+        anchors=sample.anchors * x_first,
+        points_cam=sample.points_cam * x_first[:3],
+        plane=sample.plane * x_first[:4],
+        projection=torch.from_numpy(projection).to(sample.projection),
+        boxes_cam=mirror_box_tensors(sample.boxes_cam),
+        ignored_cam=mirror_box_tensors(sample.ignored_cam),
+    )

@@ -207,6 +207,12 @@ def test_a_mirrored_sample_is_the_sample_mirrored() -> None:
     assert height.abs().max() < 1e-4, "anchors stand on the mirrored ground"
     torch.testing.assert_close(mirrored.boxes_cam[:, 0], -plain.boxes_cam[:, 0])
     assert torch.equal(mirrored.classes, plain.classes)
+    turned = mirror.mirror_sample(plain)
+    assert torch.equal(turned.bev, plain.bev.flip(2)) and torch.equal(turned.image, plain.image.flip(2))
+    height = turned.anchors @ torch.cat([turned.plane[:3], torch.zeros(3)]) + turned.plane[3]
+    assert len(turned.anchors) == len(plain.anchors) and height.abs().max() < 1e-4
+    for name in ("points_cam", "plane", "projection", "boxes_cam", "ignored_cam"):
+        torch.testing.assert_close(getattr(turned, name), getattr(mirrored, name), rtol=1e-5, atol=1e-4)
 
 
 def test_a_sample_holds_the_objects_of_the_classes_alone() -> None:
