@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, worth, export, clusters, bench, view."""
+"""`avod`: train, adapt, predict, eval, worth, export, clusters, bench, view."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from avod.cli.adapt import adapt_command
 from avod.cli.clusters import clusters_command
 from avod.cli.export import export_command
 from avod.cli.options import (
@@ -57,6 +58,7 @@ def avod() -> None:
 
 
 avod.add_command(train_command)
+avod.add_command(adapt_command)
 avod.add_command(clusters_command)
 avod.add_command(worth_command)
 avod.add_command(export_command)

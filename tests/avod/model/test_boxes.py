@@ -47,10 +47,8 @@ def test_boxes_found_twice_become_their_mean_and_others_lose_half_of_their_score
 
 def test_headings_meet_across_the_wrap_and_the_surer_of_two_opposite_ones_counts() -> None:
     def heading(first: float, second: float, scores: tuple[float, float]) -> float:
-        looks = (
-            boxes((*BOX[:6], angle), scores=(score,)) for angle, score in zip((first, second), scores, strict=True)
-        )
-        return float(joined(*looks, DETECTION).boxes_cam[0, 6])
+        one, other = boxes((*BOX[:6], first), scores=scores[:1]), boxes((*BOX[:6], second), scores=scores[1:])
+        return float(joined(one, other, DETECTION).boxes_cam[0, 6])
 
     assert math.cos(heading(3.1, -3.1, (0.5, 0.5))) == pytest.approx(-1.0)
     assert heading(0.1, 0.3 - math.pi, (0.6, 0.2)) == pytest.approx(0.15)

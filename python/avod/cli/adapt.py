@@ -1,0 +1,120 @@
+"""`avod adapt`: a detector for frames without labels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from avod.adapt import Adaptation, adapt
+from avod.cli.options import (
+    checkpoint_option,
+    device_options,
+    frames_of,
+    loss_text,
+    progress,
+    resolve_device,
+    resolve_precision,
+    resolve_split,
+    resolve_workers,
+    split_option,
+)
+from avod.cli.stopping import Stopping
+from avod.train import Run
+from cadet import kitti
+from cadet.errors import CadetError
+
+_DEFAULT = Adaptation()
+
+
+@click.command(name="adapt")
+@checkpoint_option
+@click.option("--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Frames without labels.")
+@split_option("all")
+@click.option(
+    "--source",
+    metavar="DIR",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Labeled frames, generated ones.",
+)
+@click.option("--source-split", metavar="NAME", default="train", show_default=True, help="A list of theirs, or 'all'.")
+@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Where the rounds go.")
+@click.option(
+    "--rounds", type=click.IntRange(1, 100), default=_DEFAULT.rounds, show_default=True, help="Of finding and learning."
+)
+@click.option("--steps", type=click.IntRange(1), default=_DEFAULT.steps, show_default=True, help="Of each round.")
+@click.option(
+    "--sure",
+    type=click.FloatRange(0, 1),
+    default=_DEFAULT.sure,
+    show_default=True,
+    help="Objects with at least this score are learned from.",
+)
+@click.option(
+    "--unsure",
+    type=click.FloatRange(0, 1),
+    default=_DEFAULT.unsure,
+    show_default=True,
+    help="Those with at least this one are left open; others are background.",
+)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Random seed.")
+@click.option("--resume", is_flag=True, help="Go on with the rounds in --out.")
+@device_options
+def adapt_command(
+    checkpoint: Path,
+    data: Path,
+    split: str,
+    source: Path,
+    source_split: str,
+    out: Path,
+    rounds: int,
+    steps: int,
+    sure: float,
+    unsure: float,
+    seed: int,
+    resume: bool,
+    device: str,
+    precision: str,
+    workers: int | None,
+) -> int:
+    """Adapt a detector to frames without labels: it learns from what it is sure of in them, and from labeled frames.
+
+    \b
+    avod adapt --data my_street --source set --out adapted
+    avod predict --checkpoint adapted/round_1 --data my_street --out results
+    """  # noqa: D301 - click reads the backspace
+    adaptation = Adaptation(rounds=rounds, steps=steps, sure=sure, unsure=unsure)
+    target, _ = frames_of(data, split, None)
+    if not isinstance(target, kitti.Dataset):
+        raise CadetError(f"{data}: adapt takes a KITTI folder")
+    run = Run(
+        data=source,
+        out=out,
+        split=resolve_split(source_split),
+        seed=seed,
+        resume=resume,
+        keep=1,
+        device=resolve_device(device),
+        precision=resolve_precision(precision),
+        workers=resolve_workers(workers),
+    )
+    stopping = Stopping(None)
+    total = rounds * (len(target) + steps)
+    with stopping, progress(total, "adapting", "frames and steps") as advance:
+        last = adapt(
+            checkpoint,
+            target,
+            run,
+            adaptation,
+            on_frame=lambda number, done: advance((number - 1) * (len(target) + steps) + done, ""),
+            on_step=lambda number, done, losses: advance(
+                (number - 1) * (len(target) + steps) + len(target) + done, loss_text(losses)
+            ),
+            should_stop=stopping,
+        )
+    if last is None:
+        click.echo(f"{stopping.reason}; to continue: the same command with --resume", err=True)
+        return stopping.exit_code
+    click.echo(f"last checkpoint: {last}", err=True)
+    return 0
