@@ -45,6 +45,17 @@ def detection_figure(frame: Frame, found: tuple[Label, ...]) -> style.Image:
     return np.concatenate([columns[0], gap, columns[1]], axis=1)
 
 
+def film_picture(frame: Frame, found: tuple[Label, ...]) -> style.Image:
+    """Draw detections in the image (H, W), and from above beside it: (H, W + H, 3) uint8 RGB."""
+    shown = replace(frame, labels=found)
+    height, width = frame.image.shape[:2]
+    picture = style.filled(height, width + height)
+    picture[:, :width] = boxes_figure(shown)
+    above = bev_figure(shown, height, has_text=False)
+    picture[: len(above), width:] = above
+    return picture
+
+
 def loss_figure(
     rows: Sequence[dict[str, float]],
     validations: Sequence[dict[str, float]] = (),

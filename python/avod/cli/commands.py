@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 from collections.abc import Mapping
@@ -30,10 +31,11 @@ from avod.cli.options import (
 )
 from avod.cli.train import train_command
 from avod.cli.worth import worth_command
-from avod.data.frames import open_frames
+from avod.data.frames import is_simulation, open_frames
 from avod.detector import Detector
 from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score
 from avod.figures import detection_figure, loss_figure
+from avod.film import Film
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_checkpoint
 from avod.train.log import read_log, read_validations
@@ -69,7 +71,9 @@ avod.add_command(export_command)
 @data_option
 @split_option("all")
 @num_frames_option
-@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Where result files go.")
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Where result files go.")
+@click.option("--video", metavar="FILE", type=click.Path(path_type=Path), help="Draw a film of them, an .mp4.")
+@click.option("--fps", type=click.FloatRange(0.1, 240), default=10.0, show_default=True, help="Its frames a second.")
 @detection_options
 @device_options
 def predict_command(
@@ -77,7 +81,9 @@ def predict_command(
     data: Path,
     split: str | None,
     num_frames: int | None,
-    out: Path,
+    out: Path | None,
+    video: Path | None,
+    fps: float,
     proposals: int | None,
     min_score: float | None,
     nms_iou: float | None,
@@ -86,22 +92,37 @@ def predict_command(
     precision: str,
     workers: int | None,
 ) -> None:
-    """Write KITTI's result files: an empty one for a frame without detections, none for a frame that cannot be read."""
+    """Write KITTI's result files: an empty one for a frame without detections, none for a frame that cannot be read.
+
+    \b
+    avod predict --data kitti --out results
+    avod predict --data 2011_09_26/2011_09_26_drive_0013_sync --video drive.mp4 --min-score 0.4
+    """  # noqa: D301 - click reads the backspace
+    if out is None and video is None:
+        raise CadetError("predict needs --out, --video, or both")
+    if video is not None and is_simulation(data):
+        raise CadetError(f"--video: {data} is a simulation: write its frames with cadet-gen first")
     changes = detection_settings(settings, proposals, min_score, nms_iou)
     detector = _detector(checkpoint, device, precision, changes)
     samples, ids = frames_of(data, split, num_frames)
-    sink, unreadable = LocalSink(out), Unreadable(data)
-    count = 0
+    unreadable, count = Unreadable(data), 0
+    sink = None if out is None else LocalSink(out)
+    film = contextlib.nullcontext() if video is None else Film(video, fps)
     results = predict(detector, samples, ids, workers=resolve_workers(workers), unreadable=unreadable)
-    with progress(len(ids), "detecting") as advance:
+    with film, progress(len(ids), "detecting") as advance:
         for done, (frame_id, labels) in enumerate(results, start=1):
-            sink.put(f"{frame_id}.txt", text_from_labels(labels).encode("ascii"))
+            if sink is not None:
+                sink.put(f"{frame_id}.txt", text_from_labels(labels).encode("ascii"))
+            if isinstance(film, Film):
+                film.add(samples.read_frame(frame_id, has_extras=False), labels)
             count += len(labels)
             advance(done, "")
-    sink.remove_partial()
-    click.echo(f"{count} detections in {len(ids) - len(unreadable)} frames in {out}", err=True)
+    if sink is not None:
+        sink.remove_partial()
+    written = " and ".join(str(path) for path in (out, video) if path is not None)
+    click.echo(f"{count} detections in {len(ids) - len(unreadable)} frames in {written}", err=True)
     if unreadable:
-        raise CadetError(f"{unreadable.text(len(ids))}: they have no files in {out}; `cadet check {data}` lists them")
+        raise CadetError(f"{unreadable.text(len(ids))}: they are not in {written}; `cadet check {data}` lists them")
 
 
 @avod.command(name="eval")

@@ -21,6 +21,7 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.formats.kitti.files.folder import sample_folder, set_root
 from cadet.formats.kitti.files.unreadable import Unreadable, frames_with_files
 from cadet.formats.kitti.image_sets import LISTS, check_not_empty, list_paths
+from cadet.formats.kitti_sequences.raw_drive import is_raw_drive
 from cadet.formats.webdataset.dataset import is_pattern, is_shard_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -39,7 +40,8 @@ data_option = click.option(
     metavar="DIR|SHARDS|sim:FILE",
     required=True,
     type=click.Path(path_type=Path),
-    help="A KITTI folder, shards ('set/val/{000000..000009}.tar'), or a simulation's TOML file, with --num-frames.",
+    help="A KITTI folder, one of KITTI's raw drives, shards ('set/val/{000000..000009}.tar'), or a simulation's TOML "
+    "file, with --num-frames.",
 )
 checkpoint_option = click.option(
     "--checkpoint",
@@ -194,7 +196,7 @@ def check_split(root: Path, name: str | None) -> None:
     Raises:
         MissingFileError: there is no such list, or no KITTI folder.
     """
-    if is_pattern(root) or is_simulation(root) or is_shard_folder(root):
+    if is_pattern(root) or is_simulation(root) or is_shard_folder(root) or is_raw_drive(root):
         return
     sample_folder(root)
     folder, lists = set_root(root) / LISTS, list_paths(root)

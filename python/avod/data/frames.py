@@ -1,4 +1,4 @@
-"""Frames by their ids, wherever they come from: a KITTI folder, shards, or the simulator."""
+"""Frames by their ids, wherever they come from: a KITTI folder, a raw drive, shards, or the simulator."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import Final, TypeAlias
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.formats.kitti import Frame, Label, labels_from_text, text_from_labels
+from cadet.formats.kitti_sequences import RawDrive
+from cadet.formats.kitti_sequences.raw_drive import is_raw_drive
 from cadet.formats.webdataset import ShardDataset, open_dataset
 from cadet.simulation.simulation import Simulation
 from cadet.simulation.streaming import FrameStream
@@ -90,12 +92,12 @@ class SimulatedFrames:
         self._stream = None
 
 
-Frames: TypeAlias = kitti.Dataset | ShardDataset | SimulatedFrames
+Frames: TypeAlias = kitti.Dataset | RawDrive | ShardDataset | SimulatedFrames
 Data: TypeAlias = str | Path | Frames
 
 
 def open_frames(data: Data, split: str | None = None) -> Frames:
-    """Open a KITTI folder, a folder of shards, shards that a pattern names, or "sim:" and a simulation's TOML file.
+    """Open a KITTI folder, a raw drive, shards in a folder or by a pattern, or "sim:" and a simulation's TOML file.
 
     Args:
         data: as above; what is open already is returned as it is.
@@ -103,11 +105,17 @@ def open_frames(data: Data, split: str | None = None) -> Frames:
 
     Raises:
         MissingFileError: no such folder, shard, split, or file.
-        CadetError: damaged shards, or a bad simulation.
+        CadetError: damaged shards, a bad simulation, or a split of a raw drive.
     """
     if not isinstance(data, str | Path):
         return data
-    return SimulatedFrames(str(data)) if is_simulation(data) else open_dataset(data, split)
+    if is_simulation(data):
+        return SimulatedFrames(str(data))
+    if not is_raw_drive(Path(data)):
+        return open_dataset(data, split)
+    if split is not None:
+        raise CadetError(f"{data}: a raw drive has no split {split!r}: take --split all")
+    return RawDrive(data)
 
 
 def kept_running(frames: Frames, workers: int) -> AbstractContextManager[None]:

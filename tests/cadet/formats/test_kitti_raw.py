@@ -12,8 +12,12 @@ import pytest
 from numpy.typing import NDArray
 
 import cadet
-from cadet.formats.kitti_sequences import KittiRawExporter
+from cadet.errors import KittiFormatError, MissingFileError
+from cadet.formats.kitti_sequences import KittiRawExporter, RawDrive
+from cadet.formats.kitti_sequences.raw_drive import is_raw_drive
 from cadet.generate import Settings, generate
+from raw_drives import write_raw_drive
+from synthetic import make_frame
 
 RIG = cadet.Rig(camera=cadet.Camera.kitti().resized(310, 94), lidar=cadet.Lidar.vlp16())
 
@@ -62,6 +66,44 @@ def test_a_turning_scan_starts_before_its_instant_and_ends_after_it(rolling: boo
     for part, late_s in (("start", begin_s), ("end", end_s)):
         found = seconds_of(drive / f"velodyne_points/timestamps_{part}.txt")
         np.testing.assert_allclose(found - times["velodyne_points/timestamps"], late_s, atol=1e-9)
+
+
+def test_a_drive_is_read_as_frames(tmp_path: Path) -> None:
+    frame = make_frame(labels=())
+    folder = write_raw_drive(tmp_path, [frame, replace(frame, points_velo=frame.points_velo[:9])])
+    drive = RawDrive(folder)
+    assert is_raw_drive(folder) and not is_raw_drive(tmp_path) and drive.ids == ("0000000000", "0000000001")
+    first, second = map(drive.read_frame, drive.ids)
+    assert np.array_equal(first.image, frame.image) and np.array_equal(first.points_velo, frame.points_velo)
+    assert len(second.points_velo) == 9 and not first.labels and first.plane is None
+    for name in ("P0", "P1", "P2", "P3", "R0_rect", "Tr_velo_to_cam", "Tr_imu_to_velo"):
+        np.testing.assert_allclose(getattr(drive.calib, name), getattr(frame.calib, name), rtol=1e-6, atol=1e-9)
+    assert drive.has("velodyne", "0000000001") and drive.has("calib", "0000000001")
+    assert not drive.has("velodyne", "0000000002") and not drive.has("label_2", "0000000001")
+
+
+def test_what_a_drive_lacks_is_named(tmp_path: Path) -> None:
+    folder = write_raw_drive(tmp_path, [make_frame(labels=())])
+    cameras = folder.parent / "calib_cam_to_cam.txt"
+    text = cameras.read_text()
+    with pytest.raises(MissingFileError, match=r"sync: frame 0000000000: a raw drive has no labels"):
+        RawDrive(folder).read_labels("0000000000")
+    with pytest.raises(MissingFileError, match=r"0000000007\.png: no such file"):
+        RawDrive(folder).read_frame("0000000007")
+    for damaged, message in (
+        (text.replace("P_rect_02", "P_rect_05"), r"calib_cam_to_cam\.txt: missing key 'P_rect_02'"),
+        (text.replace("R_rect_00: ", "R_rect_00: 1.0 "), r"R_rect_00: expected 9 numbers, got 10"),
+        (text.replace("R_rect_00: ", "R_rect_00: x"), r"R_rect_00: .*'x"),
+    ):
+        cameras.write_text(damaged)
+        with pytest.raises(KittiFormatError, match=message):
+            _ = RawDrive(folder).calib
+    cameras.unlink()
+    with pytest.raises(MissingFileError, match=r"2011_09_26/calib_cam_to_cam\.txt: no such file"):
+        RawDrive(folder).read_frame("0000000000")
+    (folder / "image_02" / "data" / "0000000000.png").unlink()
+    with pytest.raises(MissingFileError, match="no images: expected files such as"):
+        RawDrive(folder)
 
 
 def seconds_of(path: Path) -> NDArray[np.float64]:
