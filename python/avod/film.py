@@ -22,17 +22,17 @@ class Film:
 
     Args:
         path: ends in .mp4.
-        frames_per_s: how fast it runs.
+        hz: pictures a second.
 
     Raises:
         CadetError: another name, or pictures of other sizes than the first.
         MissingFileError: its folder is not there.
     """
 
-    def __init__(self, path: str | Path, frames_per_s: float) -> None:
+    def __init__(self, path: str | Path, hz: float) -> None:
         self.path = check_out_path(path, (SUFFIX,))
         self._aside = self.path.with_name(f".{self.path.stem}.partial{SUFFIX}")
-        self._frames_per_s = frames_per_s
+        self._hz = hz
         self._writer: cv2.VideoWriter | None = None
         self._size = (0, 0)
 
@@ -47,7 +47,7 @@ class Film:
         if self._writer is None:
             self._size = size
             codec = cv2.VideoWriter.fourcc(*_CODEC)
-            self._writer = cv2.VideoWriter(str(self._aside), codec, self._frames_per_s, size)
+            self._writer = cv2.VideoWriter(str(self._aside), codec, self._hz, size)
             if not self._writer.isOpened():
                 raise CadetError(f"{self.path}: this OpenCV cannot write films of {size[0]} x {size[1]} pixels")
         if size != self._size:

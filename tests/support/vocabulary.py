@@ -17,8 +17,10 @@ import click
 
 import avod
 import cadet
+from avod.adapt import Adaptation
 from avod.cli.commands import avod as avod_command
 from avod.evaluate import analyze_detectors
+from avod.film import Film
 from avod.train.settings import Run
 from avod.worth import fixed_recipe, worth
 from cadet import generate, kitti
@@ -46,12 +48,12 @@ FILES: dict[str, type[Any]] = {
     "a detector": avod.Config,
 }
 """The kinds of TOML files, and what they are read as."""
-CLASSES: tuple[type[Any], ...] = (generate.Settings, Run, *FILES.values())
+CLASSES: tuple[type[Any], ...] = (generate.Settings, Run, Adaptation, *FILES.values())
 FUNCTIONS: tuple[Callable[..., Any], ...] = (
     *(generate.generate, cadet.stream, cadet.analyze, cadet.evaluate, kitti.lint, convert, convert_bdd100k),
     *(cut_objects, fit_lidar, write_report, write_gallery, analyze_detectors),
     *(cadet.Environment, cadet.Scene.random, cadet.Assets.read, cadet.ResetPolicy.as_sequence, avod.Detector),
-    *(worth, fixed_recipe),
+    *(worth, fixed_recipe, Film),
 )
 """The functions whose parameters are settings."""
 
@@ -72,8 +74,10 @@ COMMAND_ONLY: Mapping[str, str] = {
     "rerun": "`cadet.figures.recording.view_episode`",
     "set": "any key of a detector's file",
     "sizes_from": "`avod.clusters.mean_sizes_of`",
+    "source_split": "the `split` of the `Run` that `avod.adapt.adapt` takes",
     "test_split": "the list whose `ids` `avod.worth.worth` takes",
     "threads": "`torch.set_num_threads`",
+    "video": "the path of an `avod.film.Film`",
     "version": "prints the version",
 }
 """Options that are no field or parameter in Python, and what they stand for."""

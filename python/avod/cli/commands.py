@@ -73,7 +73,7 @@ avod.add_command(export_command)
 @num_frames_option
 @click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Where result files go.")
 @click.option("--video", metavar="FILE", type=click.Path(path_type=Path), help="Draw a film of them, an .mp4.")
-@click.option("--fps", type=click.FloatRange(0.1, 240), default=10.0, show_default=True, help="Its frames a second.")
+@click.option("--hz", type=click.FloatRange(0.1, 240), default=10.0, show_default=True, help="Its frames a second.")
 @detection_options
 @device_options
 def predict_command(
@@ -83,7 +83,7 @@ def predict_command(
     num_frames: int | None,
     out: Path | None,
     video: Path | None,
-    fps: float,
+    hz: float,
     proposals: int | None,
     min_score: float | None,
     nms_iou: float | None,
@@ -107,7 +107,7 @@ def predict_command(
     samples, ids = frames_of(data, split, num_frames)
     unreadable, count = Unreadable(data), 0
     sink = None if out is None else LocalSink(out)
-    film = contextlib.nullcontext() if video is None else Film(video, fps)
+    film = contextlib.nullcontext() if video is None else Film(video, hz)
     results = predict(detector, samples, ids, workers=resolve_workers(workers), unreadable=unreadable)
     with film, progress(len(ids), "detecting") as advance:
         for done, (frame_id, labels) in enumerate(results, start=1):

@@ -28,7 +28,6 @@ from cadet.cli.tools import cadet
 from cadet.errors import CadetError, CadetWarning
 from cadet.formats.kitti import Calibration, Label, labels_from_text, write_frame
 from cadet.formats.kitti.frame import Frame
-from raw_drives import write_raw_drive
 from synthetic import make_frame
 
 CONFIG = Path(__file__).parents[2] / "support" / "detector" / "overfit.toml"
@@ -98,33 +97,6 @@ def test_prediction_writes_a_file_for_each_frame(dataset: Path, trained: Path, t
     # Its three frames are the same.
     assert found[0] == found[1] == found[2] and len(found[0]) > 0
     assert f"{sum(map(len, found))} detections in 3 frames" in result.output
-
-
-def test_a_raw_drive_becomes_a_film_whole_or_not_at_all(trained: Path, tmp_path: Path) -> None:
-    frame = make_frame(labels=())
-    drive, film = write_raw_drive(tmp_path, [frame] * 3), tmp_path / "film.mp4"
-    arguments = ("predict", "--checkpoint", trained, "--data", drive, "--video", film, "--fps", 5, "--workers", 0)
-    assert f"in 3 frames in {film}" in call(*arguments).output
-    video = cv2.VideoCapture(str(film))
-    assert (video.get(cv2.CAP_PROP_FRAME_COUNT), video.get(cv2.CAP_PROP_FPS)) == (3, 5)
-    is_read, picture = video.read()
-    height, width = frame.image.shape[:2]
-    assert is_read and picture.shape == (height, width + height, 3)
-    # Far from boxes the image is as it was, but for the film's compression.
-    assert np.abs(picture[:40, :width].astype(int) - frame.image[:40, :, ::-1]).mean() < 25.0
-    film.unlink()
-    scan = drive / "velodyne_points" / "data" / "0000000001.bin"
-    scan.write_bytes(b"?")
-    with pytest.raises(CadetError, match=r"1 of 3 frames cannot be read \(0000000001: .*they are not in .*film\.mp4"):
-        call(*arguments)
-    assert film.is_file()
-    film.unlink()
-    with pytest.raises(CadetError, match="a raw drive has no split 'val': take --split all"):
-        call(*arguments, "--split", "val")
-    (drive.parent / "calib_cam_to_cam.txt").unlink()
-    with pytest.raises(CadetError, match=r"calib_cam_to_cam\.txt: no such file"):
-        call(*arguments)
-    assert not list(tmp_path.glob("*.mp4"))
 
 
 def test_evaluation_prints_the_table_of_cadet_and_keeps_the_best(dataset: Path, trained: Path, tmp_path: Path) -> None:
