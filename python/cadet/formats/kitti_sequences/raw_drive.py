@@ -59,7 +59,7 @@ class RawDrive:
         """Tell whether a frame has a file of one of the kinds `image_2`, `velodyne`, and `calib`."""
         return kind == "calib" or (kind in _FOLDERS and self._path(kind, frame_id).is_file())
 
-    def read_frame(self, frame_id: str, *, has_extras: bool = True) -> Frame:  # noqa: ARG002 - as the other frames'
+    def read_frame(self, frame_id: str, *, has_extras: bool = True) -> Frame:
         """Read a frame; it has no labels and no plane.
 
         Raises:
