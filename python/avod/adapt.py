@@ -45,7 +45,7 @@ class Adaptation:
         CadetError: a number outside its range.
     """
 
-    rounds: Annotated[int, Limits(1, 100)] = 1
+    rounds: Annotated[int, Limits(1, 100)] = 2
     """Of finding objects and learning from them."""
     steps: Annotated[int, Limits(1, 999_999_999)] = 400
     """Of each round's training."""

@@ -86,7 +86,7 @@ def test_the_command_says_where_the_weights_are_and_what_is_wrong(
         common = ("--checkpoint", checkpoint, "--source", source, "--out", tmp_path / "out", "--workers", 0)
         return CliRunner().invoke(avod, ["adapt", *map(str, (*common, *arguments))])
 
-    done = call("--data", target, "--steps", 1, "--sure", 0, "--unsure", 0)
+    done = call("--data", target, "--rounds", 1, "--steps", 1, "--sure", 0, "--unsure", 0)
     assert done.exit_code == 0 and f"last checkpoint: {tmp_path / 'out' / 'round_1'}" in done.output
     assert isinstance(call("--data", target, "--unsure", 0.6).exception, CadetError)
     other = tmp_path / "other"

@@ -82,7 +82,7 @@ def adapt_command(
 
     \b
     avod adapt --data my_street --source set --out adapted
-    avod predict --checkpoint adapted/round_1 --data my_street --out results
+    avod predict --checkpoint adapted/round_2 --data my_street --out results
     """  # noqa: D301 - click reads the backspace
     adaptation = Adaptation(rounds=rounds, steps=steps, sure=sure, unsure=unsure)
     target, _ = frames_of(data, split, None)
