@@ -5,7 +5,7 @@ mod common;
 
 use common::{at, place, posed, random_rotation, sphere};
 
-use cadet_core::geometry::Mesh;
+use cadet_core::geometry::{IndexedFaces, Mesh};
 use cadet_core::instance::Instance;
 use cadet_core::math::{DPose3, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
@@ -38,7 +38,7 @@ struct Certain {
 fn by_brute_force(scene: &PosedScene, origin: DVec3, direction: DVec3) -> Certain {
     let mut certain = Certain { surely: f64::INFINITY, perhaps: Vec::new() };
     for (index, instance) in scene.instances.iter().enumerate() {
-        for face in 0..instance.mesh.faces.len() as u32 {
+        for face in instance.mesh.face_numbers() {
             let corners = scene.corners(index as u32, face).map(|p| p.as_dvec3());
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a);
@@ -106,7 +106,7 @@ fn pinhole(pose: DPose3) -> PinholeGrid {
 
 fn mesh(vertices: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Mesh {
     let (normals, slots) = (vec![Vec3::Z; vertices.len()], vec![0; faces.len()]);
-    Mesh::new("any", vertices, normals, faces, slots).expect("finite")
+    Mesh::new("any", &IndexedFaces { vertices, normals, faces, slots }).expect("finite")
 }
 
 /// Corners from a small set of places of every size, so that they coincide, line up and lie on axes and seams; some are

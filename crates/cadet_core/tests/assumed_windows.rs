@@ -57,8 +57,8 @@ fn shell() -> MeshAsset {
 /// Corners of the faces whose material fits, and their area.
 fn faces_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> (Vec<[Vec3; 3]>, f32) {
     let mesh = model.body.finest();
-    let kept = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| keep(&model.palette.materials()[usize::from(**s)]));
-    let faces: Vec<[Vec3; 3]> = kept.map(|(face, _)| face.map(|i| mesh.vertices[i as usize])).collect();
+    let kept = mesh.triangles().filter(|(_, s)| keep(&model.palette.materials()[usize::from(*s)]));
+    let faces: Vec<[Vec3; 3]> = kept.map(|(corners, _)| corners).collect();
     let area_m2 = faces.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum();
     (faces, area_m2)
 }

@@ -88,9 +88,8 @@ fn casting_down_on_a_bridge_meets_two_surfaces_and_below_it_is_room_for_a_truck(
         let mut above_m = f64::INFINITY;
         for instance in &town.scenery {
             let mesh = instance.shape.levels[0].1.clone();
-            for face in &mesh.faces {
-                let corners =
-                    face.map(|i| instance.world_from_local.transform_point(mesh.vertices[i as usize].as_dvec3()));
+            for (corners, _) in mesh.triangles() {
+                let corners = corners.map(|p| instance.world_from_local.transform_point(p.as_dvec3()));
                 let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
                 let is_below_deck = corners.iter().any(|p| p.y.abs() < 3.2 && p.x.abs() < 5.0);
                 if is_below_deck && middle.z > 0.3 {

@@ -40,14 +40,9 @@ fn ideal_scans_agree_with_parrys_own_mesh() {
         // Near the origin, where single precision can follow.
         let scene = posed(&random_scene(&mut s, DVec3::ZERO));
         let pose = tilted(&mut s, DVec3::new(0.1, -0.2, 0.05));
-        let (mut faces, mut owner) = (Vec::new(), Vec::new());
-        for (index, posed) in scene.instances.iter().enumerate() {
-            for (face, f) in posed.mesh.faces.iter().enumerate() {
-                faces.push(f.map(|i| i + posed.vertices.start as u32));
-                owner.push((index as u32, face as u32));
-            }
-        }
-        let mesh = TriMesh::new(scene.vertices_world().collect(), faces).expect("a valid mesh");
+        let all = scene.indexed_triangles();
+        let owner = all.owners;
+        let mesh = TriMesh::new(all.vertices, all.faces).expect("a valid mesh");
         let ideal = ideal_scan(&scene, &pose, &spec);
         let caster = RayCaster::new(Arc::clone(&scene));
         let rays = spec.rays();

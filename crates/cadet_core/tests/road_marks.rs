@@ -36,12 +36,12 @@ fn painted(ground: &Ground, y: f64) -> (f64, Vec<[f32; 3]>, Vec<(f64, f64)>) {
     let (mut area, mut colors, mut spans) = (0.0, Vec::new(), Vec::new());
     for tile in &ground.tiles {
         let mesh: &Mesh = &tile.shape.levels[0].1;
-        for (face, slot) in mesh.faces.iter().zip(&mesh.slots) {
-            let material = &tile.palette.materials()[usize::from(*slot)];
+        for (corners, slot) in mesh.triangles() {
+            let material = &tile.palette.materials()[usize::from(slot)];
             if material.semantic != Semantic::RoadMarking {
                 continue;
             }
-            let [a, b, c] = face.map(|i| mesh.vertices[i as usize].as_dvec3() + tile.world_from_local.translation);
+            let [a, b, c] = corners.map(|p| p.as_dvec3() + tile.world_from_local.translation);
             area += (b - a).cross(c - a).z / 2.0;
             if !colors.contains(&material.albedo) {
                 colors.push(material.albedo);

@@ -181,10 +181,10 @@ fn visible_tiles_are_the_surface_and_paint_lies_just_above() {
     let (mut surface, mut paint) = (0, 0);
     for tile in &ground.tiles {
         let mesh = &tile.shape.levels[0].1;
-        for (face, slot) in mesh.faces.iter().zip(&mesh.slots) {
-            assert!((*slot as usize) < tile.palette.materials().len());
-            let corners = face.map(|i| mesh.vertices[i as usize].as_dvec3() + tile.world_from_local.translation);
-            if tile.palette.materials()[*slot as usize].semantic == cadet_core::material::Semantic::RoadMarking {
+        for (corners, slot) in mesh.triangles() {
+            assert!((slot as usize) < tile.palette.materials().len());
+            let corners = corners.map(|p| p.as_dvec3() + tile.world_from_local.translation);
+            if tile.palette.materials()[slot as usize].semantic == cadet_core::material::Semantic::RoadMarking {
                 paint += 1;
                 let p = (corners[0] + corners[1] + corners[2]) / 3.0;
                 let above = p.z - ground.height_at(p.x, p.y).unwrap();

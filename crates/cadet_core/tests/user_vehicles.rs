@@ -79,9 +79,8 @@ fn car_of(text: &str) -> MeshAsset {
 /// Bounds of the faces of a material that fits.
 fn bounds_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> Bounds {
     let mesh = model.body.select(0.0, 1.0).expect("near enough to be drawn");
-    let faces =
-        mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| keep(&model.palette.materials()[usize::from(**slot)]));
-    Bounds::of(faces.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize])))
+    let faces = mesh.triangles().filter(|(_, slot)| keep(&model.palette.materials()[usize::from(*slot)]));
+    Bounds::of(faces.flat_map(|(corners, _)| corners))
 }
 
 #[track_caller]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::{place, posed, random_rotation, random_scene, soup, sphere};
 
-use cadet_core::geometry::Mesh;
+use cadet_core::geometry::{IndexedFaces, Mesh};
 use cadet_core::instance::Instance;
 use cadet_core::material::Palette;
 use cadet_core::math::{DPose3, DVec3, Vec3};
@@ -124,7 +124,7 @@ fn cards(s: &mut Stream, n: usize, center_world: DVec3) -> Instance {
         );
     }
     let (normals, slots) = (vec![Vec3::Z; vertices.len()], vec![0; faces.len()]);
-    let mesh = Mesh::new("cards", vertices, normals, faces, slots).expect("a valid mesh");
+    let mesh = Mesh::new("cards", &IndexedFaces { vertices, normals, faces, slots }).expect("a valid mesh");
     place(mesh, DPose3 { rotation: random_rotation(s), translation: center_world }, 0)
 }
 

@@ -263,14 +263,10 @@ impl Scene {
     fn triangles<'py>(&self, py: Python<'py>) -> Result<Triangles<'py>, BorderError> {
         let (vertices, faces, actor_ids) = self.with(py, |scene| {
             let posed = scene.triangles();
-            let vertices = posed.vertices_world().map(|v| v.to_array()).collect();
-            let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
-            for instance in &posed.instances {
-                let start = instance.vertices.start as u32;
-                faces.extend(instance.mesh.faces.iter().map(|f| f.map(|i| i + start)));
-                actor_ids.resize(faces.len(), instance.actor_id);
-            }
-            Ok((vertices, faces, actor_ids))
+            let all = posed.indexed_triangles();
+            let vertices = all.vertices.iter().map(|v| v.to_array()).collect();
+            let actor_ids = all.owners.iter().map(|(index, _)| posed.instances[*index as usize].actor_id).collect();
+            Ok((vertices, all.faces, actor_ids))
         })?;
         Ok((arrays::rows(py, vertices), arrays::rows(py, faces), PyArray1::from_vec(py, actor_ids)))
     }

@@ -12,8 +12,7 @@ fn phases() -> impl Iterator<Item = f64> {
 
 /// Corners of the faces of a material.
 fn corners(mesh: &Mesh, slot: u8) -> Vec<[Vec3; 3]> {
-    let of_slot = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == slot);
-    of_slot.map(|(f, _)| f.map(|i| mesh.vertices[i as usize])).collect()
+    mesh.triangles().filter(|(_, s)| *s == slot).map(|(corners, _)| corners).collect()
 }
 
 /// Distance of a place from the surface of some faces, by sampling them.
@@ -138,15 +137,15 @@ fn meshes_are_sound_and_every_material_is_a_cyclists() {
         let mut faces = [0; 3];
         for shape in shapes.iter().chain([&cyclist.wheel]) {
             for (_, mesh) in &shape.levels {
-                assert!(mesh.vertices.iter().all(|v| v.is_finite()), "{}", cyclist.name);
-                assert!(mesh.slots.iter().all(|s| usize::from(*s) < cyclist.palette.materials().len()));
+                assert!(mesh.places().all(|v| v.is_finite()), "{}", cyclist.name);
+                assert!(mesh.slots().all(|s| usize::from(s) < cyclist.palette.materials().len()));
                 let inside = mesh.bounds.max.cmple(cyclist.size_lwh.as_vec3() + Vec3::splat(0.12)).all();
                 assert!(inside && mesh.bounds.min.z > -0.36, "{}: {:?}", cyclist.name, mesh.bounds);
             }
         }
         for shape in [&shapes[0], &shapes[2], &cyclist.wheel, &cyclist.wheel] {
             for (level, (_, mesh)) in shape.levels.iter().enumerate() {
-                faces[level] += mesh.faces.len();
+                faces[level] += mesh.num_faces();
             }
         }
         assert!(faces[0] < 12_000 && faces[1] < 4200 && faces[2] < 1500, "{faces:?}");

@@ -10,7 +10,7 @@ pub(super) mod hold;
 pub(super) mod proportions;
 mod sitting;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub(super) mod tube;
 
 use std::sync::{Arc, OnceLock};

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use cadet_base::geometry::Mesh;
+use cadet_base::geometry::{IndexedFaces, Mesh};
 use cadet_base::math::{Vec3, cosf, sinf};
 
 /// One ring of a tube.
@@ -105,6 +105,7 @@ impl Tubes {
         for n in &mut normals {
             *n = if n.length_squared() > 0.0 { n.normalize() } else { Vec3::Z };
         }
-        Mesh::new(name, self.vertices, normals, self.faces, self.slots).expect("a person's mesh is valid")
+        Mesh::new(name, &IndexedFaces { vertices: self.vertices, normals, faces: self.faces, slots: self.slots })
+            .expect("a person's mesh is valid")
     }
 }

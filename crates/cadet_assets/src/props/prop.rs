@@ -176,7 +176,7 @@ impl Design {
         });
         let is_piece = length_m > 0.0;
         let low = |p: &Vec3| is_piece || f64::from(p.z) < OVERHEAD_M;
-        let below = Bounds::of(shape.finest().vertices.iter().copied().filter(low));
+        let below = Bounds::of(shape.finest().places().filter(low));
         let (low, high) = (below.min.truncate().as_dvec2(), below.max.truncate().as_dvec2());
         let (footprint_min, footprint_max) = if is_piece {
             let half_m = high.y.max(-low.y);

@@ -27,8 +27,7 @@ fn solid_faces<'a>(model: &'a SceneryModel, mesh: &'a Mesh) -> impl Iterator<Ite
         let m = &model.palette.materials()[usize::from(*slot)];
         m.transmission == 0.0 && m.pattern != Pattern::Leaves && !m.lidar.retro
     };
-    let faces = mesh.faces.iter().zip(&mesh.slots).filter(move |(_, slot)| is_solid(slot));
-    faces.map(|(face, _)| face.map(|i| mesh.vertices[i as usize]))
+    mesh.triangles().filter(move |(_, slot)| is_solid(slot)).map(|(corners, _)| corners)
 }
 
 /// Returns whether parts are no closed solids: cards in place of slats too thin to be seen as solids, and faces of boards.
@@ -101,22 +100,22 @@ fn props_stand_on_the_ground_within_their_footprint_at_every_level() {
         // Far leaves are large, and so are far posts and rails.
         let slack = if model.palette.materials()[0].pattern == Pattern::Leaves { 0.3 } else { 0.06 };
         for (_, mesh) in &model.shape.levels {
-            assert!(mesh.vertices.iter().all(|p| p.is_finite()), "{name}");
-            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
-            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()), "{name}: slot");
+            assert!(mesh.places().all(|p| p.is_finite()), "{name}");
+            assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
+            assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()), "{name}: slot");
             // Bins stand on their wheels, which are not there at the far level.
             assert!(mesh.bounds.min.z < 0.09, "{name} floats at {}", mesh.bounds.min.z);
             let top = f64::from(mesh.bounds.max.z);
             assert!((top - model.height_m).abs() < slack + 0.24, "{name}: {top} of {}", model.height_m);
             let is_piece = model.footprint_min.x == 0.0;
-            let is_low = |p: &&Vec3| f64::from(p.z) < OVERHEAD_M && !is_piece;
-            for p in mesh.vertices.iter().filter(is_low) {
+            let is_low = |p: &Vec3| f64::from(p.z) < OVERHEAD_M && !is_piece;
+            for p in mesh.places().filter(is_low) {
                 let at = p.truncate().as_dvec2();
                 let over = (at - model.footprint_max).max(model.footprint_min - at).max_element();
                 assert!(over < slack, "{name}: {p} of {} to {}", model.footprint_min, model.footprint_max);
             }
         }
-        let faces: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
+        let faces: Vec<usize> = model.shape.levels.iter().map(|l| l.1.num_faces()).collect();
         assert!(faces.windows(2).all(|f| f[1] <= f[0]) && faces[2] <= 700, "{name}: {faces:?}");
     }
 }
@@ -184,7 +183,7 @@ fn a_users_file_is_a_prop() {
     let (model, same) = (bin.model(1), bin.model(3));
     assert_eq!((model.name.as_str(), &same.name), ("own-bin/1", &model.name));
     // A box, and two tubes of six sides that end in a point of the far level.
-    let faces: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
+    let faces: Vec<usize> = model.shape.levels.iter().map(|l| l.1.num_faces()).collect();
     assert_eq!(faces, [12 + 2 * 20, 12 + 2 * 20, 12]);
     assert!((model.height_m - 1.12).abs() < 1e-6, "{}", model.height_m);
     let width_m = model.footprint_size().y;

@@ -3,7 +3,7 @@
 use super::Mesh;
 use super::draw::direction;
 use super::materials::plant_slot as slot;
-use cadet_base::geometry::MeshBuilder;
+use cadet_base::geometry::{IndexedFaces, MeshBuilder};
 use cadet_base::math::Vec3;
 use cadet_base::rng::Stream;
 
@@ -16,17 +16,12 @@ const MIDDLING: f32 = 0.5;
 
 /// A mesh of wood and leaf cards in the making.
 #[derive(Debug, Default)]
-pub(crate) struct Leaves {
-    vertices: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    faces: Vec<[u32; 3]>,
-    slots: Vec<u8>,
-}
+pub(crate) struct Leaves(IndexedFaces);
 
 impl Leaves {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.faces.is_empty()
+        self.0.faces.is_empty()
     }
 
     /// Adds a card: a flat kite about `middle`, its area about `size_m`^2, that faces `facing`; its shading normal is bent
@@ -61,11 +56,12 @@ impl Leaves {
         let normal = (outward + direction(s) * 0.45).normalize_or(Vec3::Z);
         // Counter-clockwise toward the shading normal: a card has two sides, this one counts as its front.
         let flip = (corners[2] - corners[0]).cross(corners[3] - corners[1]).dot(normal) < 0.0;
-        let base = self.vertices.len() as u32;
-        self.faces
+        let base = self.0.vertices.len() as u32;
+        self.0
+            .faces
             .extend(if flip { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] }.map(|f| f.map(|i| base + i)));
-        self.vertices.extend(corners);
-        self.normals.extend([normal; 4]);
+        self.0.vertices.extend(corners);
+        self.0.normals.extend([normal; 4]);
         let (light, dark) =
             (f64::from(0.5 * openness_share), f64::from(0.8 * (1.0 - openness_share) * (1.0 - openness_share)));
         let slot = match s.weighted(&[1.0 - light - dark, light, dark]) {
@@ -73,7 +69,7 @@ impl Leaves {
             1 => slot::LIGHT_LEAF,
             _ => slot::DARK_LEAF,
         };
-        self.slots.extend([slot; 2]);
+        self.0.slots.extend([slot; 2]);
     }
 
     /// Adds a blade: a slender triangle from its foot to its tip, `width_m` wide at the foot, with the normal `outward`.
@@ -82,25 +78,20 @@ impl Leaves {
         let corners = [foot - side, foot + side, tip];
         let normal = outward.normalize_or(Vec3::Z);
         let is_front = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) >= 0.0;
-        let base = self.vertices.len() as u32;
-        self.faces.push(if is_front { [0, 1, 2] } else { [0, 2, 1] }.map(|i| base + i));
-        self.vertices.extend(corners);
-        self.normals.extend([normal; 3]);
-        self.slots.push([slot::LEAF, slot::LIGHT_LEAF, slot::DARK_LEAF][s.weighted(&[0.5, 0.3, 0.2])]);
+        let base = self.0.vertices.len() as u32;
+        self.0.faces.push(if is_front { [0, 1, 2] } else { [0, 2, 1] }.map(|i| base + i));
+        self.0.vertices.extend(corners);
+        self.0.normals.extend([normal; 3]);
+        self.0.slots.push([slot::LEAF, slot::LIGHT_LEAF, slot::DARK_LEAF][s.weighted(&[0.5, 0.3, 0.2])]);
     }
 
     /// Joins the cards with what a builder holds (wood, a hedge's core), if it holds anything.
     pub fn build(self, name: &str, wood: &MeshBuilder) -> Mesh {
-        let Self { mut vertices, mut normals, mut faces, mut slots } = self;
+        let mut all = self.0;
         if wood.num_faces() > 0 {
-            let core = wood.build(name, 1.2);
-            let base = vertices.len() as u32;
-            vertices.extend(core.vertices);
-            normals.extend(core.normals);
-            slots.extend(core.slots);
-            faces.extend(core.faces.iter().map(|f| f.map(|i| i + base)));
+            all.extend(wood.indexed(1.2));
         }
-        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
+        Mesh::new(name, &all).expect("an asset's mesh is valid")
     }
 }
 

@@ -12,8 +12,7 @@ use cadet_base::rng::Stream;
 /// Distances at which a ray meets the faces of a mesh that a filter lets through, by Moeller and Trumbore.
 pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u8) -> bool) -> Vec<(f32, u8)> {
     let mut found = Vec::new();
-    for (face, slot) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| wanted(**s)) {
-        let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+    for ([a, b, c], slot) in mesh.triangles().filter(|(_, s)| wanted(*s)) {
         let (e1, e2) = (b - a, c - a);
         let p = direction.cross(e2);
         let det = e1.dot(p);
@@ -26,7 +25,7 @@ pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u
         let v = direction.dot(q) / det;
         let distance = e2.dot(q) / det;
         if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 {
-            found.push((distance, *slot));
+            found.push((distance, slot));
         }
     }
     found.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -51,10 +50,10 @@ fn every_model() -> Vec<SceneryModel> {
 fn leaves_are_flat_so_that_each_is_drawn_as_one() {
     for &kind in TreeKind::VARIANTS {
         for (_, mesh) in &tree(kind, 0).shape.levels {
-            let is_leaf = |face: u32| mesh.slots[face as usize] != plant_slot::BARK;
-            let leaves = (0..mesh.faces.len() as u32).filter(|f| is_leaf(*f)).count();
+            let is_leaf = |slot: u8| slot != plant_slot::BARK;
+            let leaves = mesh.slots().filter(|slot| is_leaf(*slot)).count();
             let pieces = mesh.clusters.iter().flat_map(|c| c.pieces.iter().map(|p| (c.faces[usize::from(p.first)], p)));
-            let flat = pieces.filter(|(face, piece)| is_leaf(*face) && piece.is_quad()).count();
+            let flat = pieces.filter(|(face, piece)| is_leaf(face.slot) && piece.is_quad()).count();
             assert!(200 * flat >= 95 * leaves, "{kind:?}: {flat} of {leaves}");
         }
     }
@@ -65,9 +64,9 @@ fn every_mesh_is_sound_and_stands_in_the_ground() {
     for model in every_model() {
         for (_, mesh) in &model.shape.levels {
             let name = &model.name;
-            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()), "{name}: slot");
-            assert!(mesh.vertices.iter().all(|v| v.is_finite()), "{name}: coordinate");
-            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
+            assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()), "{name}: slot");
+            assert!(mesh.places().all(|v| v.is_finite()), "{name}: coordinate");
+            assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
             let tallest = f64::from(mesh.bounds.max.z);
             assert!(tallest <= model.height_m + 1.2 && tallest >= model.height_m * 0.7, "{name}: {tallest}");
             // Props may stand on wheels, all else is set into the ground.
@@ -76,7 +75,7 @@ fn every_mesh_is_sound_and_stands_in_the_ground() {
             let out = model.footprint_max.max(-model.footprint_min).as_vec2().max_element() + 2.6;
             assert!(mesh.bounds.max.truncate().max_element() < out, "{name}: sticks out");
         }
-        let counts: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
+        let counts: Vec<usize> = model.shape.levels.iter().map(|l| l.1.num_faces()).collect();
         assert!(counts.windows(2).all(|c| c[1] <= c[0]), "{}: {counts:?}", model.name);
         // Trees beside the ego show single leaves; the largest are those of woods and streets.
         let is_large = [TreeKind::Wood, TreeKind::Street].iter().any(|kind| model.name.starts_with(kind.as_ref()));
@@ -101,8 +100,7 @@ fn windows_are_openings_with_rooms_behind() {
         let model = house(kind, 0).model;
         let mesh: &Mesh = &model.shape.levels[0].1;
         let mut panes = 0;
-        for (face, _) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == house_slot::GLASS) {
-            let corners = face.map(|i| mesh.vertices[i as usize]);
+        for (corners, _) in mesh.triangles().filter(|(_, s)| *s == house_slot::GLASS) {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
             let seen =
@@ -122,9 +120,8 @@ fn windows_are_openings_with_rooms_behind() {
 #[test]
 fn windows_keep_their_panes_nets_and_frames_at_every_level() {
     let area_m2 = |mesh: &Mesh, wanted: &[u8]| -> f32 {
-        let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| wanted.contains(*slot));
-        let corners = faces.map(|(face, _)| face.map(|i| mesh.vertices[i as usize]));
-        corners.map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
+        let faces = mesh.triangles().filter(|(_, slot)| wanted.contains(slot));
+        faces.map(|([a, b, c], _)| (b - a).cross(c - a).length() / 2.0).sum()
     };
     let mut nets_m2 = 0.0;
     let variants = num_variants()[0];
@@ -192,10 +189,8 @@ fn every_part_of_a_crown_has_its_leaves_at_every_level() {
         for variant in 0..num_variants()[1] {
             let (design, model) = (TreeDesign::new(kind, variant), tree(kind, variant));
             for (to_m, mesh) in &model.shape.levels {
-                let middles = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s != plant_slot::BARK);
-                let middles: Vec<Vec3> = middles
-                    .map(|(f, _)| f.map(|i| mesh.vertices[i as usize]).into_iter().sum::<Vec3>() / 3.0)
-                    .collect();
+                let leaves = mesh.triangles().filter(|(_, s)| *s != plant_slot::BARK);
+                let middles: Vec<Vec3> = leaves.map(|(corners, _)| corners.into_iter().sum::<Vec3>() / 3.0).collect();
                 let fewest = design.blobs.iter().map(|blob| {
                     let reach = blob.radius_m * 1.1;
                     middles.iter().filter(|m| m.distance(blob.center) < reach).count()
@@ -265,13 +260,9 @@ fn leaves_beside_the_camera_are_no_plates() {
         for variant in 0..num_variants()[1] {
             let model = tree(kind, variant);
             let mesh = model.shape.select(4.0, 1.0).expect("near enough to be drawn");
-            let area = |face: &[u32; 3]| {
-                let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
-                (b - a).cross(c - a).length() / 2.0
-            };
-            let leaves = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot != plant_slot::BARK);
+            let leaves = mesh.triangles().filter(|(_, slot)| *slot != plant_slot::BARK);
             // A card is two triangles.
-            let mut sides: Vec<f32> = leaves.map(|(face, _)| (2.0 * area(face)).sqrt()).collect();
+            let mut sides: Vec<f32> = leaves.map(|([a, b, c], _)| (b - a).cross(c - a).length().sqrt()).collect();
             sides.sort_by(f32::total_cmp);
             let [middle, large] = [0.5, 0.99].map(|share| sides[(share * sides.len() as f64) as usize]);
             // Without the finest levels those of the largest crowns were 0.33 to 0.5 m.

@@ -271,11 +271,11 @@ mod tests {
         for kind in [HeadKind::Vehicle, HeadKind::Walk] {
             let (shape, palette) = signal_head(kind, [true, false, true]);
             for (_, mesh) in &shape.levels[..1] {
-                for (face, slot) in mesh.faces.iter().zip(&mesh.slots) {
-                    if !(slot::LENS..slot::LENS + 3).contains(slot) {
+                for number in mesh.face_numbers() {
+                    if !(slot::LENS..slot::LENS + 3).contains(&mesh.face(number).1.slot) {
                         continue;
                     }
-                    let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+                    let [a, b, c] = mesh.corners(number);
                     assert!((b - a).cross(c - a).x > 0.0, "{kind:?}: a lens that looks away");
                 }
             }

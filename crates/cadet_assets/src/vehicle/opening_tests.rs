@@ -21,14 +21,14 @@ fn doors_swing_out_to_their_side_and_tailgates_up() {
             };
             let mesh = shape.finest();
             assert_eq!(shape.bounds, mesh.bounds);
-            assert!(mesh.faces.len() < 600 && mesh.slots.iter().all(|s| usize::from(*s) < 23), "{}", model.name);
-            let reach = |along: Vec3| mesh.vertices.iter().map(|v| v.dot(along)).fold(f32::MIN, f32::max);
+            assert!(mesh.num_faces() < 600 && mesh.slots().all(|s| usize::from(s) < 23), "{}", model.name);
+            let reach = |along: Vec3| mesh.places().map(|v| v.dot(along)).fold(f32::MIN, f32::max);
             let side = if opening == Opening::RightDoor { -1.0 } else { 1.0 };
             if opening == Opening::Tailgate {
                 gates += 1;
                 assert!(reach(Vec3::NEG_X) > half.x + 0.15 && reach(Vec3::NEG_X) < half.x + 1.3, "{}", model.name);
                 // The hole reaches down to where the tail is lowest; the leaf is high enough to stand under.
-                let behind = mesh.vertices.iter().filter(|v| -v.x > half.x + 0.1).map(|v| v.z);
+                let behind = mesh.places().filter(|v| -v.x > half.x + 0.1).map(|v| v.z);
                 assert!(behind.fold(f32::MAX, f32::min) > 1.1, "{}", model.name);
             } else {
                 let out = reach(Vec3::Y * side) - half.y;

@@ -6,9 +6,8 @@ use cadet_base::geometry::Mesh;
 
 /// Places and normals of a slot's faces.
 fn faces_of(mesh: &Mesh, of: u8) -> Vec<(Vec3, Vec3)> {
-    let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == of);
-    let placed = faces.map(|(f, _)| f.map(|i| mesh.vertices[i as usize]));
-    placed.map(|[a, b, c]| ((a + b + c) / 3.0, (b - a).cross(c - a).normalize())).collect()
+    let faces = mesh.triangles().filter(|(_, s)| *s == of);
+    faces.map(|([a, b, c], _)| ((a + b + c) / 3.0, (b - a).cross(c - a).normalize())).collect()
 }
 
 /// Whether nothing of the mesh lies between a place on it and the open, along a direction.
@@ -26,7 +25,7 @@ fn is_open(mesh: &Mesh, from: Vec3, along: Vec3) -> bool {
         let (s, r) = ((vv * pu - uv * pv) / whole, (uu * pv - uv * pu) / whole);
         t > 1e-3 && s >= 0.0 && r >= 0.0 && s + r <= 1.0
     };
-    !mesh.faces.iter().any(|f| is_hit(f.map(|i| mesh.vertices[i as usize])))
+    !mesh.triangles().any(|(corners, _)| is_hit(corners))
 }
 
 #[test]

@@ -2,7 +2,7 @@ use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
 use super::*;
-use cadet_base::geometry::Mesh;
+use cadet_base::geometry::{Mesh, PackedNormal};
 
 const SEEDS: u64 = 200;
 
@@ -22,8 +22,7 @@ pub(super) struct Hit {
 
 impl Target {
     pub(super) fn new(mesh: &Mesh, keep: impl Fn(u8) -> bool) -> Self {
-        let kept = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| keep(**s));
-        let faces: Vec<([Vec3; 3], u8)> = kept.map(|(f, s)| (f.map(|i| mesh.vertices[i as usize]), *s)).collect();
+        let faces: Vec<([Vec3; 3], u8)> = mesh.triangles().filter(|(_, s)| keep(*s)).collect();
         let vertices = faces.iter().flat_map(|(c, _)| *c).collect();
         let indices = (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         Self { shape: TriMesh::new(vertices, indices).unwrap(), faces }
@@ -50,9 +49,9 @@ fn outline(class: ObjectClass, seed: u64) -> Outline {
 
 /// Bounds without mirrors and aerial: the width below the belt line, the height of paint and sunroof.
 fn label_bounds(mesh: &Mesh, belt: f32) -> Bounds {
-    let painted = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| matches!(**s, slot::PAINT | slot::DARK_GLASS));
-    let roof = painted.flat_map(|(f, _)| f.map(|i| mesh.vertices[i as usize].z)).fold(0.0, f32::max);
-    let low = Bounds::of(mesh.vertices.iter().copied().filter(|v| v.z < 0.85 * belt));
+    let painted = mesh.triangles().filter(|(_, s)| matches!(*s, slot::PAINT | slot::DARK_GLASS));
+    let roof = painted.flat_map(|(corners, _)| corners.map(|p| p.z)).fold(0.0, f32::max);
+    let low = Bounds::of(mesh.places().filter(|v| v.z < 0.85 * belt));
     Bounds { min: low.min, max: Vec3::new(low.max.x, low.max.y, roof) }
 }
 
@@ -249,15 +248,14 @@ fn three_hundred_seeds_give_sound_meshes() {
                 assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", model.name);
             }
             for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
-                assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()));
-                assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
-                for f in &mesh.faces {
-                    let [a, b, c] = f.map(|i| mesh.vertices[i as usize]);
+                assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()));
+                assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
+                for ([a, b, c], _) in mesh.triangles() {
                     assert!((b - a).cross(c - a).length() > 1e-9, "{}: a face without area", model.name);
                 }
             }
             let wheel = model.wheel.as_ref().unwrap();
-            let total = |level: usize| model.body.levels[level].1.faces.len() + 4 * wheel.levels[level].1.faces.len();
+            let total = |level: usize| model.body.levels[level].1.num_faces() + 4 * wheel.levels[level].1.num_faces();
             assert!((5000..9000).contains(&total(0)), "{} {}", model.name, total(0));
             assert!((1500..3400).contains(&total(1)), "{} {}", model.name, total(1));
             assert!((400..950).contains(&total(2)), "{} {}", model.name, total(2));
@@ -320,9 +318,9 @@ fn traffic_wears_designs_stretched_by_little() {
 
 /// Faces whose shading normals point to their inner side.
 fn turned_inward(mesh: &Mesh) -> usize {
-    let inward = mesh.faces.iter().filter(|f| {
-        let [a, b, c] = f.map(|i| mesh.vertices[i as usize]);
-        let sum = f.iter().map(|i| mesh.normals[*i as usize]).fold(Vec3::ZERO, |s, n| s + n);
+    let inward = mesh.face_numbers().filter(|number| {
+        let [a, b, c] = mesh.corners(*number);
+        let sum: Vec3 = mesh.face(*number).1.normals.map(PackedNormal::unpacked).into_iter().sum();
         (b - a).cross(c - a).dot(sum) <= 0.0
     });
     inward.count()
@@ -340,11 +338,10 @@ fn a_stretched_vehicle_fills_its_extents_on_round_wheels_that_touch_the_ground()
                 let (length, height) = (mesh.bounds.size().x, mesh.bounds.max.z);
                 assert!((length - size.x).abs() < 2e-3, "{} is {length} long, not {}", model.name, size.x);
                 assert!(height >= size.z - 2e-3 && mesh.bounds.min.z > 0.08, "{} is {height} high", model.name);
-                assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3));
-                assert!(turned_inward(mesh) <= turned_inward(design) + mesh.faces.len() / 200, "{}", model.name);
+                assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3));
+                assert!(turned_inward(mesh) <= turned_inward(design) + mesh.num_faces() / 200, "{}", model.name);
                 for cluster in &mesh.clusters {
-                    let reach = cluster.faces.iter().flat_map(|f| mesh.faces[*f as usize]);
-                    for v in reach.map(|i| mesh.vertices[i as usize]) {
+                    for v in cluster.places() {
                         assert!((v - cluster.center).length() <= cluster.radius_m, "{}", model.name);
                     }
                 }

@@ -71,17 +71,17 @@ impl DisjointSets {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::MeshBuilder;
+    use crate::geometry::{IndexedFaces, MeshBuilder};
 
     /// For each face, whether it belongs to a closed surface.
     fn closed(vertices: &[Vec3], faces: &[[u32; 3]]) -> Vec<bool> {
         closed_surfaces(vertices, faces, &vec![0; faces.len()]).iter().map(|slots| *slots != 0).collect()
     }
 
-    fn cuboid(at: Vec3, slot: u8) -> crate::geometry::Mesh {
+    fn cuboid(at: Vec3, slot: u8) -> IndexedFaces {
         let mut b = MeshBuilder::new();
         b.cuboid(at, at + Vec3::new(1.0, 2.0, 3.0), slot);
-        b.build("a box", 0.5)
+        b.indexed(0.5)
     }
 
     #[test]
@@ -104,14 +104,11 @@ mod tests {
 
     #[test]
     fn surfaces_are_told_apart_with_their_slots() {
-        let (mut vertices, mut faces, mut slots) = (Vec::new(), Vec::new(), Vec::new());
+        let mut all = IndexedFaces::default();
         for (at, slot) in [(Vec3::ZERO, 3), (Vec3::new(1.0, 2.0, 3.0), 5), (Vec3::splat(9.0), 7)] {
-            let mesh = cuboid(at, slot);
-            let first = vertices.len() as u32;
-            vertices.extend(mesh.vertices);
-            faces.extend(mesh.faces.iter().map(|f| f.map(|i| i + first)));
-            slots.extend(mesh.slots);
+            all.extend(cuboid(at, slot));
         }
+        let IndexedFaces { vertices, faces, slots, .. } = all;
         // The first two boxes touch in a corner; of the last one the last face is missing.
         let found = closed_surfaces(&vertices, &faces[..35], &slots[..35]);
         let expected = [[1_u64 << 3; 12], [1 << 5; 12]].concat();

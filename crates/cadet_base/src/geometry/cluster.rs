@@ -4,6 +4,7 @@ use super::bounds::Bounds;
 use super::closed::closed_surfaces;
 use super::lanes::{LANES, Lanes, lanes_of};
 use super::normal_cone::NormalCone;
+use super::packed_normal::PackedNormal;
 use super::pieces::{MeshPiece, MeshSlices, pieces_of};
 use crate::material::slot_bit;
 use crate::math::Vec3;
@@ -12,6 +13,17 @@ use crate::math::Vec3;
 pub const CLUSTER_FACES: usize = 64;
 /// No cluster has more vertices: a `u8` counts them.
 pub const CLUSTER_VERTICES: usize = 256;
+
+/// A triangle of a cluster.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClusterFace {
+    /// Its corners, as indices into [`Cluster::lanes`].
+    pub corners: [u8; 3],
+    /// Its material slot: an index into the instance's [`crate::material::Palette`].
+    pub slot: u8,
+    /// Unit shading normals of its corners.
+    pub normals: [PackedNormal; 3],
+}
 
 /// Up to [`CLUSTER_FACES`] neighboring faces of a mesh, with their own short list of vertices.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,10 +39,8 @@ pub struct Cluster {
     /// The places of the faces' corners, local coordinates by eights. Vertices that differ in their normals alone share
     /// one.
     pub lanes: Vec<Lanes>,
-    /// Corners of each face, as indices into `lanes`.
-    pub corners: Vec<[u8; 3]>,
-    /// The mesh's index of each face.
-    pub faces: Vec<u32>,
+    /// Its triangles.
+    pub faces: Vec<ClusterFace>,
     /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
     pub closed_faces: u64,
     /// The faces as they are drawn: two that form a flat convex quadrilateral are one piece.
@@ -46,6 +56,10 @@ impl Cluster {
     pub(super) fn stretched(&self, scale: Vec3) -> Self {
         let along = scale.to_array();
         let stretched = |lanes: &Lanes| -> Lanes { std::array::from_fn(|k| lanes[k].map(|v| v * along[k])) };
+        let upright = |face: &ClusterFace| {
+            let normals = face.normals.map(|n| PackedNormal::of(n.unpacked() / scale));
+            ClusterFace { normals, ..*face }
+        };
         let mut cluster = Self {
             center: self.center * scale,
             // A little more, for rounding.
@@ -53,8 +67,7 @@ impl Cluster {
             slots: self.slots,
             closed_slots: self.closed_slots,
             lanes: self.lanes.iter().map(stretched).collect(),
-            corners: self.corners.clone(),
-            faces: self.faces.clone(),
+            faces: self.faces.iter().map(upright).collect(),
             closed_faces: self.closed_faces,
             pieces: self.pieces.clone(),
             closed_pieces: self.closed_pieces,
@@ -65,13 +78,22 @@ impl Cluster {
     }
 
     fn find_normal_cone(&mut self) {
-        let point = |i: u8| {
-            let (eight, k) = (&self.lanes[usize::from(i) / LANES], usize::from(i) % LANES);
-            Vec3::new(eight[0][k], eight[1][k], eight[2][k])
-        };
         if self.closed_faces.count_ones() as usize == self.faces.len() {
-            self.normal_cone = NormalCone::of(self.corners.iter().map(|corners| corners.map(point)));
+            self.normal_cone = NormalCone::of(self.faces.iter().map(|face| face.corners.map(|i| self.place(i))));
         }
+    }
+
+    /// A corner's place, local coordinates.
+    #[inline(always)]
+    #[must_use]
+    pub fn place(&self, corner: u8) -> Vec3 {
+        let (eight, k) = (&self.lanes[usize::from(corner) / LANES], usize::from(corner) % LANES);
+        Vec3::new(eight[0][k], eight[1][k], eight[2][k])
+    }
+
+    /// The places of its corners, local coordinates; the last one several times.
+    pub fn places(&self) -> impl Iterator<Item = Vec3> {
+        self.lanes.iter().flat_map(|[x, y, z]| (0..LANES).map(|k| Vec3::new(x[k], y[k], z[k])))
     }
 
     /// True if the faces bound a solid, nothing of which is transparent: seen from outside, near sides hide the far ones.
@@ -153,7 +175,7 @@ fn spread(x: f32) -> u64 {
 }
 
 fn cluster(surface: &MeshSlices<'_>, of: &[MeshPiece]) -> Cluster {
-    let MeshSlices { vertices, faces, slots, closed, .. } = *surface;
+    let MeshSlices { vertices, normals, faces, slots, closed } = *surface;
     let mut chunk = Vec::with_capacity(of.iter().map(|piece| piece.faces().count()).sum());
     chunk.extend(of.iter().flat_map(MeshPiece::faces));
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
@@ -179,14 +201,18 @@ fn cluster(surface: &MeshSlices<'_>, of: &[MeshPiece]) -> Cluster {
         let corner = key as u32 as usize;
         places[corner / 4][corner % 4] = (points.len() - 1) as u8;
     }
-    let (mut corners, mut pieces) = (Vec::with_capacity(chunk.len()), Vec::with_capacity(of.len()));
+    let (mut of_cluster, mut pieces) = (Vec::with_capacity(chunk.len()), Vec::with_capacity(of.len()));
     for (piece, mut places) in of.iter().zip(places) {
         if piece.corners[2] == piece.corners[3] {
             places[3] = places[2];
         }
-        pieces.push(ClusterPiece { corners: places, first: corners.len() as u8 });
+        pieces.push(ClusterPiece { corners: places, first: of_cluster.len() as u8 });
         let place = |vertex: u32| places[piece.corners.iter().position(|v| *v == vertex).unwrap_or(0)];
-        corners.extend(piece.faces().map(|f| faces[f as usize].map(place)));
+        of_cluster.extend(piece.faces().map(|f| f as usize).map(|f| ClusterFace {
+            corners: faces[f].map(place),
+            slot: slots[f],
+            normals: faces[f].map(|v| PackedNormal::of(normals[v as usize])),
+        }));
     }
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
@@ -195,12 +221,11 @@ fn cluster(surface: &MeshSlices<'_>, of: &[MeshPiece]) -> Cluster {
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
         closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
-        corners,
         pieces,
         closed_faces: bits_of(chunk.iter().map(|face| closed[*face as usize] != 0)),
         closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
         lanes: lanes_of(&points),
-        faces: chunk,
+        faces: of_cluster,
         normal_cone: NormalCone::NONE,
     };
     cluster.find_normal_cone();
@@ -234,18 +259,19 @@ mod tests {
             b.cuboid(at, at + Vec3::splat(0.9), (i % 5) as u8);
         }
         let mesh = b.build("boxes", 0.5);
-        let mut seen = vec![0; mesh.faces.len()];
+        assert_eq!(mesh.num_faces(), 40 * 12);
+        let mut area_m2 = [0.0; 5];
         for c in &mesh.clusters {
-            assert!(c.faces.len() <= CLUSTER_FACES && c.faces.len() == c.corners.len());
-            for (face, corners) in c.faces.iter().zip(&c.corners) {
-                seen[*face as usize] += 1;
-                let point = |k: u8| Vec3::from_array(c.lanes[usize::from(k) / 8].map(|axis| axis[usize::from(k) % 8]));
-                assert_eq!(corners.map(point), mesh.faces[*face as usize].map(|v| mesh.vertices[v as usize]));
-                assert!(corners.iter().all(|k| point(*k).distance(c.center) <= c.radius_m));
-                assert!(c.slots & slot_bit(mesh.slots[*face as usize]) != 0);
+            assert!(c.faces.len() <= CLUSTER_FACES);
+            for face in &c.faces {
+                let [p, q, r] = face.corners.map(|k| c.place(k));
+                area_m2[usize::from(face.slot)] += (q - p).cross(r - p).length() / 2.0;
+                assert!([p, q, r].iter().all(|p| p.distance(c.center) <= c.radius_m));
+                assert!(c.slots & slot_bit(face.slot) != 0);
+                assert!(face.normals.iter().all(|n| (q - p).cross(r - p).normalize().distance(n.unpacked()) < 2e-4));
             }
         }
-        assert!(seen.iter().all(|n| *n == 1));
+        assert!(area_m2.iter().all(|m2| (m2 - 8.0 * 6.0 * 0.81).abs() < 1e-3), "{area_m2:?}");
     }
 
     #[test]
@@ -266,10 +292,10 @@ mod tests {
                 assert_eq!(first, next);
                 let same =
                     |face: [u8; 3], piece: [u8; 3]| (0..3).any(|k| [0, 1, 2].map(|i| face[(i + k) % 3]) == piece);
-                assert!(same(c.corners[first], [p, q, r]));
+                assert!(same(c.faces[first].corners, [p, q, r]));
                 if piece.is_quad() {
-                    assert!(same(c.corners[first + 1], [p, r, s]));
-                    let slots = [first, first + 1].map(|i| mesh.slots[c.faces[i] as usize]);
+                    assert!(same(c.faces[first + 1].corners, [p, r, s]));
+                    let slots = [first, first + 1].map(|i| c.faces[i].slot);
                     assert_eq!(slots[0], slots[1]);
                 }
                 next += if piece.is_quad() { 2 } else { 1 };

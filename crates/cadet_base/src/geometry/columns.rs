@@ -3,7 +3,6 @@
 use std::sync::OnceLock;
 
 use super::cluster::Cluster;
-use super::lanes::LANES;
 use crate::math::Vec3;
 
 /// Side of a grid's cells, meters: whichever way the grid is turned, each square meter that it covers has a cell's middle.
@@ -53,13 +52,8 @@ impl LazyColumns {
 
 fn columns_of(cluster: &Cluster) -> Box<[SurfaceColumn]> {
     let mut grid = ColumnGrid::about(cluster);
-    let corner = |i: u8| {
-        let [x, y, z] = &cluster.lanes[usize::from(i) / LANES];
-        let k = usize::from(i) % LANES;
-        Vec3::new(x[k], y[k], z[k])
-    };
-    for corners in &cluster.corners {
-        grid.mark_face(corners.map(corner));
+    for face in &cluster.faces {
+        grid.mark_face(face.corners.map(|corner| cluster.place(corner)));
     }
     grid.columns.into_iter().filter(|c| c.low_m <= c.high_m).collect()
 }

@@ -3,7 +3,7 @@
 use std::hash::BuildHasherDefault;
 
 use super::bounds::Bounds;
-use super::mesh::Mesh;
+use super::mesh::{IndexedFaces, Mesh};
 use super::places::{ByPlace, place_key};
 use crate::math::{Mat3, Vec3};
 
@@ -139,6 +139,13 @@ impl MeshBuilder {
     /// If no face with an area is left, which is a bug in the asset.
     #[must_use]
     pub fn build(&self, name: &str, crease_rad: f32) -> Mesh {
+        Mesh::new(name, &self.indexed(crease_rad)).expect("an asset's mesh is valid")
+    }
+
+    /// Welds corners that lie at one place, and gives each vertex the normal of the faces about it, but those beyond
+    /// creases.
+    #[must_use]
+    pub fn indexed(&self, crease_rad: f32) -> IndexedFaces {
         let cos_crease = crate::math::cosf(crease_rad);
         let mut welded = ByPlace::with_capacity_and_hasher(self.positions.len(), BuildHasherDefault::default());
         let mut points: Vec<Vec3> = Vec::with_capacity(self.positions.len());
@@ -191,8 +198,7 @@ impl MeshBuilder {
                 number
             }));
         }
-        let slots = kept.iter().map(|k| k.1).collect();
-        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
+        IndexedFaces { vertices, normals, faces, slots: kept.iter().map(|k| k.1).collect() }
     }
 }
 
@@ -243,7 +249,7 @@ mod tests {
     use super::*;
 
     fn volume(mesh: &Mesh) -> f32 {
-        mesh.faces.iter().map(|f| f.map(|i| mesh.vertices[i as usize])).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+        mesh.triangles().map(|([a, b, c], _)| a.dot(b.cross(c)) / 6.0).sum()
     }
 
     #[test]
@@ -251,7 +257,7 @@ mod tests {
         let mut b = MeshBuilder::new();
         b.cuboid(Vec3::new(1.0, 2.0, 3.0), Vec3::new(2.0, 4.0, 6.0), 0);
         let mesh = b.build("box", 0.5);
-        assert_eq!((mesh.faces.len(), mesh.vertices.len()), (12, 24));
+        assert_eq!((mesh.num_faces(), b.indexed(0.5).vertices.len()), (12, 24));
         assert_eq!(mesh.bounds, b.bounds());
         assert!((volume(&mesh) - 6.0).abs() < 1e-5);
     }
@@ -268,9 +274,9 @@ mod tests {
         b.loft(&[ring(0.0), ring(1.0)], 3, true);
         let mesh = b.build("tube", 0.6);
         assert!((volume(&mesh) - std::f32::consts::PI).abs() < 0.03, "{}", volume(&mesh));
-        assert!(mesh.slots.iter().all(|s| *s == 3));
-        for (p, n) in mesh.vertices.iter().zip(&mesh.normals) {
-            let side = Vec3::new(p.x, p.y, 0.0).dot(*n);
+        assert!(mesh.slots().all(|s| s == 3));
+        for (p, n) in mesh.triangles().flat_map(|(corners, _)| corners).zip(mesh.normals()) {
+            let side = Vec3::new(p.x, p.y, 0.0).dot(n);
             assert!(side > 0.99 || n.z.abs() > 0.99, "{p} {n}");
         }
     }

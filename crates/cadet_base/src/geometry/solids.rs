@@ -90,7 +90,7 @@ mod tests {
     fn measured(draw: impl Fn(&mut MeshBuilder)) -> (f32, bool) {
         let mut b = MeshBuilder::new();
         draw(&mut b);
-        let mesh = b.build("solid", 0.5);
+        let mesh = b.indexed(0.5);
         let place = |i: u32| mesh.vertices[i as usize].to_array().map(|c| (c * 1e4).round() as i32);
         let mut passed = std::collections::BTreeMap::new();
         let mut volume = 0.0;
@@ -131,6 +131,6 @@ mod tests {
         let mut b = MeshBuilder::new();
         b.disc(Vec3::Z, 2.0, 6, 0.3, 0);
         let mesh = b.build("disc", 0.5);
-        assert!(mesh.faces.len() == 4 && mesh.normals.iter().all(|n| n.x > 0.999));
+        assert!(mesh.num_faces() == 4 && mesh.normals().all(|n| n.x > 0.999));
     }
 }

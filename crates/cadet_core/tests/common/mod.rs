@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use cadet_core::geometry::{LodSet, Mesh, MeshBuilder};
+use cadet_core::geometry::{IndexedFaces, LodSet, Mesh, MeshBuilder};
 use cadet_core::instance::Instance;
 use cadet_core::material::{Material, Palette, Pattern, Semantic};
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
@@ -69,7 +69,7 @@ pub fn soup(s: &mut Stream, n: usize, extent_m: f64, center_world: DVec3) -> Ins
     }
     let normals = vec![Vec3::Z; vertices.len()];
     let slots = vec![0; faces.len()];
-    let mesh = Mesh::new("soup", vertices, normals, faces, slots).expect("a valid soup");
+    let mesh = Mesh::new("soup", &IndexedFaces { vertices, normals, faces, slots }).expect("a valid soup");
     place(mesh, DPose3 { rotation: random_rotation(s), translation: center_world }, 0)
 }
 

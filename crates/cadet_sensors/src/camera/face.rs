@@ -130,7 +130,7 @@ pub struct FaceVertices {
     /// Whether a sample that sees it may lie on its partner instead.
     pub is_quad: bool,
     pub slot: u8,
-    pub corners: [u32; 3],
+    pub corners: [u8; 3],
     pub vertices: [Vec3; 3],
     pub normals: [Vec3; 3],
 }

@@ -176,12 +176,14 @@ impl<'a> FaceCache<'a> {
         }));
         for r in &mut raw {
             let mesh = self.instances[r.instance as usize].mesh;
-            (r.slot, r.corners) = (mesh.slots[r.face as usize], mesh.faces[r.face as usize]);
+            let (_, face) = mesh.face(r.face);
+            (r.slot, r.corners) = (face.slot, face.corners);
+            r.normals = array_of(|k| face.normals[k].unpacked());
         }
         for r in &mut raw {
             let mesh = self.instances[r.instance as usize].mesh;
-            r.vertices = array_of(|k| mesh.vertices[r.corners[k] as usize]);
-            r.normals = array_of(|k| mesh.normals[r.corners[k] as usize]);
+            let (cluster, _) = mesh.face(r.face);
+            r.vertices = array_of(|k| cluster.place(r.corners[k]));
         }
         self.planes
             .extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_per_m_on_image(self.intrinsics)));

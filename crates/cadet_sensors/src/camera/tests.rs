@@ -27,7 +27,7 @@ use super::{Foreground, Rendered, View, render_through, visibility_pass};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::frames::upright;
-use cadet_base::geometry::{LodSet, Mesh, MeshBuilder};
+use cadet_base::geometry::{IndexedFaces, LodSet, Mesh, MeshBuilder};
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Palette, Pattern, Semantic};
 use cadet_base::math::{self, DMat3, DPose3, DQuat, DVec3, Vec3};
@@ -273,11 +273,13 @@ fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
 
 /// Makes a mesh of these faces with no vertex in common: none is drawn with another.
 fn taken_apart(mesh: &Mesh) -> Mesh {
-    let corners = || mesh.faces.iter().flatten().map(|i| *i as usize);
-    let faces = (0..mesh.faces.len() as u32).map(|f| [0, 1, 2].map(|k| 3 * f + k)).collect();
-    let (vertices, normals) =
-        (corners().map(|i| mesh.vertices[i]).collect(), corners().map(|i| mesh.normals[i]).collect());
-    Mesh::new("apart", vertices, normals, faces, mesh.slots.clone()).unwrap()
+    let faces = IndexedFaces {
+        vertices: mesh.triangles().flat_map(|(corners, _)| corners).collect(),
+        normals: mesh.normals().collect(),
+        faces: (0..mesh.num_faces() as u32).map(|f| [0, 1, 2].map(|k| 3 * f + k)).collect(),
+        slots: mesh.slots().collect(),
+    };
+    Mesh::new("apart", &faces).unwrap()
 }
 
 #[test]

@@ -70,7 +70,7 @@ mod tests {
 
     fn faces(instances: &[Instance], resolution: Resolution) -> Vec<usize> {
         let scene = PosedScene::for_resolution(instances, DVec3::ZERO, resolution);
-        scene.instances.iter().map(|i| i.mesh.faces.len()).collect()
+        scene.instances.iter().map(|i| i.mesh.num_faces()).collect()
     }
 
     #[test]

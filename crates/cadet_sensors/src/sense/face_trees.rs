@@ -46,7 +46,6 @@ impl FaceTrees {
 }
 
 fn over_faces(mesh: &Mesh) -> Bvh {
-    let boxes: Vec<Aabb> =
-        mesh.faces.iter().map(|f| Aabb::from_points(f.map(|i| mesh.vertices[i as usize])).loosened(LOOSE_M)).collect();
-    Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)
+    let boxes = mesh.face_numbers().map(|f| (f as usize, Aabb::from_points(mesh.corners(f)).loosened(LOOSE_M)));
+    Bvh::from_iter(BvhBuildStrategy::Binned, boxes)
 }

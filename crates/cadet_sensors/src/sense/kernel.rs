@@ -10,7 +10,7 @@ use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
 use crate::wide_registers::array_of;
-use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES, Lanes};
+use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES, Lanes, face_number};
 use cadet_base::math::DVec3;
 
 /// Which materials a beam notices.
@@ -128,7 +128,7 @@ impl<F> VerticesOnGrid<F> {
 
     #[inline(always)]
     fn triangle(&self, cluster: &Cluster, face: usize) -> [DVec3; 3] {
-        array_of(|k| self.point(cluster.corners[face][k]))
+        array_of(|k| self.point(cluster.faces[face].corners[k]))
     }
 }
 
@@ -161,7 +161,7 @@ impl<G: BeamGrid, M: AsMet, const N: usize> Caster<'_, G, M, N> {
         for candidate in 0..num_candidates {
             let piece = &cluster.pieces[usize::from(self.scratch.candidates[candidate])];
             let first = usize::from(piece.first);
-            let noticed = of_all.or_else(|| notices(&self.filters, instance, cluster.faces[first]));
+            let noticed = of_all.or_else(|| notices(&self.filters, instance, cluster.faces[first].slot));
             let Some(layer) = noticed else { continue };
             let has_one_side = one_sided >> first & 1 == 1;
             let may_be_seen = |face: usize| !(has_one_side && self.is_turned_away(cluster, face));
@@ -181,7 +181,12 @@ impl<G: BeamGrid, M: AsMet, const N: usize> Caster<'_, G, M, N> {
             for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
                 let triangle = self.scratch.triangle(cluster, face);
                 for window in windows.iter().filter(|w| !w.is_empty()) {
-                    self.grid.cast(&triangle, window, self.hits[layer], [item.instance, cluster.faces[face]]);
+                    self.grid.cast(
+                        &triangle,
+                        window,
+                        self.hits[layer],
+                        [item.instance, face_number(item.cluster, face)],
+                    );
                 }
             }
         }
@@ -229,8 +234,8 @@ fn noticed_slots(instance: &PosedInstance, filter: SurfaceFilter) -> u64 {
 }
 
 /// Which filter notices a face.
-fn notices(filters: &[SurfaceFilter], instance: &PosedInstance, face: u32) -> Option<usize> {
-    let is_transparent = instance.material(face).is_transparent();
+fn notices(filters: &[SurfaceFilter], instance: &PosedInstance, slot: u8) -> Option<usize> {
+    let is_transparent = instance.palette.materials()[usize::from(slot)].is_transparent();
     filters.iter().position(|filter| match filter {
         SurfaceFilter::All => true,
         SurfaceFilter::Opaque => !is_transparent,

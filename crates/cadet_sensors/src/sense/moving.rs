@@ -95,7 +95,7 @@ impl MovingCaster {
                 over_faces: trees.of(&posed.mesh),
                 motion,
             }));
-            boxes.push((index, Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M + 1.001 * swept_m as f32)));
+            boxes.push((index, Aabb::from_points(posed.places_world()).loosened(LOOSE_M + 1.001 * swept_m as f32)));
         }
         let over_instances = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
         Self { scene, over_instances, instances, motions }

@@ -3,11 +3,10 @@
 //! Instances are posed on demand: a scan sees a fifth of a street's vertices. Every caller gets the same
 //! bits, as a vertex always goes through [`Placement`].
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::detail::{Resolution, distance_m};
-use cadet_base::geometry::{LANES, Lanes, Mesh};
+use cadet_base::geometry::{LANES, Lanes, Mesh, face_number};
 use cadet_base::instance::Instance;
 use cadet_base::lamp::Lamp;
 use cadet_base::material::{Material, Palette};
@@ -73,8 +72,6 @@ pub struct PosedInstance {
     pub palette: Arc<Palette>,
     /// Where it stands.
     pub placement: Placement,
-    /// Its vertices' numbers in [`PosedScene::vertices_world`].
-    pub vertices: Range<usize>,
     /// 0 for the static world, at least 1 for actors.
     pub actor_id: i32,
     /// Whether it is an actor's body.
@@ -92,7 +89,7 @@ impl PosedInstance {
     #[inline]
     #[must_use]
     pub fn material(&self, face: u32) -> &Material {
-        &self.palette.materials()[usize::from(self.mesh.slots[face as usize])]
+        &self.palette.materials()[usize::from(self.mesh.face(face).1.slot)]
     }
 
     /// Whether snow does not stay where it has this material: on vehicles that drive. It does stay on their riders.
@@ -112,20 +109,31 @@ impl PosedInstance {
     #[inline]
     #[must_use]
     pub fn corners_world(&self, face: u32) -> [Vec3; 3] {
-        self.mesh.faces[face as usize].map(|i| self.placement.pose(self.mesh.vertices[i as usize]))
+        self.mesh.corners(face).map(|corner| self.placement.pose(corner))
     }
 
     /// The unit normal of a face in the world; zero for a face without area.
     #[must_use]
     pub fn normal_world(&self, face: u32) -> DVec3 {
-        let [a, b, c] = self.mesh.faces[face as usize].map(|i| self.mesh.vertices[i as usize].as_dvec3());
+        let [a, b, c] = self.mesh.corners(face).map(|corner| corner.as_dvec3());
         self.placement.rotation * (b - a).cross(c - a).normalize_or_zero()
     }
 
-    /// Its vertices in the world, in the mesh's order.
-    pub fn vertices_world(&self) -> impl Iterator<Item = Vec3> {
-        self.mesh.vertices.iter().map(|v| self.placement.pose(*v))
+    /// The places of its corners in the world, in the mesh's order.
+    pub fn places_world(&self) -> impl Iterator<Item = Vec3> {
+        self.mesh.places().map(|place| self.placement.pose(place))
     }
+}
+
+/// All triangles of a scene.
+#[derive(Debug, Clone, Default)]
+pub struct IndexedTriangles {
+    /// In the world.
+    pub vertices: Vec<Vec3>,
+    /// Three indices of vertices a triangle.
+    pub faces: Vec<[u32; 3]>,
+    /// The instance of each triangle, and its face in that one's mesh.
+    pub owners: Vec<(u32, u32)>,
 }
 
 /// A light source in the world.
@@ -158,7 +166,6 @@ impl PosedScene {
     #[must_use]
     pub fn for_resolution(instances: &[Instance], viewer_world: DVec3, resolution: Resolution) -> Self {
         let mut scene = Self { instances: Vec::with_capacity(instances.len()), lamps: Vec::new() };
-        let mut num_vertices = 0;
         let detail = resolution.reach_factor();
         for instance in instances {
             let distance_m = distance_m(instance, viewer_world);
@@ -172,14 +179,11 @@ impl PosedScene {
                 continue;
             };
             let placement = Placement::new(&instance.world_from_local);
-            let start = num_vertices;
-            num_vertices += mesh.vertices.len();
             scene.instances.push(PosedInstance {
                 mesh: Arc::clone(mesh),
                 shadow_proxy: Arc::clone(shadow_proxy),
                 palette: Arc::clone(&instance.palette),
                 placement,
-                vertices: start..num_vertices,
                 actor_id: instance.actor_id,
                 is_body: instance.is_body,
                 sheds_snow: instance.sheds_snow,
@@ -215,9 +219,19 @@ impl PosedScene {
         self
     }
 
-    /// Every vertex, instance after instance.
-    pub fn vertices_world(&self) -> impl Iterator<Item = Vec3> {
-        self.instances.iter().flat_map(PosedInstance::vertices_world)
+    /// All triangles as one indexed mesh in the world, instance after instance.
+    #[must_use]
+    pub fn indexed_triangles(&self) -> IndexedTriangles {
+        let mut all = IndexedTriangles::default();
+        for (index, instance) in (0..).zip(&self.instances) {
+            for (number, cluster) in (0..).zip(&instance.mesh.clusters) {
+                let start = all.vertices.len() as u32;
+                all.vertices.extend(cluster.places().map(|place| instance.placement.pose(place)));
+                all.faces.extend(cluster.faces.iter().map(|face| face.corners.map(|corner| start + u32::from(corner))));
+                all.owners.extend((0..cluster.faces.len()).map(|place| (index, face_number(number, place))));
+            }
+        }
+        all
     }
 
     /// The corners of a face in the world.
@@ -227,15 +241,9 @@ impl PosedScene {
         self.instances[instance as usize].corners_world(face)
     }
 
-    /// Number of vertices.
-    #[must_use]
-    pub fn num_vertices(&self) -> usize {
-        self.instances.last().map_or(0, |i| i.vertices.end)
-    }
-
     /// Number of triangles.
     #[must_use]
     pub fn num_triangles(&self) -> usize {
-        self.instances.iter().map(|i| i.mesh.faces.len()).sum()
+        self.instances.iter().map(|i| i.mesh.num_faces()).sum()
     }
 }

@@ -18,7 +18,7 @@ use super::to_grid::ToGrid;
 use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
 use crate::wide_registers::array_of;
 use crate::zeros::DefaultZeros;
-use cadet_base::geometry::{CLUSTER_VERTICES, Cluster, LANES};
+use cadet_base::geometry::{CLUSTER_VERTICES, Cluster, LANES, face_number};
 use cadet_base::math::{DVec3, greater, lesser};
 
 /// [`rasterize_instances`], of every instance.
@@ -140,9 +140,9 @@ impl Rasterizer<'_> {
                     continue;
                 }
                 let first = usize::from(piece.first);
-                let face = cluster.faces[first];
+                let face = face_number(item.cluster, first);
                 let is_transparent = if is_mixed {
-                    instance.material(face).is_transparent()
+                    instance.palette.materials()[usize::from(cluster.faces[first].slot)].is_transparent()
                 } else {
                     cluster.slots & transparent_slots != 0
                 };
@@ -163,7 +163,7 @@ impl Rasterizer<'_> {
                     self.draw_face(&candidate, &outline);
                 } else {
                     self.draw_face(&candidate, &FacePlanes::triangle([a, b, c]));
-                    candidate.face = cluster.faces[first + 1];
+                    candidate.face = face_number(item.cluster, first + 1);
                     self.draw_face(&candidate, &FacePlanes::triangle([a, c, d]));
                 }
             }

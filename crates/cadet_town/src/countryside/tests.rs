@@ -75,8 +75,7 @@ fn nothing_stands_on_a_road_and_no_branch_hangs_over_one_lower_than_a_van() {
         for instance in props.instances.iter().filter(|i| i.palette.has_vegetation()).step_by(3) {
             let low: Vec<DVec3> = instance.shape.levels[0]
                 .1
-                .vertices
-                .iter()
+                .places()
                 .step_by(5)
                 .map(|p| instance.world_from_local.transform_point(p.as_dvec3()))
                 .filter(|p| country.ground.height_at(p.x, p.y).is_some_and(|z| p.z - z < 2.2))
@@ -186,7 +185,7 @@ fn the_land_ends_at_hills_all_round() {
     let country = Country::new(2);
     let hills = horizon::hills(&country.key, &country.ground);
     let (min, max) = ground::extent(&country.network);
-    let corners: Vec<DVec3> = hills.shape.levels[0].1.vertices.iter().map(|p| p.as_dvec3()).collect();
+    let corners: Vec<DVec3> = hills.shape.levels[0].1.places().map(|p| p.as_dvec3()).collect();
     let is_edge = |p: &DVec3| p.x <= min.x + 0.01 || p.y <= min.y + 0.01 || p.x >= max.x - 0.01 || p.y >= max.y - 0.01;
     let mut edges = 0;
     for p in country.ground.vertices.iter().map(|p| p.as_dvec3()).filter(is_edge) {
@@ -231,7 +230,7 @@ fn barriers_part_a_motorway_without_a_gap_and_nothing_hangs_low_over_its_lanes()
         // Bridges and gantries: over every lane what hangs is 4.5 m up (RAA).
         for instance in props.instances.iter().filter(|i| !i.palette.has_vegetation()) {
             let mesh = &instance.shape.levels[0].1;
-            for corner in mesh.vertices.iter() {
+            for corner in mesh.places() {
                 let p = instance.world_from_local.transform_point(corner.as_dvec3());
                 let Some(z) = motorway.ground.height_at(p.x, p.y) else { continue };
                 if p.z - z < 0.3 || p.z - z > 4.5 || motorway.ground.kind_at(p.x, p.y) != Some(GroundKind::Road) {

@@ -59,13 +59,13 @@ mod tests {
     fn the_road_covers_the_square_once_and_shows_two_lanes() {
         let tiles = tiles(200.0);
         let mesh = &tiles[0].shape.levels[0].1;
-        assert!(mesh.vertices.iter().all(|v| v.z == 0.0 && v.x.abs() <= 200.0 && v.y.abs() <= 200.0));
+        assert!(mesh.places().all(|v| v.z == 0.0 && v.x.abs() <= 200.0 && v.y.abs() <= 200.0));
         let mut area_m2 = [0.0_f64; 5];
-        for (face, slot) in mesh.faces.iter().zip(&mesh.slots) {
-            let [a, b, c] = face.map(|i| mesh.vertices[i as usize].as_dvec3());
+        for (corners, slot) in mesh.triangles() {
+            let [a, b, c] = corners.map(|p| p.as_dvec3());
             let doubled = (b - a).cross(c - a).z;
-            assert!(doubled > 0.0, "{face:?} faces down");
-            area_m2[usize::from(*slot)] += doubled / 2.0;
+            assert!(doubled > 0.0, "{corners:?} faces down");
+            area_m2[usize::from(slot)] += doubled / 2.0;
         }
         assert!((area_m2.iter().sum::<f64>() - 400.0 * 400.0).abs() < 0.1, "{area_m2:?}");
         // Two lines along the whole of it, and one for 44 dashes of 3 m.

@@ -9,9 +9,9 @@ use crate::ground::palette::Asphalt;
 use crate::network::limits::CURB_HEIGHT_M;
 use crate::network::road_network::{PaintedQuad, RoadNetwork};
 use crate::paint::wear::Wear;
-use cadet_base::geometry::{LodSet, Mesh};
+use cadet_base::geometry::{IndexedFaces, LodSet, Mesh};
 use cadet_base::instance::Instance;
-use cadet_base::math::{DPose3, DQuat, DVec2, DVec3, Vec3};
+use cadet_base::math::{DPose3, DQuat, DVec2, DVec3};
 
 /// Side of a tile of visible ground.
 const TILE_M: f64 = 50.0;
@@ -112,7 +112,7 @@ impl Surface {
             let corner = DVec2::new(i as f64, j as f64) * TILE_M;
             let lowest = members.first().map_or(0.0, |m| self.corners[self.faces[*m][0] as usize].z);
             let origin = corner.extend(lowest.round());
-            let mut parts = TileParts::default();
+            let mut parts = IndexedFaces::default();
             let mut used = Vec::new();
             let mut upright = members.iter().filter(|m| **m >= num_flat);
             for m in members.iter().filter(|m| **m < num_flat) {
@@ -136,14 +136,16 @@ impl Surface {
             for m in upright.by_ref() {
                 let [a, b, c] = at(&self.faces[*m]);
                 let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
-                parts.triangle([a - origin, b - origin, c - origin], normal, palette::CURB);
+                parts.triangle([a, b, c].map(|p| (p - origin).as_vec3()), normal.as_vec3(), palette::CURB);
             }
             for PaintedQuad { corners, color, line } in markings_by_tile.get(&(i, j)).into_iter().flatten() {
                 let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize_or_zero();
                 let slot = palette::paint(*color, wear.level(*line));
-                parts.quad(corners.map(|p| p - origin), normal, slot);
+                let [a, b, c, d] = corners.map(|p| (p - origin).as_vec3());
+                parts.triangle([a, b, c], normal.as_vec3(), slot);
+                parts.triangle([a, c, d], normal.as_vec3(), slot);
             }
-            if let Some(mesh) = parts.mesh() {
+            if let Ok(mesh) = Mesh::new("ground", &parts) {
                 tiles.push(Instance::new(
                     Arc::new(LodSet::single(mesh)),
                     Arc::clone(&palette),
@@ -153,33 +155,6 @@ impl Surface {
             }
         }
         tiles
-    }
-}
-
-#[derive(Default)]
-struct TileParts {
-    vertices: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    faces: Vec<[u32; 3]>,
-    slots: Vec<u8>,
-}
-
-impl TileParts {
-    fn triangle(&mut self, corners: [DVec3; 3], normal: DVec3, slot: u8) {
-        let base = self.vertices.len() as u32;
-        self.vertices.extend(corners.map(|p| p.as_vec3()));
-        self.normals.extend([normal.as_vec3(); 3]);
-        self.faces.push([base, base + 1, base + 2]);
-        self.slots.push(slot);
-    }
-
-    fn quad(&mut self, [a, b, c, d]: [DVec3; 4], normal: DVec3, slot: u8) {
-        self.triangle([a, b, c], normal, slot);
-        self.triangle([a, c, d], normal, slot);
-    }
-
-    fn mesh(self) -> Option<Mesh> {
-        Mesh::new("ground", self.vertices, self.normals, self.faces, self.slots).ok()
     }
 }
 

@@ -118,9 +118,9 @@ fn yards_are_where_they_were_planned_and_lines_lie_on_them() {
         let yard = |p: DVec2| {
             ground.tiles.iter().any(|tile| {
                 let local = p - tile.world_from_local.translation.truncate();
-                tile.shape.levels[0].1.faces.iter().zip(&tile.shape.levels[0].1.slots).any(|(face, slot)| {
-                    let m = &tile.palette.materials()[usize::from(*slot)];
-                    let [a, b, c] = face.map(|i| tile.shape.levels[0].1.vertices[i as usize].truncate().as_dvec2());
+                tile.shape.levels[0].1.triangles().any(|(corners, slot)| {
+                    let m = &tile.palette.materials()[usize::from(slot)];
+                    let [a, b, c] = corners.map(|p| p.truncate().as_dvec2());
                     let side = |u: DVec2, v: DVec2| (v - u).perp_dot(local - u) >= 0.0;
                     m.semantic == Semantic::Road
                         && m.pattern != Pattern::Plain

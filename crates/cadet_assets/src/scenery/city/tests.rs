@@ -35,8 +35,7 @@ fn walls_and_roofs_are_closed_from_every_side() {
                 let from = target + away * 60.0;
                 let toward = (target - from).normalize();
                 let mut first: Option<(f32, bool)> = None;
-                for face in &mesh.faces {
-                    let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+                for ([a, b, c], _) in mesh.triangles() {
                     let normal = (b - a).cross(c - a);
                     let one = SingleFace([a, b, c]);
                     if let Some(t) = one.hit(from, toward)
@@ -138,8 +137,8 @@ fn doorways_are_where_doors_are_drawn_at_the_front() {
     for house in rows.chain(in_gardens) {
         let (model, doorways) = (&house.model, house.doorways_m());
         let mesh: &Mesh = &model.shape.levels[0].1;
-        let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
-        let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize].as_dvec3()));
+        let doors = mesh.triangles().filter(|(_, slot)| *slot == house_slot::DOOR);
+        let corners = doors.flat_map(|(corners, _)| corners.map(|p| p.as_dvec3()));
         let at_front = corners.filter(|p| p.x > model.footprint_max.x - 0.6);
         // The wall of a cut corner begins beside the front, and its niches reach a little over that end.
         let is_front = |y: f64| house.corner().is_none_or(|c| y * c.side < model.footprint_max.y - c.cut_m - 0.05);

@@ -12,8 +12,7 @@ fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
 
 /// Distance to the nearest face along a ray, whether it looks back, and its slot (Moeller and Trumbore).
 fn first_hit(mesh: &Mesh, from: Vec3, toward: Vec3) -> Option<(f32, bool, u8)> {
-    let hit = |face: &[u32; 3]| {
-        let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+    let hit = |[a, b, c]: [Vec3; 3]| {
         let (e1, e2, t) = (b - a, c - a, from - a);
         let (p, q) = (toward.cross(e2), t.cross(e1));
         let det = e1.dot(p);
@@ -21,7 +20,7 @@ fn first_hit(mesh: &Mesh, from: Vec3, toward: Vec3) -> Option<(f32, bool, u8)> {
         (det.abs() > 1e-9 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0)
             .then(|| (distance, e1.cross(e2).dot(toward) < 0.0))
     };
-    let hits = mesh.faces.iter().zip(&mesh.slots).filter_map(|(face, slot)| hit(face).map(|(t, f)| (t, f, *slot)));
+    let hits = mesh.triangles().filter_map(|(corners, slot)| hit(corners).map(|(t, f)| (t, f, slot)));
     hits.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
@@ -62,7 +61,7 @@ fn halls_are_of_the_sizes_of_halls_and_stand_in_the_ground() {
         for (_, mesh) in &model.shape.levels {
             assert!(mesh.bounds.min.z < -1.0, "{name} floats at {}", mesh.bounds.min.z);
         }
-        let faces: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
+        let faces: Vec<usize> = model.shape.levels.iter().map(|l| l.1.num_faces()).collect();
         assert!(faces.windows(2).all(|f| f[1] <= f[0]) && faces[0] < 14_000, "{name}: {faces:?}");
     }
 }
@@ -71,7 +70,7 @@ fn halls_are_of_the_sizes_of_halls_and_stand_in_the_ground() {
 fn works_have_gates_and_markets_an_entrance_of_glass() {
     let count = |kind: HallKind, slots: [u8; 2]| {
         let of_kind = every_hall().filter(|(k, _)| *k == kind);
-        of_kind.filter(|(_, model)| model.shape.levels[0].1.slots.iter().any(|s| slots.contains(s))).count()
+        of_kind.filter(|(_, model)| model.shape.levels[0].1.slots().any(|s| slots.contains(&s))).count()
     };
     assert_eq!(count(HallKind::Works, [slot::DOOR; 2]), HALL_VARIANTS);
     assert_eq!(count(HallKind::Market, [slot::GLASS; 2]), HALL_VARIANTS);

@@ -66,7 +66,7 @@ mod tests {
         // StVZO allows 4 m; 4.5 m are kept free over carriageways (RAA).
         let over_road = |model: &SceneryModel, half_m: f32| {
             let mesh = &model.shape.levels[0].1;
-            let points = mesh.faces.iter().flat_map(|f| f.map(|i| mesh.vertices[i as usize]));
+            let points = mesh.places();
             points.filter(|p| p.y.abs() < half_m && p.y.abs() > 1.2).map(|p| p.z).fold(f32::INFINITY, f32::min)
         };
         let bridge = overpass(0, 24.0);

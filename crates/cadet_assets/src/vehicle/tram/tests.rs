@@ -22,17 +22,19 @@ fn trains() -> Vec<Vec<Arc<VehicleModel>>> {
 }
 
 /// A mesh to cast rays at.
-struct Target<'a>(&'a Mesh, TriMesh);
+struct Target(Vec<u8>, TriMesh);
 
-impl<'a> Target<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
-        Self(mesh, TriMesh::new(mesh.vertices.clone(), mesh.faces.clone()).unwrap())
+impl Target {
+    fn new(mesh: &Mesh) -> Self {
+        let vertices = mesh.triangles().flat_map(|(corners, _)| corners).collect();
+        let faces = (0..mesh.num_faces() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        Self(mesh.slots().collect(), TriMesh::new(vertices, faces).unwrap())
     }
 
     fn first_hit(&self, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
         let direction = (to - from).normalize();
         let hit = self.1.cast_local_ray_and_get_normal(&Ray::new(from, direction), 100.0, false)?;
-        Some((self.0.slots[hit.subshape as usize], from + direction * hit.time_of_impact))
+        Some((self.0[hit.subshape as usize], from + direction * hit.time_of_impact))
     }
 }
 
@@ -93,13 +95,13 @@ fn one_looks_in_through_screen_and_windows_and_far_ones_are_cheap() {
         };
         assert!(screen(&front[0].1) >= 8 && screen(&front[3].1) == 0, "{}", train[0].name);
         for car in &train {
-            let panes = car.body.levels[0].1.slots.iter().filter(|s| **s == slot::REAR_SIDE_GLASS).count();
+            let panes = car.body.levels[0].1.slots().filter(|s| *s == slot::REAR_SIDE_GLASS).count();
             assert!(panes >= 4, "{}: {panes} faces of windows", car.name);
-            let faces: Vec<usize> = car.body.levels.iter().map(|(_, mesh)| mesh.faces.len()).collect();
+            let faces: Vec<usize> = car.body.levels.iter().map(|(_, mesh)| mesh.num_faces()).collect();
             assert!(faces[0] < 9000 && faces[2] < 3600 && faces[3] < 1100, "{}: {faces:?}", car.name);
             assert!(faces.windows(2).all(|f| f[1] <= f[0]), "{}: {faces:?}", car.name);
             let slots = car.palette.materials().len();
-            assert!(car.body.levels.iter().all(|(_, m)| m.slots.iter().all(|s| usize::from(*s) < slots)));
+            assert!(car.body.levels.iter().all(|(_, m)| m.slots().all(|s| usize::from(s) < slots)));
         }
     }
 }

@@ -21,10 +21,12 @@ fn kind(model: &VehicleModel) -> &str {
 
 /// Slot of the first face that a ray meets, and where.
 fn first_hit(mesh: &Mesh, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
-    let shape = TriMesh::new(mesh.vertices.clone(), mesh.faces.clone()).unwrap();
+    let vertices = mesh.triangles().flat_map(|(corners, _)| corners).collect();
+    let faces = (0..mesh.num_faces() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let shape = TriMesh::new(vertices, faces).unwrap();
     let direction = (to - from).normalize();
     let hit = shape.cast_local_ray_and_get_normal(&Ray::new(from, direction), 100.0, false)?;
-    Some((mesh.slots[hit.subshape as usize], from + direction * hit.time_of_impact))
+    Some((mesh.slots().nth(hit.subshape as usize)?, from + direction * hit.time_of_impact))
 }
 
 #[test]
@@ -147,10 +149,10 @@ fn faces_are_sound_and_few() {
     for model in models() {
         let shapes = [Some(&model.body), model.wheel.as_ref(), model.driver.as_ref()];
         for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
-            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()), "{}", model.name);
-            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
+            assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()), "{}", model.name);
+            assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
         }
-        let faces = |level: usize| model.body.levels[level].1.faces.len();
+        let faces = |level: usize| model.body.levels[level].1.num_faces();
         assert!(
             faces(0) < 9000 && faces(1) < 5200 && faces(2) < 2400 && faces(3) < 1500,
             "{}: {:?}",

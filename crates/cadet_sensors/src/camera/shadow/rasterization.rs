@@ -6,7 +6,7 @@ use macro_rules_attribute::apply;
 
 use super::face_setup::{Corners, FaceSetup, Plane, rounded};
 use super::map::{EMPTY, HIGHEST_STEPS, Map, SIZE, STRIDE, TILE, steps};
-use crate::sense::{PosedInstance, PosedScene};
+use crate::sense::PosedScene;
 use crate::wide_registers::array_of;
 use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterPiece, LANES};
 use cadet_base::material::Material;
@@ -47,7 +47,7 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
                     map.draw(&points, &cluster.pieces, one_sided, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
-                    let pieces: Vec<ClusterPiece> = map.casters_of(instance, cluster, &castings, &points, up).collect();
+                    let pieces: Vec<ClusterPiece> = map.casters_of(cluster, &castings, &points, up).collect();
                     map.draw(&points, &pieces, 0, 1.0);
                 }
             }
@@ -125,7 +125,6 @@ impl Map {
     /// The pieces of a cluster that cast shadows.
     fn casters_of<'a>(
         &'a self,
-        instance: &'a PosedInstance,
         cluster: &'a Cluster,
         castings: &'a [ShadowCasting],
         points: &'a Points,
@@ -142,8 +141,8 @@ impl Map {
             rise * rise > LEVEL * normal.length_squared()
         };
         let casts = move |piece: &ClusterPiece| {
-            let face = cluster.faces[usize::from(piece.first)];
-            match castings[usize::from(instance.shadow_proxy.slots[face as usize])] {
+            let face = &cluster.faces[usize::from(piece.first)];
+            match castings[usize::from(face.slot)] {
                 ShadowCasting::Always => true,
                 ShadowCasting::UnlessLevel => !is_level(piece.corners),
                 ShadowCasting::Never => false,

@@ -76,8 +76,8 @@ fn a_vehicle_does_not_shade_itself_where_its_shadow_proxy_stands_out() {
             let mesh = car.body.select(x as f32 - 3.0, 1.0).expect("near enough");
             let s = Sky::new(&clear_sun_from(120.0)).sun_world;
             // Painted faces that look to the sun, where the finest level is lit.
-            let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == 0).map(|(face, _)| {
-                let corners = face.map(|v| world_from_local.transform_point(mesh.vertices[v as usize].as_dvec3()));
+            let faces = mesh.triangles().filter(|(_, slot)| *slot == 0).map(|(corners, _)| {
+                let corners = corners.map(|p| world_from_local.transform_point(p.as_dvec3()));
                 let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
                 (((corners[0] + corners[1] + corners[2]) / 3.0).as_vec3(), normal.as_vec3())
             });

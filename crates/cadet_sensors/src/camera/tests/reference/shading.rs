@@ -11,7 +11,7 @@ use crate::camera::value_noise::{hash2, value_noise};
 use crate::camera::windows::{radiance, window};
 use crate::sense::PosedInstance;
 use crate::surface_cover::absorbs_water;
-use cadet_base::geometry::{LEAST_WEIGHT, Mesh};
+use cadet_base::geometry::{CLUSTER_FACES, LEAST_WEIGHT, Mesh, face_number};
 use cadet_base::material::{Material, Pattern, Semantic};
 use cadet_base::math::{DVec3, Vec3, expf};
 
@@ -36,14 +36,14 @@ pub struct Point {
     pub(super) distance_m: f32,
 }
 
-/// Of every face of a mesh the one that stands for it: the first of two that are a flat quadrilateral.
+/// Of every face of a mesh, by its number, the one that stands for it: the first of two that are a flat quadrilateral.
 pub fn firsts_of(mesh: &Mesh) -> Vec<u32> {
-    let mut firsts = vec![0; mesh.faces.len()];
-    for group in &mesh.clusters {
+    let mut firsts = vec![0; mesh.clusters.len() * CLUSTER_FACES];
+    for (number, group) in (0..).zip(&mesh.clusters) {
         for piece in &group.pieces {
             let first = usize::from(piece.first);
-            for face in &group.faces[first..=first + usize::from(piece.is_quad())] {
-                firsts[*face as usize] = group.faces[first];
+            for place in first..=first + usize::from(piece.is_quad()) {
+                firsts[face_number(number, place) as usize] = face_number(number, first);
             }
         }
     }
@@ -105,7 +105,7 @@ impl Reference {
     pub(super) fn look_alike(&self, a: Key, b: Key) -> bool {
         let of = |key: Key| {
             let s = self.surface(key);
-            (key.0, s.posed.mesh.slots[key.1 as usize], s.normal.to_array().map(|c| (c * 14.0 + 15.5) as u32))
+            (key.0, s.posed.mesh.face(key.1).1.slot, s.normal.to_array().map(|c| (c * 14.0 + 15.5) as u32))
         };
         of(a) == of(b)
     }
@@ -126,7 +126,7 @@ impl Reference {
     /// The albedo with its texture and snow.
     pub(super) fn albedo(&self, s: &Surface<'_>, at: &Point) -> Vec3 {
         let (m, placement) = (s.material, s.posed.placement);
-        let [a, b, c] = s.posed.mesh.faces[s.key.1 as usize].map(|i| s.posed.mesh.vertices[i as usize]);
+        let [a, b, c] = s.posed.mesh.corners(s.key.1);
         let [u, v] = if s.is_ground {
             [at.world.x, at.world.y]
         } else if s.is_leaf {
@@ -202,7 +202,7 @@ impl Reference {
         let per_area = 1.0 / plane.length_squared().max(1e-20);
         let wb = (to.cross(ac).dot(plane) * per_area).max(least).min(1.0 - least);
         let wc = (ab.cross(to).dot(plane) * per_area).max(least).min(1.0 - least - wb);
-        let [na, nb, nc] = s.posed.mesh.faces[s.key.1 as usize].map(|i| s.posed.mesh.normals[i as usize].as_dvec3());
+        let [na, nb, nc] = s.posed.mesh.face(s.key.1).1.normals.map(|n| n.unpacked().as_dvec3());
         let normal = (s.posed.placement.rotation * (na * (1.0 - wb - wc) + nb * wb + nc * wc)).normalize_or_zero();
         if plane.dot(s.normal.as_dvec3()) < 0.0 { -normal.as_vec3() } else { normal.as_vec3() }
     }

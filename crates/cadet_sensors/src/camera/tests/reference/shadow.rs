@@ -47,16 +47,13 @@ impl ShadowMap {
 
     /// Draws the faces of a group; of leaves alone one in `leaf_step`, enlarged so that they cover as much.
     fn draw_group(&mut self, instance: &PosedInstance, group: &Cluster, leaf_step: usize) {
-        let slot_of = |first: u8| instance.shadow_proxy.slots[group.faces[usize::from(first)] as usize];
+        let slot_of = |first: u8| group.faces[usize::from(first)].slot;
         let is_leaf = |slot: u8| instance.palette.leaf_slots() >> slot & 1 == 1;
         let step = if group.pieces.iter().all(|p| is_leaf(slot_of(p.first))) { leaf_step } else { 1 };
         let scale = (group.pieces.len() as f64 / group.pieces.len().div_ceil(step) as f64).sqrt();
         for piece in group.pieces.iter().step_by(step) {
             let material = &instance.palette.materials()[usize::from(slot_of(piece.first))];
-            let corners = piece.corners.map(|i| {
-                let (lanes, k) = (&group.lanes[usize::from(i) / 8], usize::from(i) % 8);
-                instance.placement.pose(Vec3::new(lanes[0][k], lanes[1][k], lanes[2][k])).as_dvec3()
-            });
+            let corners = piece.corners.map(|i| instance.placement.pose(group.place(i)).as_dvec3());
             let [a, b, c, _] = corners;
             let normal = (b - a).cross(c - a);
             // Level ground shades nothing; kerbs and banks do.
