@@ -17,7 +17,7 @@ from cadet.errors import MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.formats.kitti import labels_from_text, write_frame
 
-_NAMES = ("center_car", "tiny_car")
+_NAMES = ("center_all", "tiny_car")
 _SEEDS = range(100_001, 100_011)
 
 
@@ -74,7 +74,7 @@ def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_p
 
 def test_an_unknown_name_lists_what_there_is() -> None:
     with pytest.raises(
-        MissingFileError, match=r"^tiny_cra: not a checkpoint: expected a folder .*, or one of center_car, tiny_car$"
+        MissingFileError, match=r"^tiny_cra: not a checkpoint: expected a folder .*, or one of center_all, tiny_car$"
     ):
         avod.Detector("tiny_cra")
 

@@ -46,7 +46,7 @@ data_option = click.option(
 checkpoint_option = click.option(
     "--checkpoint",
     metavar="DIR|NAME",
-    default="center_car",
+    default="center_all",
     show_default=True,
     type=click.Path(path_type=Path),
     help="A checkpoint, a run's directory (its last checkpoint), or a packaged one such as tiny_car.",
