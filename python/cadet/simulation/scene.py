@@ -352,7 +352,7 @@ class Scene:
         """Return the triangles that the sensors see, the ego excluded.
 
         Returns:
-            vertices_world (V, 3) float32, where a place may stand several times, faces (F, 3) uint32, actor_id (F,) int32
+            vertices_world (V, 3) float32, of which several may share a place; faces (F, 3) uint32; actor_id (F,) int32,
             as in `Frame.instance`.
         """
         return self._native.triangles()
