@@ -11,16 +11,14 @@ from avod.cli.options import (
     checkpoint_option,
     device_options,
     frames_of,
+    how_to_continue,
     loss_text,
     progress,
-    resolve_device,
-    resolve_precision,
-    resolve_split,
-    resolve_workers,
+    run_of,
+    seed_option,
     split_option,
 )
 from avod.cli.stopping import Stopping
-from avod.train import Run
 from cadet import kitti
 from cadet.errors import CadetError
 
@@ -58,7 +56,7 @@ _DEFAULT = Adaptation()
     show_default=True,
     help="Those with at least this one are left open; others are background.",
 )
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Random seed.")
+@seed_option
 @click.option("--resume", is_flag=True, help="Go on with the rounds in --out.")
 @device_options
 def adapt_command(
@@ -88,16 +86,8 @@ def adapt_command(
     target, _ = frames_of(data, split, None)
     if not isinstance(target, kitti.Dataset):
         raise CadetError(f"{data}: adapt takes a KITTI folder")
-    run = Run(
-        data=source,
-        out=out,
-        split=resolve_split(source_split),
-        seed=seed,
-        resume=resume,
-        keep=1,
-        device=resolve_device(device),
-        precision=resolve_precision(precision),
-        workers=resolve_workers(workers),
+    run = run_of(
+        source, out, split=source_split, seed=seed, resume=resume, device=device, precision=precision, workers=workers
     )
     stopping = Stopping(None)
     total = rounds * (len(target) + steps)
@@ -114,7 +104,6 @@ def adapt_command(
             should_stop=stopping,
         )
     if last is None:
-        click.echo(f"{stopping.reason}; to continue: the same command with --resume", err=True)
-        return stopping.exit_code
+        return how_to_continue(stopping)
     click.echo(f"last checkpoint: {last}", err=True)
     return 0

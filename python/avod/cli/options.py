@@ -13,8 +13,10 @@ from click.core import ParameterSource
 from rich.console import Console
 
 from avod import device
+from avod.cli.stopping import Stopping
 from avod.config.base import table_of_settings
 from avod.data.frames import Frames, SimulatedFrames, is_simulation, open_frames
+from avod.train import Run
 from cadet._util.operating_system import num_processors
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError, MissingFileError
@@ -238,6 +240,42 @@ def _folder_and_share(text: str) -> tuple[Path, float | None]:
 def resolve_split(name: str | None) -> str | None:
     """Return the split's name; None, which "all" becomes, for every frame."""
     return None if name == "all" else name
+
+
+def run_of(
+    data: Path,
+    out: Path,
+    *,
+    split: str,
+    seed: int | None,
+    resume: bool,
+    device: str,
+    precision: str,
+    workers: int | None,
+) -> Run:
+    """Make the settings of a training that keeps its last checkpoint alone."""
+    return Run(
+        data=data,
+        out=out,
+        split=resolve_split(split),
+        seed=seed,
+        resume=resume,
+        keep=1,
+        device=resolve_device(device),
+        precision=resolve_precision(precision),
+        workers=resolve_workers(workers),
+    )
+
+
+def how_to_continue(stopping: Stopping) -> int:
+    """Say how to go on with what was stopped; return the exit code."""
+    click.echo(f"{stopping.reason}; to continue: the same command with --resume", err=True)
+    return stopping.exit_code
+
+
+seed_option = click.option(
+    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Random seed."
+)
 
 
 @contextmanager

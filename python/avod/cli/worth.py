@@ -9,16 +9,14 @@ import click
 from avod.cli.options import (
     device_options,
     frames_of,
+    how_to_continue,
     loss_text,
     progress,
-    resolve_device,
-    resolve_precision,
-    resolve_split,
-    resolve_workers,
+    run_of,
+    seed_option,
     split_option,
 )
 from avod.cli.stopping import Stopping
-from avod.train import Run
 from avod.worth import REMEDIES, STEPS, fixed_recipe, worth
 from cadet.cli.eval import print_analysis
 
@@ -36,7 +34,7 @@ from cadet.cli.eval import print_analysis
     show_default=True,
     help="The budget: about so much processor time, by a fixed number of steps.",
 )
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Random seed.")
+@seed_option
 @click.option("--resume", is_flag=True, help="Go on with the training in --out.")
 @device_options
 def worth_command(
@@ -59,16 +57,9 @@ def worth_command(
     """  # noqa: D301 - click reads the backspace
     config = fixed_recipe(int(minutes))
     frames, ids = frames_of(test, test_split, None)
-    run = Run(
-        data=data,
-        out=out,
-        split=resolve_split(split),
-        seed=None if resume else seed,
-        resume=resume,
-        keep=1,
-        device=resolve_device(device),
-        precision=resolve_precision(precision),
-        workers=resolve_workers(workers),
+    seed_of_run = None if resume else seed
+    run = run_of(
+        data, out, split=split, seed=seed_of_run, resume=resume, device=device, precision=precision, workers=workers
     )
     stopping = Stopping(None)
     with stopping, progress(config.training.steps, "training", "steps") as advance:
@@ -81,8 +72,7 @@ def worth_command(
             should_stop=stopping,
         )
     if found is None:
-        click.echo(f"{stopping.reason}; to continue: the same command with --resume", err=True)
-        return stopping.exit_code
+        return how_to_continue(stopping)
     click.echo(f"{len(ids)} frames of {test}, {config.training.steps} steps on {data}")
     print_analysis(found.analysis)
     if found.gains and found.gains[0][1] > 0.0:
