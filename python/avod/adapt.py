@@ -91,8 +91,9 @@ def adapt(
     Raises:
         CadetError: no object is sure, the folder holds rounds already, or as for `predict` and `train`.
     """
-    _check_begun(Path(run.out) / "adaptation.json", checkpoint, adaptation, is_resumed=run.resume)
     weights = Path(checkpoint)
+    config = _tuning(weights, adaptation)
+    _check_begun(Path(run.out) / "adaptation.json", checkpoint, adaptation, is_resumed=run.resume)
     for number in range(1, adaptation.rounds + 1):
         out = Path(run.out) / f"round_{number}"
         found = out / "found"
@@ -109,7 +110,7 @@ def adapt(
             init=None if is_begun else weights,
             resume=is_begun,
         )
-        last = train(_tuning(weights, adaptation), settings, on_step=partial(on_step, number), should_stop=should_stop)
+        last = train(config, settings, on_step=partial(on_step, number), should_stop=should_stop)
         if last.name != f"{adaptation.steps:09d}":
             return None
         weights = last
@@ -185,7 +186,8 @@ def _write_found(
     for frame_id, labels in found:
         for kind in kinds:
             path = found_path(target.folder, kind, frame_id)
-            (training / kind / path.name).symlink_to(path.resolve())
+            if path.exists():  # Some frames may lack a plane.
+                (training / kind / path.name).symlink_to(path.resolve())
         text = text_from_labels(pseudo_labels(labels, adaptation))
         file_path(training, "label_2", frame_id).write_text(text, "ascii")
         ids.append(frame_id)

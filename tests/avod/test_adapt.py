@@ -55,6 +55,7 @@ def test_rounds_learn_from_what_was_found_and_go_on_after_a_stop(
     source: Path, target: Path, checkpoint: Path, tmp_path: Path
 ) -> None:
     frames, seen = kitti.Dataset(target), []
+    rate = read_checkpoint(checkpoint).config.training.learning_rate
     whole = Run(data=source, out=tmp_path / "whole")
     last = adapt(checkpoint, frames, whole, ANY, on_step=lambda number, done, losses: seen.append((number, done)))
     assert last == tmp_path / "whole" / "round_2" / "checkpoints" / "000000003"
@@ -64,6 +65,8 @@ def test_rounds_learn_from_what_was_found_and_go_on_after_a_stop(
     assert found[0].points_velo.tobytes() == frames.read_frame(frames.ids[0]).points_velo.tobytes()
     assert {label.type for frame_id in found.ids for label in found.read_labels(frame_id)} <= {"Car", "Pedestrian"}
     settings = read_checkpoint(last).config
+    first = read_checkpoint(tmp_path / "whole" / "round_1").config
+    assert settings.training.learning_rate == first.training.learning_rate == pytest.approx(rate / 3.0)
     assert settings.ignored_types[-1] == UNSURE and settings.training.steps == ANY.steps
 
     parts = Run(data=source, out=tmp_path / "parts")
