@@ -10,7 +10,7 @@ pub(super) mod hold;
 pub(super) mod proportions;
 mod sitting;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 pub(super) mod tube;
 
 use std::sync::{Arc, OnceLock};

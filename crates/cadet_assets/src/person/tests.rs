@@ -1,5 +1,4 @@
 use super::*;
-use cadet_base::geometry::Mesh;
 
 const PHASES: usize = 24;
 
@@ -65,24 +64,17 @@ fn the_standing_foot_stays_where_it_was_put() {
 
 #[test]
 fn the_meshes_own_soles_do_not_skate() {
-    // Independent of the skeleton: what is within 1 cm of the ground at mid-stance is still there later.
+    // Independent of the skeleton: the way of the vertices that stay within 1 cm of the ground, at mid-stance.
     for person in people(40).filter(|p| p.walking_speed_mps > 0.0) {
-        let at = |phase: f64| person.pose(phase).levels[0].1.clone();
-        let (from, to) = (at(9.5 / 48.0), at(17.5 / 48.0));
-        // The right foot swings meanwhile.
-        let sole = |mesh: &Mesh| mesh.places().filter(|p| p.z < 0.01 && p.y > -0.02).collect::<Vec<_>>();
-        let (from, to) = (sole(&from), sole(&to));
-        assert!(from.len() > 20, "{}: a foot's sole is on the ground", person.name);
-        let walked = (8.0 / 48.0 * person.cycle_length_m) as f32;
-        assert_stays(&from, &to, walked, 0.1, &person.name);
+        let at = |k: usize| grounded(&person.proportions, None, k, 0).vertices.into_iter().map(|v| v + person.offset);
+        // The right foot swings meanwhile; vertices keep their number over the cycle.
+        let pairs = at(9).zip(at(17)).filter(|(a, b)| a.z < 0.01 && b.z < 0.01 && a.y > -0.02);
+        let moves: Vec<f32> = pairs.map(|(a, b)| a.x - b.x).filter(|d| *d > 0.0).collect();
+        assert!(moves.len() > 20, "{}: a foot's sole is on the ground", person.name);
+        let moved = f64::from(moves.iter().sum::<f32>() / moves.len() as f32);
+        let walked = 8.0 / 48.0 * person.cycle_length_m;
+        assert!((moved / walked - 1.0).abs() < 0.2, "{}: {moved} of {walked}", person.name);
     }
-}
-
-/// Checks that most of what is on the ground is still there after its owner has walked on: within a share of that way.
-pub(crate) fn assert_stays(from: &[Vec3], to: &[Vec3], walked_m: f32, share: f32, name: &str) {
-    let is_left = |p: &&Vec3| to.iter().all(|q| (**p - *q - Vec3::X * walked_m).length() > share * walked_m);
-    let slips = from.iter().filter(is_left).count();
-    assert!(10 * slips <= 3 * from.len(), "{name}: {slips} of {} slip", from.len());
 }
 
 #[test]
