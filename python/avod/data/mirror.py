@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import cv2
 import numpy as np
@@ -11,7 +13,6 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from avod.data.sample import Sample
-from avod.geometry.orientation import wrap_angle
 
 
 def mirror_image(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -57,23 +58,24 @@ def mirror_boxes(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def mirror_box_tensors(boxes_cam: Tensor) -> Tensor:
-    """Mirror boxes (M, 7) as `mirror_boxes` does, rotation_y within [-pi, pi)."""
-    turned = wrap_angle(torch.pi - boxes_cam[:, 6:])
-    return torch.cat([-boxes_cam[:, :1], boxes_cam[:, 1:6], turned], dim=1)
+    """Mirror boxes (M, 7) as `mirror_boxes` does."""
+    return _of_tensor(mirror_boxes, boxes_cam)
 
 
 def mirror_sample(sample: Sample) -> Sample:
     """Mirror a sample whose maps reach as far to the left as to the right."""
-    projection = mirror_projection(sample.projection.cpu().double().numpy(), sample.image_size[0])
-    x_first = torch.tensor([-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], device=sample.plane.device)
     return replace(
         sample,
         bev=sample.bev.flip(2),
         image=sample.image.flip(-1),
-        anchors=sample.anchors * x_first,
-        points_cam=sample.points_cam * x_first[:3],
-        plane=sample.plane * x_first[:4],
-        projection=torch.from_numpy(projection).to(sample.projection),
+        anchors=_of_tensor(mirror_points, sample.anchors),
+        points_cam=_of_tensor(mirror_points, sample.points_cam),
+        plane=_of_tensor(mirror_plane, sample.plane),
+        projection=_of_tensor(partial(mirror_projection, width=sample.image_size[0]), sample.projection),
         boxes_cam=mirror_box_tensors(sample.boxes_cam),
         ignored_cam=mirror_box_tensors(sample.ignored_cam),
     )
+
+
+def _of_tensor(mirror: Callable[[NDArray[np.float64]], NDArray[np.float64]], values: Tensor) -> Tensor:
+    return torch.from_numpy(mirror(values.cpu().double().numpy())).to(values)
