@@ -93,7 +93,7 @@ def adapt(
     """
     weights = Path(checkpoint)
     config = _tuning(weights, adaptation)
-    _check_begun(Path(run.out) / "adaptation.json", checkpoint, adaptation, is_resumed=run.resume)
+    _check_begun(run, checkpoint, adaptation)
     for number in range(1, adaptation.rounds + 1):
         out = Path(run.out) / f"round_{number}"
         found = out / "found"
@@ -106,7 +106,6 @@ def adapt(
             run,
             data=(*half, (found, 0.5)),
             out=out,
-            seed=None if is_begun else run.seed,
             init=None if is_begun else weights,
             resume=is_begun,
         )
@@ -131,13 +130,14 @@ def pseudo_labels(labels: Iterable[Label], adaptation: Adaptation) -> tuple[Labe
     )
 
 
-def _check_begun(path: Path, checkpoint: str | Path, adaptation: Adaptation, *, is_resumed: bool) -> None:
+def _check_begun(run: Run, checkpoint: str | Path, adaptation: Adaptation) -> None:
     """Write down what rounds follow from, or compare it with what they were begun with."""
-    settings = {"checkpoint": str(checkpoint), **asdict(adaptation)}
+    path = Path(run.out) / "adaptation.json"
+    settings = {"checkpoint": str(checkpoint), "seed": run.seed, **asdict(adaptation)}
     del settings["rounds"]
     if not path.exists():
         write_whole({path: (json.dumps(settings, indent=1) + "\n").encode()})
-    elif not is_resumed:
+    elif not run.resume:
         raise CadetError(f"{path.parent}: an adaptation was begun there: name a new folder, or go on with --resume")
     elif (begun := json_from_text(path.read_bytes(), str(path))) != settings:
         raise CadetError(f"{path}: begun with {begun}, and is to go on with {settings}: change nothing but --rounds")

@@ -76,6 +76,8 @@ def test_rounds_learn_from_what_was_found_and_go_on_after_a_stop(
     goes_on = dataclasses.replace(parts, resume=True)
     with pytest.raises(CadetError, match="change nothing but --rounds"):
         adapt(checkpoint, frames, goes_on, dataclasses.replace(ANY, sure=0.5))
+    with pytest.raises(CadetError, match=r"'seed': None.* and is to go on with .*'seed': 3"):
+        adapt(checkpoint, frames, dataclasses.replace(goes_on, seed=3), ANY)
     assert adapt(checkpoint, frames, goes_on, ANY, should_stop=StopAfter(2)) is None
     assert adapt(checkpoint, frames, goes_on, ANY) is not None
     for number in (1, 2):
