@@ -7,7 +7,7 @@
 
 use cadet_base::actor::{AnnotatedBox, BodyEnd, ObjectClass};
 use cadet_base::error::{Error, Result};
-use cadet_base::math::DVec3;
+use cadet_base::math::{DVec2, DVec3};
 use cadet_base::rng::Stream;
 
 use super::annotated_sizes::{CARS, CYCLISTS, MISC, Mixture, PEOPLE, SITTERS, TRUCKS, VANS};
@@ -65,6 +65,8 @@ const PERSON_ASIDE_SD_M: f64 = 0.03;
 const WALKER_NEAR_M: f64 = 0.05;
 /// KITTI's boxes of people are of two lengths: about 0.5 m and about 0.95 m.
 const SHORTEST_STRIDE_M: f64 = 0.7;
+/// How much farther than its box a walker reaches: heels and toes lie beyond what annotators take for the body.
+const WALKER_LONGER_M: f64 = 0.085;
 const PERSON_TOP_M: (f64, f64) = (-0.02, 0.01);
 const PERSON_BOTTOM_M: (f64, f64) = (0.035, 0.02);
 /// 95 % of KITTI's cyclists lie within 53 m.
@@ -228,6 +230,14 @@ fn least_points(s: &mut Stream) -> usize {
 #[must_use]
 pub fn is_standing(annotated: &AnnotatedBox) -> bool {
     annotated.size_lwh.x < SHORTEST_STRIDE_M
+}
+
+/// The length and width of the body that an annotated box is drawn around: KITTI's boxes keep their size over a track, so
+/// a walker's holds the whole stride.
+#[must_use]
+pub fn person_extents(annotated: &AnnotatedBox) -> DVec2 {
+    let longer_m = if is_standing(annotated) { 0.0 } else { WALKER_LONGER_M };
+    annotated.size_lwh.truncate() + DVec2::new(longer_m, 0.0)
 }
 
 /// The height of a person, from shoes to hair, of a given annotated box.

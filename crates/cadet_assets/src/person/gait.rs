@@ -123,13 +123,15 @@ fn walking_leg(p: &Proportions, phase: f32, scale: f32) -> Leg {
 
 /// The posture of a walker at a phase of the cycle; the left heel strikes at 0.
 pub(crate) fn walking(p: &Proportions, phase: f32) -> Posture {
-    let scale = (p.speed_mps / 1.35).clamp(0.6, 1.3);
+    // The tables are of steps of 41 % of the stature.
+    let scale = (p.cycle_length_m / (2.0 * 0.41 * p.stature_m)).clamp(0.6, 1.3);
     let legs = [walking_leg(p, phase, scale), walking_leg(p, phase + 0.5, scale)];
     let turn = cosf(phase * TAU);
     let arm = |side: f32, pose: ArmPose| match pose {
         ArmPose::Swing => {
             let swing_rad = -22.0_f32.to_radians() * turn * side * scale + 0.05;
-            Arm { swing_rad, lift_rad: 0.10, elbow_rad: p.elbow_rad + 0.20 * swing_rad.max(0.0), inward_rad: 0.25 }
+            let lift_rad = 0.10 + p.arms_out_rad;
+            Arm { swing_rad, lift_rad, elbow_rad: p.elbow_rad + 0.20 * swing_rad.max(0.0), inward_rad: 0.25 }
         }
         held => held_arm(p, held, 0.3 * turn * side),
     };
@@ -145,7 +147,7 @@ pub(crate) fn walking(p: &Proportions, phase: f32) -> Posture {
 }
 
 fn held_arm(p: &Proportions, pose: ArmPose, swing: f32) -> Arm {
-    match pose {
+    let arm = match pose {
         ArmPose::Swing | ArmPose::Hang => {
             Arm { swing_rad: 0.06 + 0.15 * swing, lift_rad: 0.14, elbow_rad: 0.6 * p.elbow_rad, inward_rad: 0.3 }
         }
@@ -154,13 +156,16 @@ fn held_arm(p: &Proportions, pose: ArmPose, swing: f32) -> Arm {
         ArmPose::Crossed => Arm { swing_rad: 0.30, lift_rad: 0.12, elbow_rad: 1.55, inward_rad: 1.15 },
         ArmPose::Carry => Arm { swing_rad: 0.05 + 0.2 * swing, lift_rad: 0.20, elbow_rad: 0.12, inward_rad: 0.0 },
         ArmPose::Strap => Arm { swing_rad: 0.20, lift_rad: 0.18, elbow_rad: 2.0, inward_rad: 0.3 },
-    }
+    };
+    Arm { lift_rad: arm.lift_rad + p.arms_out_rad, ..arm }
 }
 
 /// The posture of a person who stands with the weight on one leg.
 pub(crate) fn standing(p: &Proportions) -> Posture {
-    let straight = Leg { thigh_rad: 0.0, shank_rad: -0.01, sole_rad: 0.0 };
-    let bent = Leg { thigh_rad: 0.16, shank_rad: -0.10, sole_rad: 0.0 };
+    // Legs apart alike, so that both feet stay on the ground.
+    let apart_rad = 0.5 * p.stance_m / (p.thigh_m + p.shank_m);
+    let straight = Leg { thigh_rad: -apart_rad, shank_rad: -0.01 - apart_rad, sole_rad: 0.0 };
+    let bent = Leg { thigh_rad: 0.16 + apart_rad, shank_rad: -0.10 + apart_rad, sole_rad: 0.0 };
     let is_left = p.weight_on_left;
     Posture {
         legs: if is_left { [straight, bent] } else { [bent, straight] },

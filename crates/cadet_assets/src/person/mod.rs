@@ -59,13 +59,16 @@ pub struct PersonModel {
 }
 
 impl PersonModel {
-    /// The person of a seed, of the height that goes with an annotated box drawn from KITTI's; one in four stands.
+    /// The person of a seed, of a body that fills an annotated box drawn from KITTI's; one in four stands.
     #[must_use]
     pub fn generate(model_seed: u64) -> Self {
         let mut s = Stream::from_seed("person", model_seed);
         let annotated = annotation::person_box(&mut s);
         let stature_m = annotation::person_height_m(&annotated, &mut s);
-        let p = Proportions::draw(annotation::is_standing(&annotated), stature_m, &mut s);
+        let mut p = Proportions::draw(annotation::is_standing(&annotated), stature_m, &mut s);
+        let wanted = annotation::person_extents(&annotated);
+        let found = cycle_bounds(&p, None, 3, 1).size();
+        p.grow(wanted.x as f32 - found.x, wanted.y as f32 - found.y);
         Self::of(p, None, annotated, model_seed, &mut s)
     }
 
@@ -92,11 +95,7 @@ impl PersonModel {
 
     fn of(p: Proportions, sitting: Option<Sitting>, annotated: AnnotatedBox, model_seed: u64, s: &mut Stream) -> Self {
         let palette = clothes::palette(p.kind, p.headwear, s);
-        let num_phases = if p.speed_mps > 0.0 { NUM_PHASES / 2 } else { 1 };
-        let bounds = (0..num_phases)
-            .map(|k| 2 * k)
-            .map(|k| Bounds::of(grounded(&p, sitting.as_ref(), k, 0).vertices))
-            .fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
+        let bounds = cycle_bounds(&p, sitting.as_ref(), 2, 0);
         let (size, center) = (bounds.size(), bounds.center());
         Self {
             name: format!("{}/{model_seed}", p.kind.as_ref()),
@@ -191,6 +190,15 @@ impl PersonModel {
         });
         shape.clone()
     }
+}
+
+/// The bounds of a body over its cycle; one in `every` phases is looked at.
+fn cycle_bounds(p: &Proportions, sitting: Option<&Sitting>, every: usize, level: usize) -> Bounds {
+    let num_phases = if p.speed_mps > 0.0 { NUM_PHASES } else { 1 };
+    (0..num_phases)
+        .step_by(every)
+        .map(|k| Bounds::of(grounded(p, sitting, k, level).vertices))
+        .fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) })
 }
 
 /// The body at a quantized phase with its lower sole on the ground, or with its seat on what it sits on.

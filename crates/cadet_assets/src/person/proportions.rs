@@ -109,7 +109,11 @@ pub(crate) struct Proportions {
     pub lean_rad: f32,
     pub elbow_rad: f32,
     pub arms: [ArmPose; 2],
+    /// How much farther than others the person holds the arms from the trunk.
+    pub arms_out_rad: f32,
     pub weight_on_left: bool,
+    /// How far one foot of a person who stands is before the other.
+    pub stance_m: f32,
     pub legwear: Legwear,
     pub top: Top,
     pub load: Load,
@@ -218,7 +222,9 @@ impl Proportions {
             lean_rad: if is_elderly { s.range(0.06, 0.16) } else { s.range(0.02, 0.07) } as f32,
             elbow_rad: s.range(0.26, 0.52) as f32,
             arms,
+            arms_out_rad: 0.0,
             weight_on_left: s.chance(0.5),
+            stance_m: 0.0,
             legwear,
             top,
             load,
@@ -226,6 +232,22 @@ impl Proportions {
             is_elderly,
             held: [None; 2],
         }
+    }
+
+    /// Makes the body longer and wider: walkers take longer steps at the same cadence, who stands puts one foot before
+    /// the other, and arms are held farther from the trunk. What a body cannot do it does not.
+    pub fn grow(&mut self, longer_m: f32, wider_m: f32) {
+        if self.speed_mps > 0.0 {
+            let step_m = self.cycle_length_m / 2.0;
+            let (least, most) = (0.26 * self.stature_m, 0.50 * self.stature_m);
+            let longer = (step_m + longer_m).clamp(least, most) / step_m;
+            self.cycle_length_m *= longer;
+            self.speed_mps *= longer;
+        } else {
+            self.stance_m = (self.stance_m + longer_m).clamp(0.0, 0.25);
+        }
+        let arm_m = self.upper_arm_m + self.forearm_m;
+        self.arms_out_rad = (self.arms_out_rad + wider_m / (2.0 * arm_m)).clamp(-0.06, 0.32);
     }
 
     fn draw_arms(s: &mut Stream, is_standing: bool, load: Load) -> [ArmPose; 2] {
