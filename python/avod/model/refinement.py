@@ -27,10 +27,11 @@ _LEAST_POINTS: Final = 3
 """Boxes of fewer points are left as they are."""
 _SCALES: Final = (0.2, 0.2, 0.1, 0.08, 0.06, 0.06, 0.08)
 """Spread of what is corrected: along and across (m), bottom (m), logarithms of length, width and height, turn (rad)."""
-_MOST: Final = (1.0, 1.0, 0.5, 0.5, 0.5, 0.5, 0.5)
+_MOST: Final = (1.0, 1.0, 0.5, 0.8, 0.8, 0.5, 1.5)
 """Nothing is corrected by more."""
-_NOISE: Final = (0.07, 0.06, 0.12, 0.08, 0.06, 0.07, 0.07)
-"""Standard deviation of copies of true boxes, likewise; drawn for each copy between nothing and twice this ..."""
+_NOISE_M: Final = (0.07, 0.06, 0.12, 0.32, 0.10, 0.10, 0.28)
+"""Standard deviation of copies of true boxes: along, across, bottom, length, width, height, and of one end sideways, so
+that short boxes are turned more; drawn for each copy between nothing and twice this ..."""
 _NOISE_OF_SIZE: Final = 0.045
 """... and what it grows by along and across, as a share of length and width."""
 _POINT_FEATURES: Final = 7
@@ -282,8 +283,9 @@ def _moved(boxes_cam: Tensor, plane: Tensor, generator: torch.Generator) -> Tens
     """Move, scale and turn boxes a little, half of them end to end."""
     count = len(boxes_cam)
     how_much = 2.0 * torch.rand((count, 1), generator=generator)
-    spread = boxes_cam.new_tensor(_NOISE).repeat(count, 1)
+    spread = boxes_cam.new_tensor(_NOISE_M).repeat(count, 1)
     spread[:, :2] += _NOISE_OF_SIZE * boxes_cam[:, 3:5]
+    spread[:, 3:] /= boxes_cam[:, [3, 4, 5, 3]]
     noise = (torch.randn(spread.shape, generator=generator) * how_much).to(boxes_cam) * spread
     noise[:, 6] += math.pi * torch.randint(2, (count,), generator=generator).to(boxes_cam)
     return corrected(boxes_cam, noise, plane)

@@ -131,6 +131,16 @@ def test_copies_and_found_boxes_are_compared_with_their_objects() -> None:
     assert not stage.learned(nothing, found, torch.Generator()).has_object.any()
 
 
+def test_copies_of_small_boxes_lie_off_by_as_many_meters_as_those_of_large_ones() -> None:
+    truths = torch.tensor([[-4.0, 1.65, 12.0, 4.0, 1.6, 1.5, 0.3], [4.0, 1.65, 12.0, 1.0, 0.6, 1.8, 0.3]])
+    stage = PointRefinement(dataclasses.replace(CONFIG, copies=1024, max_points=256))
+    sample = sample_of(surface_points(truths, 200, seed=1), truths)
+    wanted = stage.learned(sample, truths[:0], torch.Generator().manual_seed(0)).wanted
+    # Of the car's copies and of the person's; what is wanted of sizes and turns is relative to a box.
+    car, person = (copies[:, 3:].std(dim=0) for copies in wanted.reshape(2, -1, 7))
+    torch.testing.assert_close(person / car, torch.tensor([4.0, 1.6 / 0.6, 1.5 / 1.8, 4.0]), rtol=0.15, atol=0)
+
+
 def test_the_overlap_is_exact_where_headings_are_equal() -> None:
     truths, moved = boxes(30, seed=8), boxes(30, seed=9)
     moved[:, [0, 2]] = truths[:, [0, 2]] + 0.8 * torch.randn((30, 2), generator=torch.Generator().manual_seed(0))
