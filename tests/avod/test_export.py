@@ -29,7 +29,8 @@ def drawn(part: Part, rows: int) -> dict[str, torch.Tensor]:
     for name, example in part.inputs.items():
         shape = (rows, *example.shape[1:]) if part.has_rows else example.shape
         values = torch.rand(shape, generator=generator)
-        found[name] = values > 0.3 if example.dtype == torch.bool else values
+        # Whole numbers tell whose row a row is.
+        found[name] = values if example.dtype.is_floating_point else (values * rows).long()
     return found
 
 

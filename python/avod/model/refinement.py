@@ -41,7 +41,8 @@ _QUALITY_WEIGHT: Final = 2.0
 _LEAST_OVERLAP: Final = 0.2
 """Found boxes that overlap an object by less have none."""
 _FARTHEST_M: Final = 40.0
-_MANY: Final = 1e4
+_LEAST: Final = -5.0
+"""The greatest of no points' features, and the least that counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +77,16 @@ class RefinementOutputs:
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of N boxes, at most M each, in the boxes' own frames.
+    """Points of N boxes, in the boxes' own frames, box by box.
 
     Attributes:
-        features: (N, M, 7); zeros where there is no point.
-        is_point: (N, M) bool.
+        features: (P, 7).
+        box: (P,) int64, whose point it is.
         counts: (N,) points of each box, before some were left out.
     """
 
     features: Tensor
-    is_point: Tensor
+    box: Tensor
     counts: Tensor
 
 
@@ -171,23 +172,23 @@ class PointRefinement(nn.Module):
         """Look at the points of boxes (N, 7); with a generator some are left out."""
         points = self._points(sample, boxes_cam, generator)
         seen = box_features(points, sample, boxes_cam)
-        return _Look(*self.judge(points.features, points.is_point, seen), points.counts >= _LEAST_POINTS)
+        return _Look(*self.judge(points.features, points.box, seen), points.counts >= _LEAST_POINTS)
 
     def part(self) -> Part:
         """Describe what `judge` computes."""
         inputs = {
-            "features": torch.zeros((EXAMPLE_ROWS, self.config.max_points, _POINT_FEATURES)),
-            "is_point": torch.ones((EXAMPLE_ROWS, self.config.max_points), dtype=torch.bool),
+            "features": torch.zeros((EXAMPLE_ROWS, _POINT_FEATURES)),
+            "box": torch.zeros(EXAMPLE_ROWS, dtype=torch.int64),
             "seen": torch.zeros((EXAMPLE_ROWS, _BOX_FEATURES)),
         }
         return Part("refinement", self.judge, inputs, ("corrections", "quality_logits"), has_rows=True)
 
-    def judge(self, features: Tensor, is_point: Tensor, seen: Tensor) -> tuple[Tensor, Tensor]:
+    def judge(self, features: Tensor, box: Tensor, seen: Tensor) -> tuple[Tensor, Tensor]:
         """Run the layers.
 
         Args:
-            features: (N, M, 7) of points, zeros where there is none.
-            is_point: (N, M) bool.
+            features: (P, 7) of points.
+            box: (P,) int64, whose point it is.
             seen: (N, 9) what `box_features` gives.
 
         Returns:
@@ -196,10 +197,10 @@ class PointRefinement(nn.Module):
         hidden = features
         for layer, norm in zip(self.before, self.norms[:2], strict=True):
             hidden = functional.relu(norm(layer(hidden)))
-        whole = _greatest(hidden, is_point)
-        hidden = torch.cat([hidden, whole[:, None].expand_as(hidden)], dim=2)
+        none = seen.new_full((len(seen), 1), _LEAST)
+        hidden = torch.cat([hidden, _greatest(hidden, box, none)[box]], dim=1)
         hidden = functional.relu(self.norms[2](self.after[0](hidden)))
-        whole = _greatest(self.after[1](hidden), is_point)
+        whole = _greatest(self.after[1](hidden), box, none)
         corrections, logits = self.head(torch.cat([whole, seen], dim=1))
         return cast("Tensor", corrections), cast("Tensor", logits).squeeze(1)
 
@@ -216,18 +217,11 @@ class PointRefinement(nn.Module):
         # Of more points than there is room for, as many as there is room for, evenly along the scan's order.
         steps = counts[box].clamp(min=most)
         slot = number * most // steps
-        is_first = (number == 0) | (slot != (number - 1) * most // steps)
-        slot = torch.where(counts[box] > most, slot, number)
-        is_first |= counts[box] <= most
-        box, slot, u, v, height = (values[is_first] for values in (box, slot, along, across, height))
-        is_point = torch.zeros((len(boxes_cam), most), dtype=torch.bool, device=box.device)
-        is_point[box, slot] = True
+        is_taken = (counts[box] <= most) | (number == 0) | (slot != (number - 1) * most // steps)
+        box, u, v, height = (values[is_taken] for values in (box, along, across, height))
         length, width = boxes_cam[box, 3] / 2.0, boxes_cam[box, 4] / 2.0
-        features = boxes_cam.new_zeros((len(boxes_cam), most, _POINT_FEATURES))
-        features[box, slot] = torch.stack(
-            [u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1
-        )
-        return Points(features, is_point, counts)
+        features = torch.stack([u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1)
+        return Points(features, box, counts)
 
 
 def corrections_to(boxes_cam: Tensor, truths_cam: Tensor, plane: Tensor) -> Tensor:
@@ -322,12 +316,13 @@ def box_features(points: Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
     to_sensor = -boxes_cam[:, :3]
     distance_m = torch.hypot(to_sensor[:, 0], to_sensor[:, 2]).clamp(min=1.0)
     along, across = _turned(to_sensor[:, 0], to_sensor[:, 2], boxes_cam[:, 6])
-    top_m = points.features[..., 2].amax(dim=1)
+    top_m = _greatest(points.features[:, 2:3], points.box, boxes_cam.new_zeros((len(boxes_cam), 1)))[:, 0]
     bottom_m = boxes_cam[:, :3] @ sample.plane[:3] + sample.plane[3]
     seen = [distance_m / _FARTHEST_M, along / distance_m, across / distance_m, torch.log1p(points.counts) / 5.0]
     return torch.stack([*seen, *boxes_cam[:, 3:6].unbind(dim=1), bottom_m, top_m], dim=1)
 
 
-def _greatest(values: Tensor, is_point: Tensor) -> Tensor:
-    """Find the greatest of all points: (N, M, C) to (N, C)."""
-    return values.masked_fill(~is_point[..., None], -_MANY).amax(dim=1).clamp(min=-5.0)
+def _greatest(values: Tensor, box: Tensor, least: Tensor) -> Tensor:
+    """Find the greatest of each box's points and of the least that counts: (P, C), (P,) and (N, 1) to (N, C)."""
+    least = least.expand(-1, values.shape[1])
+    return least.scatter_reduce(0, box[:, None].expand_as(values), values, "amax")

@@ -86,9 +86,9 @@ def test_points_are_seen_from_the_box_and_those_beyond_the_margin_are_not() -> N
     beyond = [2.0, 1.0, 20.0 + 2.0 + 0.8]
     points = torch.tensor([front_corner, beyond, [2.0, 1.65 + 0.4, 20.0], [2.0, 1.65 - 3.3, 20.0]])
     gathered = PointRefinement(CONFIG)._points(sample_of(points, box), box, None)
-    assert gathered.counts.tolist() == [1] and gathered.is_point.sum() == 1
+    assert gathered.counts.tolist() == [1] and gathered.box.tolist() == [0]
     torch.testing.assert_close(
-        gathered.features[0, 0], torch.tensor([2.0, 0.8, 0.5, 1.0, 1.0, 0.0, 0.0]), atol=1e-5, rtol=0
+        gathered.features[0], torch.tensor([2.0, 0.8, 0.5, 1.0, 1.0, 0.0, 0.0]), atol=1e-5, rtol=0
     )
 
 
@@ -99,8 +99,8 @@ def test_of_many_points_as_many_as_there_is_room_for_are_taken_evenly() -> None:
     points = torch.stack([along, torch.full_like(along, 1.0), torch.full_like(along, 10.0)], dim=1)
     gathered = PointRefinement(CONFIG)._points(sample_of(points, box), box, None)
     assert gathered.counts.tolist() == [1000, 0]
-    assert gathered.is_point[0].all() and not gathered.is_point[1].any()
-    gaps = gathered.features[0, :, 0].diff()
+    assert gathered.box.tolist() == [0] * 32
+    gaps = gathered.features[:, 0].diff()
     assert gaps.min() > 0.0 and gaps.max() < 2.0 * 4.0 / 32
 
 
