@@ -28,6 +28,7 @@ from cadet.formats.kitti import Label, text_from_labels
 from cadet.formats.kitti.files.folder import REQUIRED, file_path, found_path, write_whole
 from cadet.formats.kitti.files.unreadable import Unreadable
 from cadet.formats.kitti.image_sets import ImageSet, write_image_set
+from cadet.formats.kitti_sequences import RawDrive
 
 UNSURE: Final = "Unsure"
 """Type of what is neither learned from nor background."""
@@ -35,6 +36,7 @@ _SLOWER: Final = 3.0
 """What the learning rate is divided by."""
 _AVERAGE_DECAY: Final = 0.99
 _UNKNOWN_OCCLUSION: Final = 3
+_LINKED: Final = (*REQUIRED, "planes")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +64,7 @@ class Adaptation:
 
 def adapt(
     checkpoint: str | Path,
-    target: kitti.Dataset,
+    target: kitti.Dataset | RawDrive,
     run: Run,
     adaptation: Adaptation,
     *,
@@ -156,7 +158,7 @@ def _tuning(weights: Path, adaptation: Adaptation) -> Config:
 
 
 def _found(
-    weights: Path, target: kitti.Dataset, run: Run, adaptation: Adaptation, on_frame: Callable[[int], None]
+    weights: Path, target: kitti.Dataset | RawDrive, run: Run, adaptation: Adaptation, on_frame: Callable[[int], None]
 ) -> Iterator[tuple[str, tuple[Label, ...]]]:
     detector = Detector(weights, device=run.device, precision=run.precision)
     detector.configure({"detection": {"flip": True, "min_score": adaptation.unsure}})
@@ -171,7 +173,7 @@ def _found(
 def _write_found(
     folder: Path,
     found: Iterable[tuple[str, tuple[Label, ...]]],
-    target: kitti.Dataset,
+    target: kitti.Dataset | RawDrive,
     split: str | None,
     adaptation: Adaptation,
 ) -> None:
@@ -179,18 +181,29 @@ def _write_found(
     aside = folder.with_name(f".{folder.name}.partial")
     shutil.rmtree(aside, ignore_errors=True)
     training = aside / "training"
-    kinds = [kind for kind in (*REQUIRED, "planes") if (target.folder / kind).is_dir()]
-    for kind in (*kinds, "label_2"):
+    for kind in (*_LINKED, "label_2"):
         (training / kind).mkdir(parents=True)
     ids = []
     for frame_id, labels in found:
-        for kind in kinds:
-            path = found_path(target.folder, kind, frame_id)
-            if path.exists():  # Some frames may lack a plane.
-                (training / kind / path.name).symlink_to(path.resolve())
+        for kind in _LINKED:
+            _link(training, kind, target, frame_id)
         text = text_from_labels(pseudo_labels(labels, adaptation))
         file_path(training, "label_2", frame_id).write_text(text, "ascii")
         ids.append(frame_id)
     if split is not None:
         write_image_set(aside, split, ImageSet(tuple(ids)))
     aside.rename(folder)
+
+
+def _link(training: Path, kind: str, target: kitti.Dataset | RawDrive, frame_id: str) -> None:
+    """Link one of a frame's files, if there is one; a drive has one calibration, which each frame gets."""
+    if isinstance(target, RawDrive):
+        if kind == "calib":
+            file_path(training, kind, frame_id).write_text(target.calib.to_text(), "ascii")
+        if kind in ("calib", "planes"):
+            return
+        path = target.path(kind, frame_id)
+    else:
+        path = found_path(target.folder, kind, frame_id)
+    if path.exists():
+        (training / kind / path.name).symlink_to(path.resolve())

@@ -6,6 +6,7 @@ import dataclasses
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
@@ -16,7 +17,9 @@ from avod.train import Run, train, with_steps
 from avod.train.checkpoint import read_checkpoint
 from cadet import kitti
 from cadet.errors import CadetError
+from cadet.formats.kitti_sequences import RawDrive
 from detector.runs import StopAfter, assert_same_training, write_set
+from raw_drives import write_raw_drive
 from synthetic import make_calib, make_labels
 
 CONFIG_FILE = Path(__file__).parents[1] / "support" / "detector" / "center.toml"
@@ -102,3 +105,19 @@ def test_the_command_says_where_the_weights_are_and_what_is_wrong(
     assert "found: none of the 5 frames of the split 'train' holds a Car or Pedestrian to learn from" in str(
         nothing.exception
     )
+
+
+def test_a_raw_drive_is_learned_from_too(source: Path, target: Path, checkpoint: Path, tmp_path: Path) -> None:
+    frames = kitti.Dataset(target)
+    drive = RawDrive(write_raw_drive(tmp_path, [frames.read_frame(frame_id) for frame_id in frames.ids]))
+    run, once = Run(data=source, out=tmp_path / "out"), dataclasses.replace(ANY, rounds=1)
+    assert adapt(checkpoint, drive, run, once) == tmp_path / "out" / "round_1" / "checkpoints" / "000000003"
+    found = kitti.Dataset(tmp_path / "out" / "round_1" / "found", "train")
+    assert found.ids == drive.ids
+    for frame_id, other_id in zip(found.ids, frames.ids, strict=True):
+        frame, other = found.read_frame(frame_id), frames.read_frame(other_id)
+        assert frame.labels
+        assert frame.image.tobytes() == other.image.tobytes()
+        assert frame.points_velo.tobytes() == other.points_velo.tobytes()
+        np.testing.assert_allclose(frame.calib.P2, other.calib.P2, rtol=1e-6)
+        np.testing.assert_allclose(frame.calib.cam_from_velo, other.calib.cam_from_velo, atol=1e-6)

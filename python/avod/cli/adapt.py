@@ -21,13 +21,20 @@ from avod.cli.options import (
 from avod.cli.stopping import Stopping
 from cadet import kitti
 from cadet.errors import CadetError
+from cadet.formats.kitti_sequences import RawDrive
 
 _DEFAULT = Adaptation()
 
 
 @click.command(name="adapt")
 @checkpoint_option
-@click.option("--data", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Frames without labels.")
+@click.option(
+    "--data",
+    metavar="DIR",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Frames without labels: a KITTI folder, or a raw drive.",
+)
 @split_option("all")
 @click.option(
     "--source",
@@ -83,23 +90,23 @@ def adapt_command(
     avod predict --checkpoint adapted/round_2 --data my_street --out results
     """  # noqa: D301 - click reads the backspace
     adaptation = Adaptation(rounds=rounds, steps=steps, sure=sure, unsure=unsure)
-    target, _ = frames_of(data, split, None)
-    if not isinstance(target, kitti.Dataset):
-        raise CadetError(f"{data}: adapt takes a KITTI folder")
+    target, ids = frames_of(data, split, None)
+    if not isinstance(target, kitti.Dataset | RawDrive):
+        raise CadetError(f"{data}: adapt takes a KITTI folder or one of KITTI's raw drives")
     run = run_of(
         source, out, split=source_split, seed=seed, resume=resume, device=device, precision=precision, workers=workers
     )
     stopping = Stopping(None)
-    total = rounds * (len(target) + steps)
+    total = rounds * (len(ids) + steps)
     with stopping, progress(total, "adapting", "frames and steps") as advance:
         last = adapt(
             checkpoint,
             target,
             run,
             adaptation,
-            on_frame=lambda number, done: advance((number - 1) * (len(target) + steps) + done, ""),
+            on_frame=lambda number, done: advance((number - 1) * (len(ids) + steps) + done, ""),
             on_step=lambda number, done, losses: advance(
-                (number - 1) * (len(target) + steps) + len(target) + done, loss_text(losses)
+                (number - 1) * (len(ids) + steps) + len(ids) + done, loss_text(losses)
             ),
             should_stop=stopping,
         )

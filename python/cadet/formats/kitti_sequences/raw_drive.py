@@ -57,7 +57,12 @@ class RawDrive:
 
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether a frame has a file of one of the kinds `image_2`, `velodyne`, and `calib`."""
-        return kind == "calib" or (kind in _FOLDERS and self._path(kind, frame_id).is_file())
+        return kind == "calib" or (kind in _FOLDERS and self.path(kind, frame_id).is_file())
+
+    def path(self, kind: str, frame_id: str) -> Path:
+        """Return where a frame's `image_2` or `velodyne` lies."""
+        place, suffix = _FOLDERS[kind]
+        return self.folder / place / f"{frame_id}{suffix}"
 
     def read_frame(self, frame_id: str, *, has_extras: bool = True) -> Frame:
         """Read a frame; it has no labels and no plane.
@@ -66,7 +71,7 @@ class RawDrive:
             MissingFileError: one of its files is missing.
             KittiFormatError: one is damaged.
         """
-        image, scan = (self._read(self._path(kind, check_id(frame_id))) for kind in _FOLDERS)
+        image, scan = (self._read(self.path(kind, check_id(frame_id))) for kind in _FOLDERS)
         names = (f"{place}/{frame_id}{suffix}" for place, suffix in _FOLDERS.values())
         return Frame(decode_image(image, next(names)), points_from_bytes(scan, next(names)), (), self.calib)
 
@@ -99,10 +104,6 @@ class RawDrive:
             Tr_velo_to_cam=_rigid(velo, _VELO),
             Tr_imu_to_velo=_rigid(imu, _IMU),
         )
-
-    def _path(self, kind: str, frame_id: str) -> Path:
-        place, suffix = _FOLDERS[kind]
-        return self.folder / place / f"{frame_id}{suffix}"
 
     def _calibration(self, name: str) -> Mapping[str, list[str]]:
         places = (self.folder / name, self.folder.parent / name)
