@@ -163,7 +163,7 @@ def test_the_table_of_a_sensor_is_one() -> None:
 def test_the_labels_page_states_the_annotators_habits_as_the_core_has_them() -> None:
     page = " ".join((ROOT / "docs/labels.md").read_text(encoding="utf-8").split())
     crates = ROOT / "crates"
-    annotation = (crates / "cadet_assets/src/annotation.rs").read_text(encoding="utf-8")
+    annotation = (crates / "cadet_assets/src/annotation/mod.rs").read_text(encoding="utf-8")
     farthest = re.findall(r"const (\w+)_FARTHEST_M: \(f64, f64\) = \(([\d.]+), ([\d.]+)\);", annotation)
     assert len(farthest) == 8
     for name, mean, sd in farthest:

@@ -1,6 +1,5 @@
 //! Parametric shapes: every asset is a pure function of its parameters and a seed.
 
-mod annotated_sizes;
 pub mod annotation;
 pub mod belongings;
 pub mod cyclist;

@@ -1,8 +1,8 @@
 //! What kind of commercial vehicle a seed draws, and its measures.
 
 use super::super::paint::Livery;
-use crate::annotated_sizes::{MISC, TRUCKS};
 use crate::annotation::Margins;
+use crate::annotation::sizes::{MISC, TRUCKS};
 use cadet_base::math::DVec3;
 use cadet_base::rng::Stream;
 

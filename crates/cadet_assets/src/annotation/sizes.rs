@@ -5,7 +5,7 @@ use cadet_base::math::DVec3;
 use cadet_base::rng::Stream;
 
 /// Sizes of a class, meters, none beyond those that were labeled.
-pub(super) struct Mixture {
+pub(crate) struct Mixture {
     components: &'static [Component],
     least_lwh: DVec3,
     most_lwh: DVec3,
@@ -50,7 +50,7 @@ const fn component(weight: f64, mean_lwh: [f64; 3], sd_lwh: [f64; 3], correlatio
 }
 
 /// 28,742 labels.
-pub(super) const CARS: Mixture = Mixture {
+pub(crate) const CARS: Mixture = Mixture {
     components: &[
         component(0.263, [4.138, 1.619, 1.462], [0.255, 0.074, 0.072], [0.46, 0.04, 0.09]),
         component(0.176, [3.663, 1.614, 1.522], [0.257, 0.096, 0.085], [0.38, -0.07, 0.34]),
@@ -70,7 +70,7 @@ pub(super) const CARS: Mixture = Mixture {
 };
 
 /// 2,914 labels, of no more than 143 sizes.
-pub(super) const VANS: Mixture = Mixture {
+pub(crate) const VANS: Mixture = Mixture {
     components: &[
         component(0.293, [5.875, 2.025, 2.577], [0.498, 0.099, 0.175], [0.40, 0.50, 0.22]),
         component(0.184, [4.527, 1.814, 1.979], [0.106, 0.052, 0.083], [-0.01, -0.61, -0.23]),
@@ -85,7 +85,7 @@ pub(super) const VANS: Mixture = Mixture {
 };
 
 /// 1,094 labels, of no more than 33 sizes: small trucks, trucks of two axles, tall and long ones, city buses, semi-trailers.
-pub(super) const TRUCKS: Mixture = Mixture {
+pub(crate) const TRUCKS: Mixture = Mixture {
     components: &[
         component(0.099, [5.95, 2.25, 2.59], [0.36, 0.14, 0.17], [0.60, 0.05, -0.10]),
         component(0.122, [7.14, 2.42, 3.34], [0.16, 0.20, 0.17], [0.30, 0.10, 0.30]),
@@ -105,7 +105,7 @@ pub(super) const TRUCKS: Mixture = Mixture {
 
 /// 973 labels, of no more than 58 sizes: motorbikes, trailers low and tall, caravans, platforms, and long trailers, which
 /// find no parking place.
-pub(super) const MISC: Mixture = Mixture {
+pub(crate) const MISC: Mixture = Mixture {
     components: &[
         component(0.255, [1.88, 0.62, 1.36], [0.20, 0.13, 0.22], [0.20, 0.10, 0.50]),
         component(0.033, [2.78, 0.87, 1.43], [0.14, 0.07, 0.20], [-0.60, 0.50, -0.80]),
@@ -123,7 +123,7 @@ pub(super) const MISC: Mixture = Mixture {
 };
 
 /// 4,487 labels, of people who walk and who stand.
-pub(super) const PEOPLE: Mixture = Mixture {
+pub(crate) const PEOPLE: Mixture = Mixture {
     components: &[
         component(0.498, [0.953, 0.599, 1.757], [0.153, 0.094, 0.111], [0.11, 0.53, 0.02]),
         component(0.216, [0.498, 0.631, 1.735], [0.113, 0.162, 0.108], [0.53, 0.09, 0.20]),
@@ -136,7 +136,7 @@ pub(super) const PEOPLE: Mixture = Mixture {
 };
 
 /// 1,627 labels, of no more than 108 sizes.
-pub(super) const CYCLISTS: Mixture = Mixture {
+pub(crate) const CYCLISTS: Mixture = Mixture {
     components: &[
         component(0.279, [1.926, 0.601, 1.791], [0.122, 0.052, 0.063], [0.00, 0.00, -0.01]),
         component(0.228, [1.785, 0.685, 1.749], [0.060, 0.097, 0.042], [-0.56, 0.62, -0.48]),
@@ -150,7 +150,7 @@ pub(super) const CYCLISTS: Mixture = Mixture {
 };
 
 /// 222 labels of people who sit, of no more than 33 sizes.
-pub(super) const SITTERS: Mixture = Mixture {
+pub(crate) const SITTERS: Mixture = Mixture {
     components: &[
         component(0.704, [0.684, 0.610, 1.251], [0.089, 0.076, 0.083], [0.47, 0.15, 0.10]),
         component(0.247, [1.132, 0.520, 1.269], [0.180, 0.038, 0.067], [-0.57, 0.57, -0.39]),
