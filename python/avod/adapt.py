@@ -181,7 +181,7 @@ def _write_found(
     aside = folder.with_name(f".{folder.name}.partial")
     shutil.rmtree(aside, ignore_errors=True)
     training = aside / "training"
-    for kind in (*_LINKED, "label_2"):
+    for kind in (*REQUIRED, "label_2"):
         (training / kind).mkdir(parents=True)
     ids = []
     for frame_id, labels in found:
@@ -206,4 +206,5 @@ def _link(training: Path, kind: str, target: kitti.Dataset | RawDrive, frame_id:
     else:
         path = found_path(target.folder, kind, frame_id)
     if path.exists():
+        (training / kind).mkdir(exist_ok=True)
         (training / kind / path.name).symlink_to(path.resolve())
