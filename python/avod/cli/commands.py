@@ -42,6 +42,7 @@ from avod.train.log import read_log, read_validations
 from cadet import __version__
 from cadet._util.sink import LocalSink
 from cadet.cli.eval import print_analysis, recall_option
+from cadet.cli.task_group import TaskGroup
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.analysis import Analysis
 from cadet.evaluation.analysis.result import PARTS
@@ -53,7 +54,16 @@ from cadet.formats.kitti.files.folder import check_id
 from cadet.formats.kitti.files.unreadable import Unreadable
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=TaskGroup,
+    tasks={
+        "Train": ("train", "adapt", "worth", "clusters"),
+        "Detect": ("predict", "export", "bench"),
+        "Judge": ("eval", "view"),
+    },
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="cadet makes, shows, and checks datasets: cadet --help.",
+)
 @click.version_option(__version__, prog_name="avod")
 def avod() -> None:
     """Train detectors of 3D objects on KITTI folders, and detect with them."""

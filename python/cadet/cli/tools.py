@@ -18,6 +18,7 @@ from cadet.cli.gallery import gallery_command
 from cadet.cli.gen import cadet_gen
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
+from cadet.cli.task_group import TaskGroup
 from cadet.errors import CadetError, MissingFileError
 from cadet.figures.bev_maps import view_bev_maps
 from cadet.figures.picture import check_picture_path, write_picture
@@ -31,10 +32,27 @@ _OVERVIEW_ROWS: Final = 4
 _NAMED: Final = 4
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=TaskGroup,
+    tasks={
+        "Make": ("gen", "lidar", "fit-lidar"),
+        "Look": ("view", "report", "gallery"),
+        "Check and change": ("check", "convert", "bank"),
+        "Evaluate": ("eval",),
+    },
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="avod trains detectors on such datasets, and detects: avod --help.",
+)
 @click.version_option(_cadet.__version__, prog_name="cadet")
 def cadet() -> None:
-    """Generate, show, check, and evaluate datasets in KITTI's format."""
+    """Generate, show, check, and evaluate datasets in KITTI's format.
+
+    \b
+    cadet gen out -n 40       # streets, as a KITTI folder; cadet-gen is the same
+    cadet view out            # a picture of some frames
+    cadet check out           # whether all is there, and right
+    cadet eval out results    # KITTI's AP of a detector's result files
+    """  # noqa: D301 - click reads the backspace
 
 
 @cadet.command()

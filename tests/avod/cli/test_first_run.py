@@ -6,6 +6,7 @@ import dataclasses
 import os
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import cv2
@@ -122,6 +123,11 @@ def test_progress_without_a_terminal_is_a_line_now_and_then(
     assert [line.split(",")[0] for line in predicted.splitlines()[:2]] == ["1/2 frames", "2/2 frames"]
     evaluated = call("eval", *common, "--split", "train").output
     assert [line.split(",")[0] for line in evaluated.splitlines()[:2]] == ["1/2 frames", "2/2 frames"]
+
+
+def test_every_command_has_one_task() -> None:
+    assert Counter(name for names in avod.tasks.values() for name in names) == Counter(avod.commands.keys())
+    assert "Detect:\n  predict" in call("--help").output
 
 
 def test_threads_are_the_commands_alone(dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:
