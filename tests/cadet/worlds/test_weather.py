@@ -257,11 +257,11 @@ def test_a_real_scan_in_weather() -> None:
 def test_wind_takes_rain_along_and_nothing_else() -> None:
     def capture(wind_mps: float) -> cadet.Frame:
         rain = cadet.Weather(rain_mm_h=50.0, cloud_cover=1.0, wind_mps=wind_mps)
-        return cadet.Scene.random(seed=1, weather=rain).capture()
+        return cadet.Scene.random(seed=3, weather=rain).capture()
 
     calm, windy = capture(0.0), capture(15.0)
     # Streaks lie elsewhere; all else is as bright to a few levels.
     apart = np.abs(calm.image.astype(int) - windy.image).max(axis=2)
-    assert (apart > 10).sum() > 100 and (apart > 10).mean() < 0.1 and np.median(apart) <= 2
+    assert (apart > 10).sum() > 200 and (apart > 10).mean() < 0.1 and np.median(apart) <= 2
     np.testing.assert_array_equal(calm.points_velo, windy.points_velo)
     assert calm.labels == windy.labels
