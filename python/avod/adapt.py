@@ -36,7 +36,6 @@ _SLOWER: Final = 3.0
 """What the learning rate is divided by."""
 _AVERAGE_DECAY: Final = 0.99
 _UNKNOWN_OCCLUSION: Final = 3
-_LINKED: Final = (*REQUIRED, "planes")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,8 +184,10 @@ def _write_found(
         (training / kind).mkdir(parents=True)
     ids = []
     for frame_id, labels in found:
-        for kind in _LINKED:
-            _link(training, kind, target, frame_id)
+        for kind, path in _inputs(training, target, frame_id):
+            if path.exists():
+                (training / kind).mkdir(exist_ok=True)
+                (training / kind / path.name).symlink_to(path.resolve())
         text = text_from_labels(pseudo_labels(labels, adaptation))
         file_path(training, "label_2", frame_id).write_text(text, "ascii")
         ids.append(frame_id)
@@ -195,16 +196,9 @@ def _write_found(
     aside.rename(folder)
 
 
-def _link(training: Path, kind: str, target: kitti.Dataset | RawDrive, frame_id: str) -> None:
-    """Link one of a frame's files, if there is one; a drive has one calibration, which each frame gets."""
-    if isinstance(target, RawDrive):
-        if kind == "calib":
-            file_path(training, kind, frame_id).write_text(target.calib.to_text(), "ascii")
-        if kind in ("calib", "planes"):
-            return
-        path = target.path(kind, frame_id)
-    else:
-        path = found_path(target.folder, kind, frame_id)
-    if path.exists():
-        (training / kind).mkdir(exist_ok=True)
-        (training / kind / path.name).symlink_to(path.resolve())
+def _inputs(training: Path, target: kitti.Dataset | RawDrive, frame_id: str) -> list[tuple[str, Path]]:
+    """List a frame's files to link, some of which may lack; a drive has one calibration, which is written down."""
+    if isinstance(target, kitti.Dataset):
+        return [(kind, found_path(target.folder, kind, frame_id)) for kind in (*REQUIRED, "planes")]
+    file_path(training, "calib", frame_id).write_text(target.calib.to_text(), "ascii")
+    return [(kind, target.path(kind, frame_id)) for kind in ("image_2", "velodyne")]

@@ -197,10 +197,10 @@ class PointRefinement(nn.Module):
         hidden = features
         for layer, norm in zip(self.before, self.norms[:2], strict=True):
             hidden = functional.relu(norm(layer(hidden)))
-        none = seen.new_full((len(seen), 1), _LEAST)
-        hidden = torch.cat([hidden, _greatest(hidden, box, none)[box]], dim=1)
+        least = seen.new_full((len(seen), 1), _LEAST)
+        hidden = torch.cat([hidden, _greatest(hidden, box, least)[box]], dim=1)
         hidden = functional.relu(self.norms[2](self.after[0](hidden)))
-        whole = _greatest(self.after[1](hidden), box, none)
+        whole = _greatest(self.after[1](hidden), box, least)
         corrections, logits = self.head(torch.cat([whole, seen], dim=1))
         return cast("Tensor", corrections), cast("Tensor", logits).squeeze(1)
 
