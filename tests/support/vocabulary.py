@@ -50,7 +50,8 @@ FILES: dict[str, type[Any]] = {
 """The kinds of TOML files, and what they are read as."""
 CLASSES: tuple[type[Any], ...] = (generate.Settings, Run, Adaptation, *FILES.values())
 FUNCTIONS: tuple[Callable[..., Any], ...] = (
-    *(generate.generate, cadet.stream, cadet.analyze, cadet.evaluate, kitti.lint, convert, convert_bdd100k),
+    *(generate.generate, generate.generate_frame, generate.compare, cadet.stream, cadet.analyze, cadet.evaluate),
+    *(kitti.lint, convert, convert_bdd100k),
     *(cut_objects, fit_lidar, write_report, write_gallery, analyze_detectors),
     *(cadet.Environment, cadet.Scene.random, cadet.Assets.read, cadet.ResetPolicy.as_sequence, avod.Detector),
     *(worth, fixed_recipe, Film),

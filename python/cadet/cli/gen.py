@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import click
+from click.core import ParameterSource
 from rich.console import Console
 
 from cadet import _cadet
@@ -23,7 +24,17 @@ from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
 from cadet.formats.point_files import POINT_FILES
-from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
+from cadet.generate import (
+    ENGINES,
+    EXPORTERS,
+    EXTRAS,
+    Recipe,
+    Settings,
+    Summary,
+    WorkerError,
+    generate,
+    generate_frame,
+)
 from cadet.sensors.lidar import LIDAR_PRESETS, RETURN_MODES
 from cadet.sensors.rig import RIG_PRESETS, Rig
 from cadet.worlds.config import SceneConfig
@@ -38,6 +49,8 @@ _WORLD: Final = (
     *("assets", "skip_bad", "props", "hz", "length_s"),
 )
 """The options that change the policy, by the same keys as in a file."""
+_OF_A_RUN: Final = ("out", "workers", "engine", "address", "resume", "recipe_file", "frame")
+"""The parameters that change no byte, and those that go with a recipe."""
 _A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 
 
@@ -99,6 +112,16 @@ _A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 @names_option("--write", help=f"Write these too: {','.join(EXTRAS)}.")
 @click.option("--resume", is_flag=True, help="Continue a run that the same command started.")
 @click.option(
+    "--recipe",
+    "recipe_file",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Make a dataset again from its recipe.toml, which holds all settings, and check that it is the same.",
+)
+@click.option(
+    "--frame", type=click.IntRange(0, 999_999), help="Write the files of this frame alone, as the whole set has them."
+)
+@click.option(
     "--val-fraction",
     type=float,
     default=Settings.val_fraction,
@@ -128,6 +151,8 @@ def cadet_gen(
     points: tuple[str, ...],
     write: tuple[str, ...],
     resume: bool,
+    recipe_file: Path | None,
+    frame: int | None,
     val_fraction: float,
     test_fraction: float,
     **world: Any,
@@ -144,31 +169,37 @@ def cadet_gen(
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen fields -n 500 --districts country_road   # or motorway
     cadet-gen rain -n 500 --weathers hard_rain_noon --write depth,instance
+    cadet-gen again --recipe out/recipe.toml   # out once more, byte for byte; --frame 123 writes that one alone
 
     Weathers: {weathers}
     """  # noqa: D301 - click reads the backspace
     if address is not None and engine != "ray":
         raise CadetError("--address: goes with --engine ray")
-    for suffix in points:
-        if suffix not in POINT_FILES:
-            raise CadetError(f"--points: unknown {shown(suffix)}; known: {', '.join(POINT_FILES)}")
-    try:
-        settings = Settings(
-            seed=seed,
-            num_frames=num_frames,
-            policy=_policy(policy, format, world),
-            format=format,
-            shard_size=shard_size,
-            write=tuple(dict.fromkeys((*write, *(f"points_{suffix}" for suffix in points)))),
-            val_fraction=val_fraction,
-            test_fraction=test_fraction,
+    if recipe_file is not None:
+        _check_no_settings(context)
+        recipe = Recipe.read(recipe_file)
+    else:
+        recipe = Recipe(
+            _settings(
+                policy,
+                points,
+                world,
+                seed=seed,
+                num_frames=num_frames if frame is None else frame + 1,
+                format=format,
+                shard_size=shard_size,
+                write=write,
+                val_fraction=val_fraction,
+                test_fraction=test_fraction,
+            )
         )
-    except CadetError as error:
-        # The settings' names are the options'.
-        raise CadetError(re.sub(r"^Settings\.(\w+)", lambda m: _option(m[1]), str(error))) from None
+    settings = recipe.settings
+    if frame is not None:
+        click.echo(f"wrote {len(generate_frame(out, settings, frame))} files of frame {frame:06d} to {out}", err=True)
+        return 0
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     start_s = time.monotonic()
-    report = reporter(console, num_frames)
+    report = reporter(console, settings.num_frames)
     num_done = 0
 
     def on_frame(is_new: bool) -> None:
@@ -192,10 +223,10 @@ def cadet_gen(
                 on_warning=on_warning,
             )
     except KeyboardInterrupt as error:
-        console.print(f"{how_ended(error)}; {_how_to_go_on(context, num_done, num_frames)}", markup=False)
+        console.print(f"{how_ended(error)}; {_how_to_go_on(context, num_done, settings.num_frames)}", markup=False)
         return exit_code(error)
     except WorkerError as error:
-        raise CadetError(f"{error}; {_how_to_go_on(context, num_done, num_frames)}") from None
+        raise CadetError(f"{error}; {_how_to_go_on(context, num_done, settings.num_frames)}") from None
     console.print(_closing(out, summary, time.monotonic() - start_s), markup=False)
     if summary.standing_episodes:
         console.print(_at_a_standstill(summary), markup=False)
@@ -204,14 +235,39 @@ def cadet_gen(
         console.print(
             f"val.txt is empty: validation starts with the second episode, at frame {num_first}", markup=False
         )
+    if recipe.manifest_sha256 not in (None, summary.manifest_sha256):
+        raise CadetError(
+            f"{out} is whole, but not the dataset that {recipe_file} was written for: its manifest.json has another "
+            "hash; was the recipe made by another build of cadet?"
+        )
     return 0
 
 
 cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_names()))
 
 
+def _check_no_settings(context: click.Context) -> None:
+    """Refuse options that a recipe has as well."""
+    for name in context.params:
+        if name not in _OF_A_RUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise CadetError(f"{_option(name)}: the recipe has all settings; leave it out, or change the recipe")
+
+
 def _option(key: str) -> str:
     return f"--{key.replace('_', '-')}"
+
+
+def _settings(policy: str, points: tuple[str, ...], world: Mapping[str, Any], **plain: Any) -> Settings:
+    """Return the settings that the options say."""
+    for suffix in points:
+        if suffix not in POINT_FILES:
+            raise CadetError(f"--points: unknown {shown(suffix)}; known: {', '.join(POINT_FILES)}")
+    plain["write"] = tuple(dict.fromkeys((*plain["write"], *(f"points_{suffix}" for suffix in points))))
+    try:
+        return Settings(policy=_policy(policy, plain["format"], world), **plain)
+    except CadetError as error:
+        # The settings' names are the options'.
+        raise CadetError(re.sub(r"^Settings\.(\w+)", lambda m: _option(m[1]), str(error))) from None
 
 
 def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:

@@ -19,6 +19,7 @@ from cadet.cli.gen import cadet_gen
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
 from cadet.cli.task_group import TaskGroup
+from cadet.cli.verify import verify_command
 from cadet.errors import CadetError, MissingFileError
 from cadet.figures.bev_maps import view_bev_maps
 from cadet.figures.picture import check_picture_path, write_picture
@@ -37,7 +38,7 @@ _NAMED: Final = 4
     tasks={
         "Make": ("gen", "lidar", "fit-lidar"),
         "Look": ("view", "report", "gallery"),
-        "Check and change": ("check", "convert", "bank"),
+        "Check and change": ("check", "verify", "convert", "bank"),
         "Evaluate": ("eval",),
     },
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -148,3 +149,4 @@ cadet.add_command(gallery_command)
 cadet.add_command(cadet_gen, "gen")
 cadet.add_command(lidar_command)
 cadet.add_command(report_command)
+cadet.add_command(verify_command)

@@ -20,14 +20,22 @@ from cadet.sensors.sample import Sample
 _HASHES = "sha256"
 
 
-def put_sample(sink: Sink, settings: Settings, place: Place, sample: Sample) -> dict[str, Any]:
-    """Write a sample's files, the record last, and return the record."""
+def sample_files(settings: Settings, place: Place, sample: Sample) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Return a sample's files by name, the record's last, and the record."""
     exporter = settings.exporter
     files = exporter.encode(sample, settings.write)
     hashes = {kind: sha256(data).hexdigest() for kind, data in files.items()}
-    sink.put_all({exporter.path(place, kind): data for kind, data in files.items()})
     record = {**exporter.record(sample), _HASHES: {**hashes, SEAL: BLANK}}
-    sink.put(exporter.path(place, "record"), sealed(exporter.record_bytes(record)))
+    named = {exporter.path(place, kind): data for kind, data in files.items()}
+    return {**named, exporter.path(place, "record"): sealed(exporter.record_bytes(record))}, record
+
+
+def put_sample(sink: Sink, settings: Settings, place: Place, sample: Sample) -> dict[str, Any]:
+    """Write a sample's files, the record last, and return the record."""
+    files, record = sample_files(settings, place, sample)
+    last = files.popitem()
+    sink.put_all(files)
+    sink.put(*last)
     return record
 
 

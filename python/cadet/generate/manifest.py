@@ -1,4 +1,4 @@
-"""The files that a dataset ends with: the format's lists or tables, and `manifest.json`."""
+"""The files that a dataset ends with: the format's lists or tables, `manifest.json`, and `recipe.toml`."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Any
 from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError
 from cadet.generate.frames import recorded_hashes
+from cadet.generate.recipe import RECIPE, Recipe, is_recipe_of
 from cadet.generate.settings import Settings
 
 MANIFEST = "manifest.json"
@@ -19,7 +20,7 @@ _NOT_ALLOWED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 def put_manifest(sink: Sink, settings: Settings, num_standing: int) -> Counter[str]:
-    """Write the lists or tables and the manifest of a dataset whose frames are all there.
+    """Write the lists or tables, the manifest, and the recipe of a dataset whose frames are all there.
 
     The manifest holds no time, host, path or worker count: the same settings give the same bytes.
 
@@ -59,6 +60,9 @@ def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> Counter[st
         },
     }
     _put_unless_same(sink, MANIFEST, lambda: _chunks(head, hashes, sink, settings))
+    if is_recipe_of(settings):
+        recipe = Recipe(settings, sha256(sink.read(MANIFEST)).hexdigest()).to_toml().encode("utf-8")
+        _put_unless_same(sink, RECIPE, lambda: recipe)
     return ending.labels
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
@@ -15,7 +16,7 @@ from cadet.errors import CadetError
 from cadet.generate.engine import Engine
 from cadet.generate.folder import open_folder
 from cadet.generate.local_engine import LocalEngine
-from cadet.generate.manifest import put_manifest
+from cadet.generate.manifest import MANIFEST, put_manifest
 from cadet.generate.object_sink import is_url, open_sink
 from cadet.generate.ray_engine import RayEngine
 from cadet.generate.settings import Settings
@@ -41,6 +42,8 @@ class Summary:
     """Frames of it that were taken while the ego stood."""
     standing_episodes: tuple[int, ...] = ()
     """Episodes of several frames in more than half of which it stood."""
+    manifest_sha256: str = ""
+    """The hash of `manifest.json`, and with it of the whole dataset."""
 
 
 def generate(
@@ -97,7 +100,14 @@ def generate(
         finally:
             made_by.close()
         labels = put_manifest(sink, settings, num_standing.total())
-        return Summary(num_new, num_kept, labels, num_standing.total(), _standing_episodes(settings, num_standing))
+        return Summary(
+            num_new,
+            num_kept,
+            labels,
+            num_standing.total(),
+            _standing_episodes(settings, num_standing),
+            sha256(sink.read(MANIFEST)).hexdigest(),
+        )
 
 
 def _standing_episodes(settings: Settings, num_standing: Counter[int]) -> tuple[int, ...]:
