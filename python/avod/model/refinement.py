@@ -56,6 +56,8 @@ class RefinementOutputs:
         quality_logits: (N,).
         qualities: (N,) what they should be: 0 for an overlap of the corrected box in 3D of a quarter or less, 1 for one
             of three quarters or more.
+        reversed_logits: (N,).
+        is_reversed: (N,) bool, whether the object's front is the box's rear.
     """
 
     found: Tensor
@@ -63,13 +65,20 @@ class RefinementOutputs:
     has_object: Tensor
     quality_logits: Tensor
     qualities: Tensor
+    reversed_logits: Tensor
+    is_reversed: Tensor
 
     def loss(self) -> Tensor:
-        """Compute the smooth L1 sum of corrections, averaged over those with an object, and cross entropy of qualities.
+        """Compute the smooth L1 sum of corrections, and cross entropies of reversals and of qualities.
+
+        The first two are means over those with an object.
 
         Reference of the qualities: Jiang et al., "IoU-Net" (ECCV 2018), scaled as in PV-RCNN (Shi et al., CVPR 2020).
         """
         errors = functional.smooth_l1_loss(self.found, self.wanted, beta=_SMOOTHING, reduction="none").sum(dim=1)
+        errors = errors + functional.binary_cross_entropy_with_logits(
+            self.reversed_logits, self.is_reversed.to(errors), reduction="none"
+        )
         correction = torch.where(self.has_object, errors, 0.0).sum() / self.has_object.sum().clamp(min=1)
         judgment = functional.binary_cross_entropy_with_logits(self.quality_logits, self.qualities, reduction="sum")
         return correction + _QUALITY_WEIGHT * judgment / max(len(self.qualities), 1)
@@ -97,17 +106,21 @@ class _Look:
     Attributes:
         corrections: (N, 7), in units of `_SCALES`.
         quality_logits: (N,).
+        reversed_logits: (N,), above 0 where the front is the box's rear.
         has_points: (N,) bool, enough to say so.
     """
 
     corrections: Tensor
     quality_logits: Tensor
+    reversed_logits: Tensor
     has_points: Tensor
 
     def corrected(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
-        """Apply the corrections to the boxes (N, 7)."""
+        """Apply the corrections to the boxes (N, 7), and turn those whose front is their rear."""
         limits = boxes_cam.new_tensor(_MOST)
-        return corrected(boxes_cam, (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits), plane)
+        corrections = (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits)
+        corrections[:, 6] += math.pi * (self.reversed_logits > 0.0)
+        return corrected(boxes_cam, corrections, plane)
 
 
 class PointRefinement(nn.Module):
@@ -124,7 +137,7 @@ class PointRefinement(nn.Module):
         self.before = nn.ModuleList([nn.Linear(_POINT_FEATURES, first), nn.Linear(first, second)])
         self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
         self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
-        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES), 1), 1.0)
+        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES), 1, 1), 1.0)
         nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
     def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> tuple[Tensor, Tensor]:
@@ -165,8 +178,9 @@ class PointRefinement(nn.Module):
             qualities = torch.where(has_object, (2.0 * overlap - 0.5).clamp(0.0, 1.0), 0.0)
         _, is_ignored = _nearest(boxes_cam, sample.ignored_cam)
         chosen = look.has_points & (has_object | ~is_ignored)
-        found = look.corrections[chosen], wanted[chosen], has_object[chosen], look.quality_logits[chosen]
-        return RefinementOutputs(*found, qualities[chosen])
+        is_reversed = torch.cos(truths[:, 6] - boxes_cam[:, 6]) < 0.0
+        every = look.corrections, wanted, has_object, look.quality_logits, qualities, look.reversed_logits, is_reversed
+        return RefinementOutputs(*(values[chosen] for values in every))
 
     def _look(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> _Look:
         """Look at the points of boxes (N, 7); with a generator some are left out."""
@@ -181,9 +195,10 @@ class PointRefinement(nn.Module):
             "box": torch.zeros(EXAMPLE_ROWS, dtype=torch.int64),
             "seen": torch.zeros((EXAMPLE_ROWS, _BOX_FEATURES)),
         }
-        return Part("refinement", self.judge, inputs, ("corrections", "quality_logits"), has_rows=True)
+        outputs = ("corrections", "quality_logits", "reversed_logits")
+        return Part("refinement", self.judge, inputs, outputs, has_rows=True)
 
-    def judge(self, features: Tensor, box: Tensor, seen: Tensor) -> tuple[Tensor, Tensor]:
+    def judge(self, features: Tensor, box: Tensor, seen: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Run the layers.
 
         Args:
@@ -192,7 +207,7 @@ class PointRefinement(nn.Module):
             seen: (N, 9) what `box_features` gives.
 
         Returns:
-            Corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,).
+            Corrections (N, 7), in units of `_SCALES`, logits of qualities (N,), and of reversals (N,).
         """
         hidden = features
         for layer, norm in zip(self.before, self.norms[:2], strict=True):
@@ -201,8 +216,8 @@ class PointRefinement(nn.Module):
         hidden = torch.cat([hidden, _greatest(hidden, box, least)[box]], dim=1)
         hidden = functional.relu(self.norms[2](self.after[0](hidden)))
         whole = _greatest(self.after[1](hidden), box, least)
-        corrections, logits = self.head(torch.cat([whole, seen], dim=1))
-        return cast("Tensor", corrections), cast("Tensor", logits).squeeze(1)
+        corrections, qualities, reversals = self.head(torch.cat([whole, seen], dim=1))
+        return corrections, qualities.squeeze(1), reversals.squeeze(1)
 
     def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> Points:
         """Gather the points of boxes; with a generator some are left out, a share drawn for each box."""

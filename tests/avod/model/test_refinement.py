@@ -44,11 +44,11 @@ def boxes(count: int, seed: int) -> torch.Tensor:
 
 
 def surface_points(boxes_cam: torch.Tensor, count: int, seed: int) -> torch.Tensor:
-    """Scatter points over the sides and the top of boxes: (N * count, 3)."""
+    """Scatter points over the sides and the top of boxes, most in front and on one side: (N * count, 3)."""
     generator = torch.Generator().manual_seed(seed)
     place = torch.rand((len(boxes_cam), count, 3), generator=generator) - 0.5
     side = torch.randint(3, (len(boxes_cam), count, 1), generator=generator)
-    place = torch.where(torch.arange(3) == side, torch.where(place > 0.0, 0.5, -0.5), place)
+    place = torch.where(torch.arange(3) == side, torch.where(place > -0.4, 0.5, -0.5), place)
     place[..., 1] = torch.where(side[..., 0] == 1, -1.0, place[..., 1] - 0.5)
     u, y, v = (place * boxes_cam[:, None, [3, 5, 4]]).unbind(dim=2)
     cos, sin = torch.cos(boxes_cam[:, 6:]), torch.sin(boxes_cam[:, 6:])
@@ -150,7 +150,7 @@ def test_the_overlap_is_exact_where_headings_are_equal() -> None:
     assert 0.0 < np.median(exact) < 0.9
 
 
-def test_it_learns_where_boxes_stand() -> None:
+def test_it_learns_where_boxes_stand_and_which_end_is_the_front() -> None:
     torch.manual_seed(0)
     stage = PointRefinement(dataclasses.replace(CONFIG, copies=8))
     optimizer = torch.optim.Adam(stage.parameters(), lr=5e-3)
@@ -165,6 +165,7 @@ def test_it_learns_where_boxes_stand() -> None:
     sample = sample_of(surface_points(truths, 60, seed=1000), truths)
     noise = torch.tensor([0.3, 0.15, 0.1, 0.08, 0.06, 0.06, 0.08])
     moved = corrected(truths, noise * torch.randn((40, 7), generator=torch.Generator().manual_seed(5)), FLAT)
+    moved[::2, 6] += math.pi
     with torch.no_grad():
         now, qualities = stage(sample, moved)
         empty = beside(truths, 7)
@@ -176,3 +177,4 @@ def test_it_learns_where_boxes_stand() -> None:
 
     assert overlap(moved) < 0.7 and overlap(now) > overlap(moved) + 0.08, (overlap(moved), overlap(now))
     assert qualities.median() > empty_qualities.median() + 0.3
+    assert (torch.cos(now[:, 6] - truths[:, 6]) > 0.0).float().mean() > 0.75
