@@ -39,7 +39,8 @@ from typing import Any, Final
 import cadet
 from cadet.cli.signals import signals_end
 from cadet.errors import CadetError, InternalError
-from cadet.generate import Settings, generate, local_engine, worker
+from cadet.generate import Settings, generate
+from cadet.generate.engines import local_engine, worker
 from cadet.simulation.episode import Episode
 
 FORMATS: Final = ("kitti", "webdataset", "nuscenes", "kitti_tracking", "kitti_raw")

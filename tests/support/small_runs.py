@@ -19,8 +19,9 @@ from typing import Any, NoReturn
 from cadet import CadetError, District, LabelConfig, Lidar, ResetPolicy, RoadMap
 from cadet._util.sink import LocalSink
 from cadet.cli import run_cadet_gen
-from cadet.generate import Settings, worker
-from cadet.generate.engine import Made
+from cadet.generate import Settings
+from cadet.generate.engines import worker
+from cadet.generate.engines.engine import Made
 from cadet.generate.folder import open_folder
 from cadet.generate.manifest import put_manifest
 from cadet.worlds.policy import EpisodeSpec

@@ -13,12 +13,12 @@ from cadet._util.checks import check_kind, check_number, is_one_of, shown
 from cadet._util.notices import notice
 from cadet._util.operating_system import free_memory_gb, num_processors
 from cadet.errors import CadetError
-from cadet.generate.engine import Engine
+from cadet.generate.engines.engine import Engine
+from cadet.generate.engines.local_engine import LocalEngine
+from cadet.generate.engines.ray_engine import RayEngine
 from cadet.generate.folder import open_folder
-from cadet.generate.local_engine import LocalEngine
 from cadet.generate.manifest import MANIFEST, put_manifest
 from cadet.generate.object_sink import is_url, open_sink
-from cadet.generate.ray_engine import RayEngine
 from cadet.generate.settings import Settings
 
 ENGINES: Final = ("local", "ray")

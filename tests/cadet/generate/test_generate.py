@@ -20,8 +20,9 @@ from cadet import kitti
 from cadet._util.interrupts import interrupts_held
 from cadet._util.sink import LocalSink
 from cadet.errors import CadetError, CadetWarning
-from cadet.generate import generate, local_engine
+from cadet.generate import generate
 from cadet.generate import run as run_module
+from cadet.generate.engines import local_engine
 from cadet.generate.folder import open_folder
 from gen_process import FAILED, FINE, INTERRUPTED, SIZE, run, start, tree, wait_for, workers_of, write_whole
 from small_runs import make, small_settings

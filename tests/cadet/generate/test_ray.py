@@ -17,8 +17,8 @@ import pytest
 from cadet import Camera, Lidar, ResetPolicy, Rig, _cadet
 from cadet.errors import CadetError
 from cadet.generate import Settings, generate
-from cadet.generate.engine import Failed
-from cadet.generate.ray_engine import run_episode
+from cadet.generate.engines.engine import Failed
+from cadet.generate.engines.ray_engine import run_episode
 
 PYTHON = Path(__file__).parents[3] / "python"
 

@@ -17,10 +17,10 @@ from cadet import _cadet
 from cadet._util.extras import load_extra
 from cadet._util.sink import Sink
 from cadet.errors import CadetError, WorkerError
-from cadet.generate.engine import SILENCE_S, Failed, Made
+from cadet.generate.engines.engine import SILENCE_S, Failed, Made
+from cadet.generate.engines.worker import make_episode, outcome, prepare
 from cadet.generate.folder import RUN
 from cadet.generate.settings import Settings
-from cadet.generate.worker import make_episode, outcome, prepare
 
 _MOST_DEATHS: Final = 4
 """Nodes that are rented by the minute go more often than processes crash."""

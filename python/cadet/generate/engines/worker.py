@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from cadet._util.sink import Sink
 from cadet.errors import CadetError, CadetWarning, InternalError
-from cadet.generate.engine import Failed, Made
+from cadet.generate.engines.engine import Failed, Made
 from cadet.generate.frames import put_sample, whole_record
 from cadet.generate.settings import Settings
 from cadet.simulation.episode import Episode

@@ -12,9 +12,9 @@ from cadet._util.interrupts import interrupts_held
 from cadet._util.operating_system import ENDING_SIGNALS
 from cadet._util.worker_processes import WorkerContext, WorkerProcess
 from cadet.errors import WorkerError
-from cadet.generate.engine import SILENCE_S, Failed, Made
+from cadet.generate.engines.engine import SILENCE_S, Failed, Made
+from cadet.generate.engines.worker import EpisodeDone, work
 from cadet.generate.settings import Settings
-from cadet.generate.worker import EpisodeDone, work
 
 _MOST_DEATHS: Final = 2
 _POLL_S: Final = 1.0
