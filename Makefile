@@ -112,7 +112,7 @@ fuzz: build-dev ## Feed every reader with 100,000 damaged files, half an hour on
 faults: build-dev ## Generate under 1,000 schedules of faults, a quarter of an hour (COUNT=100 for fewer)
 	PYTHONPATH=tests/support $(BIN)/python tests/support/faults.py --count $(or $(COUNT),1000)
 
-golden: build ## Renew the digests that tests/cadet/generate/test_golden_bytes.py holds
+golden: build ## Renew the hashes of frames that tests/cadet/generate/test_golden_bytes.py makes again
 	$(BIN)/python tests/support/golden_frames.py --write
 
 bench: check-rust ## Measure the core with criterion

@@ -75,7 +75,10 @@ def _check_same_version(location: str, begun: object, identity: dict[str, object
     """Refuse a run of another version: the same settings may mean other bytes there."""
     if not isinstance(begun, dict):
         raise CadetError(f"{location}/{RUN}: expected a JSON object, got {shown(begun)}; name a new folder")
-    old, new = (f"cadet {run.get('cadet')}, format {run.get('format')}" for run in (begun, identity))
+    old, new = (
+        f"cadet {run.get('cadet')}, format {run.get('format')}, generator {run.get('generator')}"
+        for run in (begun, identity)
+    )
     if old != new:
         raise CadetError(
             f"{location} was begun by another version ({' '.join(old.split())[:100]}), this is {new}: "

@@ -12,12 +12,13 @@ from cadet._util.checks import shown
 from cadet._util.plain_tables import check_keys, value_of
 from cadet._util.toml_file import TomlFile
 from cadet.errors import CadetError
+from cadet.generate.golden_frames import generator
 from cadet.generate.settings import FORMAT_VERSION, Settings
 from cadet.worlds.policy import ResetPolicy
 
 RECIPE: Final = "recipe.toml"
 """Its name in a dataset."""
-_VERSION: Final = {"cadet": _cadet.__version__, "format_version": FORMAT_VERSION}
+_VERSION: Final = {"cadet": _cadet.__version__, "format_version": FORMAT_VERSION, "generator": generator()}
 _PLAIN: Final = {
     "seed": int,
     "num_frames": int,
@@ -50,7 +51,7 @@ class Recipe(TomlFile):
         for key, here in _VERSION.items():
             if table.get(key, here) != here:
                 raise CadetError(
-                    f"{key}: the recipe is of {shown(table[key])}, this is {here!r}, which may give other bytes: "
+                    f"{key}: the recipe is of {shown(table[key])}, this is {here!r}, which gives other bytes: "
                     "install that version, or take the key out of the recipe"
                 )
         digest = value_of(str | None, table.get("manifest_sha256"), folder, "manifest_sha256")

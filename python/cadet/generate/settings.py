@@ -19,13 +19,14 @@ from cadet.formats.kitti_sequences import KittiRawExporter, KittiTrackingExporte
 from cadet.formats.nuscenes.exporter import NuscenesExporter
 from cadet.formats.ros_bags import McapExporter
 from cadet.formats.webdataset.exporter import WebdatasetExporter
+from cadet.generate.golden_frames import generator
 from cadet.generate.object_sink import open_sink
 from cadet.sensors.rig import Rig
 from cadet.sensors.sample import Wanted
 from cadet.worlds.policy import ResetPolicy
 
 FORMAT_VERSION = 2
-"""Rises with every change of what the same settings give."""
+"""Rises with every change of a dataset's files; `golden_frames.generator` names what frames the same settings give."""
 _ALL: Final[tuple[Exporter, ...]] = (
     KittiExporter(),
     KittiTrackingExporter(),
@@ -182,6 +183,7 @@ class Settings:
             "format": FORMAT_VERSION,
             **format_name,
             "cadet": _cadet.__version__,
+            "generator": generator(),
             "seed": self.seed,
             "write": list(self.kinds),
             "val_fraction": self.val_fraction,

@@ -1,6 +1,6 @@
 """The same seed gives the same bytes, whatever the processor: a change here is a change of every dataset.
 
-`make golden` renews what is held (tests/support/golden_frames.py).
+`make golden` renews what is held (python/cadet/generate/golden_frames.json).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import pytest
 
 import cadet
 import golden_frames
-from golden_frames import CASES, digest, stored
+from cadet.generate.golden_frames import CASES, digest, stored
 
 
 def test_every_policy_and_rig_of_the_package_has_a_golden_frame() -> None:

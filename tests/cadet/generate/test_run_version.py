@@ -10,15 +10,17 @@ import pytest
 from cadet import CadetError, __version__
 from cadet.generate import Settings
 from cadet.generate.folder import open_folder
+from cadet.generate.golden_frames import generator
 from cadet.generate.settings import FORMAT_VERSION
 
 
 @pytest.mark.parametrize(
     ("change", "old"),
     [
-        ({"cadet": "0.0.9"}, f"cadet 0.0.9, format {FORMAT_VERSION}"),
-        ({"format": FORMAT_VERSION - 1}, f"cadet {__version__}, format {FORMAT_VERSION - 1}"),
-        ({"cadet": None}, f"cadet None, format {FORMAT_VERSION}"),
+        ({"cadet": "0.0.9"}, f"cadet 0.0.9, format {FORMAT_VERSION}, generator {generator()}"),
+        ({"format": FORMAT_VERSION - 1}, f"cadet {__version__}, format {FORMAT_VERSION - 1}, generator {generator()}"),
+        ({"cadet": None}, f"cadet None, format {FORMAT_VERSION}, generator {generator()}"),
+        ({"generator": "0123456789ab"}, f"cadet {__version__}, format {FORMAT_VERSION}, generator 0123456789ab"),
     ],
 )
 def test_a_run_of_another_version_is_not_gone_on_with(tmp_path: Path, change: dict[str, object], old: str) -> None:
@@ -31,6 +33,6 @@ def test_a_run_of_another_version_is_not_gone_on_with(tmp_path: Path, change: di
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     with pytest.raises(CadetError) as caught, open_folder(out, settings, resume=True):
         pass
-    new = f"cadet {__version__}, format {FORMAT_VERSION}"
+    new = f"cadet {__version__}, format {FORMAT_VERSION}, generator {generator()}"
     assert str(caught.value).startswith(f"{out} was begun by another version ({old}), this is {new}: go on with")
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before

@@ -1,0 +1,87 @@
+"""Frames whose bytes are promised on Linux and x86-64: one for each policy and rig of `cadet-gen`, and one in the rain.
+
+`make golden` renews `golden_frames.json`, which holds their hashes.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from cadet.formats.kitti import Frame
+from cadet.sensors.mounted import MountedCamera
+from cadet.sensors.rig import Rig
+from cadet.simulation.scene import Scene
+from cadet.worlds.policy import ResetPolicy
+
+FILE: Final = Path(__file__).with_suffix(".json")
+_DIGITS: Final = 12
+
+
+@dataclass(frozen=True)
+class Case:
+    """The first frame of seed 0."""
+
+    policy: str = "kitti"
+    rig: str = "kitti"
+    weather: str | None = None
+    """Drawn by the policy if None."""
+    image_size: tuple[int, int] | None = None
+    """Of every camera; the rig's own if None."""
+
+    def capture(self) -> Frame:
+        """Make the frame, with all its maps."""
+        rig = Rig.named(self.rig)
+        if self.image_size is not None:
+            rig = _resized(rig, self.image_size)
+        return Scene.random(seed=0, policy=ResetPolicy.named(self.policy), rig=rig, weather=self.weather).capture()
+
+
+CASES: Final = {
+    "kitti": Case(),
+    "paper": Case(policy="paper", rig="paper"),
+    "cadet": Case(rig="cadet"),
+    "rain": Case(weather="hard_rain_noon"),
+    # Six cameras: small ones, since an emulated processor makes them too.
+    "nuscenes": Case(rig="nuscenes", weather="clear_noon", image_size=(320, 180)),
+}
+
+
+def _resized(rig: Rig, size: tuple[int, int]) -> Rig:
+    more = tuple(
+        replace(one, camera=one.camera.resized(*size)) if isinstance(one, MountedCamera) else one for one in rig.more
+    )
+    return replace(rig, camera=rig.camera.resized(*size), more=more)
+
+
+def digest(frame: Frame) -> str:
+    """Hash all that a frame holds."""
+    found = sha256()
+    maps = (frame.depth, frame.instance, frame.semantic)
+    others = [image for name, image in frame.images.items() if name != next(iter(frame.images))]
+    for part in (frame.image, frame.points_velo, frame.plane, *maps, *others):
+        assert part is not None
+        found.update(f"{part.dtype} {part.shape}".encode())
+        found.update(np.ascontiguousarray(part).tobytes())
+    texts = [frame.calib.to_text(), *(label.to_line() for label in frame.labels)]
+    texts.append(json.dumps(frame.meta, sort_keys=True))
+    found.update("\n".join(texts).encode())
+    return found.hexdigest()
+
+
+def stored() -> dict[str, str]:
+    """Return the hashes that are promised."""
+    held: dict[str, str] = json.loads(FILE.read_text(encoding="utf-8"))
+    return held
+
+
+@lru_cache(maxsize=1)
+def generator() -> str:
+    """Name what frames this build makes of a seed: twelve digits, others for a build whose golden frames are others."""
+    return sha256(json.dumps(stored(), sort_keys=True).encode("utf-8")).hexdigest()[:_DIGITS]
