@@ -3,9 +3,32 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Final
 
 from cadet.errors import CadetError
+
+
+@dataclass(frozen=True)
+class Extra:
+    """An extra of the package `cadet-sim`, as pyproject.toml names it."""
+
+    purpose: str
+    """What it is for."""
+    modules: tuple[str, ...]
+    """The modules that it brings."""
+
+
+EXTRAS: Final = {
+    "avod": Extra("train detectors, and detect", ("torch", "safetensors")),
+    "onnx": Extra("export detectors", ("onnx", "onnxscript")),
+    "gym": Extra("Gymnasium environment", ("gymnasium",)),
+    "view": Extra("episodes in Rerun", ("rerun",)),
+    "mcap": Extra("ROS 2 bags", ("mcap", "rosbags")),
+    "remote": Extra("object stores", ("fsspec", "gcsfs", "s3fs")),
+    "cluster": Extra("a Ray cluster", ("ray",)),
+}
+"""The extras for users, by name."""
 
 
 def load_extra(module: str, extra: str, purpose: str) -> Any:

@@ -13,6 +13,7 @@ from cadet._util.checks import shown_key
 from cadet.cli.bank import bank_command
 from cadet.cli.check import check_command
 from cadet.cli.convert import convert_command
+from cadet.cli.doctor import doctor_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
 from cadet.cli.gen import cadet_gen
@@ -38,7 +39,7 @@ _NAMED: Final = 4
     tasks={
         "Make": ("gen", "lidar", "fit-lidar"),
         "Look": ("view", "report", "gallery"),
-        "Check and change": ("check", "verify", "convert", "bank"),
+        "Check and change": ("check", "verify", "convert", "bank", "doctor"),
         "Evaluate": ("eval",),
     },
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -143,6 +144,7 @@ def _view_some(dataset: kitti.Dataset | ShardDataset, root: Path, out: Path) -> 
 cadet.add_command(bank_command)
 cadet.add_command(check_command)
 cadet.add_command(convert_command)
+cadet.add_command(doctor_command)
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
 cadet.add_command(gallery_command)
