@@ -23,7 +23,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 unexport PYTHONPATH
 unexport PYTHONHOME
 
-.PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python test-fast emulator golden \
+.PHONY: help check-rust check-python setup build build-dev wheel demo test test-core lint test-rust test-python test-fast emulator golden \
 	fuzz faults bench bench-tables bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
@@ -65,6 +65,11 @@ build: setup ## Build the release extension and install it with its dependencies
 build-dev: setup ## The same with the tools for tests and lints
 	@$(call quietly,Building the Rust core and installing the development tools (the first time takes some minutes),\
 		$(DEVELOP) --extras $(EXTRAS))
+
+wheel: setup ## Build a wheel for this machine into dist/, which pip installs where there is no Rust
+	@rm -rf dist
+	@$(call quietly,Building a wheel (the first time takes two or three minutes),$(BIN)/maturin build --release --locked --out dist)
+	@du -h dist/*.whl
 
 demo: build ## Write 40 samples and a picture of them to demo/
 	@rm -rf $(DEMO)/training $(DEMO)/ImageSets $(DEMO)/manifest.json $(DEMO)/run.json $(DEMO)/overview.png

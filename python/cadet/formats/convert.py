@@ -181,7 +181,7 @@ def _made_lists(source: _Source) -> dict[str, bytes]:
 
 def _left_out(root: Path, taken: set[Path]) -> tuple[str, ...]:
     """Name the files that are not taken; those that tell of a run, which goes on in its own folder alone, aside."""
-    of_run = {Path("run.json"), Path("manifest.json"), Path("recipe.toml")}
+    of_run = {Path(name) for name in ("run.json", "manifest.json", "recipe.toml", "croissant.json")}
     files = (path.relative_to(root) for path in sorted(root.rglob("*")) if path.is_file())
     return tuple(str(path) for path in files if path not in taken and path not in of_run)
 

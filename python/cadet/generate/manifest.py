@@ -11,6 +11,8 @@ from typing import Any
 
 from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError
+from cadet.formats.kitti.croissant import CROISSANT, croissant
+from cadet.formats.kitti.exporter import KittiExporter
 from cadet.generate.frames import recorded_hashes
 from cadet.generate.recipe import RECIPE, Recipe, is_recipe_of
 from cadet.generate.settings import Settings
@@ -60,9 +62,11 @@ def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> Counter[st
         },
     }
     _put_unless_same(sink, MANIFEST, lambda: _chunks(head, hashes, sink, settings))
+    digest = sha256(sink.read(MANIFEST)).hexdigest()
     if is_recipe_of(settings):
-        recipe = Recipe(settings, sha256(sink.read(MANIFEST)).hexdigest()).to_toml().encode("utf-8")
-        _put_unless_same(sink, RECIPE, lambda: recipe)
+        _put_unless_same(sink, RECIPE, lambda: Recipe(settings, digest).to_toml().encode("utf-8"))
+    if isinstance(settings.exporter, KittiExporter):
+        _put_unless_same(sink, CROISSANT, lambda: croissant(settings.kinds, head, digest))
     return ending.labels
 
 

@@ -44,7 +44,8 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_layout_is_kittis(whole: Path) -> None:
     dataset = kitti.Dataset(whole)
     assert dataset.ids == tuple(f"{number:06d}" for number in range(10))
-    assert sorted(path.name for path in whole.iterdir()) == "ImageSets manifest.json run.json testing training".split()
+    names = "ImageSets croissant.json manifest.json run.json testing training".split()
+    assert sorted(path.name for path in whole.iterdir()) == names
     folders = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
     assert sorted(path.name for path in (whole / "training").iterdir()) == folders
     frame = kitti.read_frame(whole, 5)
@@ -58,7 +59,7 @@ def test_the_manifest_holds_every_files_hash_and_nothing_of_the_machine(whole: P
     text = (whole / "manifest.json").read_text()
     manifest = json.loads(text)
     files = tree(whole)
-    del files["manifest.json"], files["run.json"]
+    del files["manifest.json"], files["run.json"], files["croissant.json"]
     assert manifest["sha256"] == files
     labels = Counter(label.type for number in range(10) for label in kitti.read_frame(whole, number).labels)
     assert manifest["counts"] == {"frames": 10, "episodes": 3, "standing": 0, "labels": labels}

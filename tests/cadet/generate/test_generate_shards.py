@@ -70,8 +70,10 @@ def test_shards_hold_the_bytes_of_kittis_files_in_its_splits(shards: Path, as_ki
 
 
 def test_converting_the_folder_gives_the_same_shards_and_back(shards: Path, as_kitti: Path, tmp_path: Path) -> None:
+    of_run = ("run.json", "manifest.json", "croissant.json")
+
     def without_run(root: Path) -> dict[str, str]:
-        return {name: digest for name, digest in tree(root).items() if name not in ("run.json", "manifest.json")}
+        return {name: digest for name, digest in tree(root).items() if name not in of_run}
 
     convert(as_kitti, tmp_path / "shards", "webdataset", shard_size=2)
     assert tree(tmp_path / "shards") == without_run(shards)

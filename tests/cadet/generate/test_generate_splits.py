@@ -71,7 +71,7 @@ def test_test_frames_are_those_of_the_same_command_without_them(split_set: Path,
 def test_the_manifest_names_test_frames(split_set: Path) -> None:
     manifest = json.loads((split_set / "manifest.json").read_text())
     files = tree(split_set)
-    del files["manifest.json"], files["run.json"]
+    del files["manifest.json"], files["run.json"], files["croissant.json"]
     assert manifest["sha256"] == files
     assert manifest["test_fraction"] == 0.34
     assert manifest["counts"]["frames"] == 26

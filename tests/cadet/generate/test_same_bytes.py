@@ -49,8 +49,8 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     out = tmp_path_factory.mktemp("whole") / "out"
     finish(write(out, 1))
     files = tree(out)
-    # Nine files a frame, four lists, the manifest, the recipe, and the run's settings.
-    assert len(files) == 9 * NUM_FRAMES + 7
+    # Nine files a frame, four lists, manifest, recipe, description, and the run's settings.
+    assert len(files) == 9 * NUM_FRAMES + 8
     assert len({digest for name, digest in files.items() if "velodyne" in name}) == NUM_FRAMES
     return files
 
