@@ -38,6 +38,7 @@ from cadet.simulation.environment import Environment
 from cadet.simulation.scene import RayHits, Scene
 from cadet.simulation.simulation import Simulation
 from cadet.simulation.streaming import FrameStream, stream
+from cadet.simulation.twin import twin
 from cadet.worlds.assets import ActorMesh, Assets
 from cadet.worlds.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
 from cadet.worlds.districts import District
@@ -138,6 +139,7 @@ __all__ = [
     "read_detections",
     "read_ground_truth",
     "stream",
+    "twin",
     "view",
     "weather_names",
 ]

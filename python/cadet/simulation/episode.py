@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import methodcaller
 from typing import Any
 
 from cadet import _cadet
@@ -114,6 +115,9 @@ class Episode:
         self._num_empty = 0
         self._num_vain = 0
         self._spec: EpisodeSpec | None = None
+        self._moves: list[Callable[[_cadet.Scene], None]] = []
+        """What was done to the world since it was built."""
+        self._last = 0
 
     def next_sample(self, number: int) -> Sample:
         """Drive on and return the next view with a labeled object as sample `number` of the episode.
@@ -126,6 +130,7 @@ class Episode:
         Raises:
             CadetError: no world showed a labeled object.
         """
+        self._last = number
         while True:
             scene, spec = self._advance(number)
             if self._is_in_sequence(number):
@@ -140,6 +145,20 @@ class Episode:
                 continue
             self._num_empty = self._num_vain = 0
             return Sample(captured, spec.mounted_rig, self._origin(number, spec))
+
+    def otherwise(self, change: Callable[[EpisodeSpec], EpisodeSpec]) -> Sample:
+        """Return the last sample once more, from a world that is drawn otherwise and driven as far.
+
+        Raises:
+            CadetError: there is no last sample, or what is changed is refused.
+        """
+        if self._spec is None:
+            raise CadetError("otherwise: expected a sample before it")
+        spec = change(self._spec)
+        scene = build_scene(spec)
+        for move in self._moves:
+            move(scene)
+        return Sample(scene.capture(self._request(spec, self._last)), spec.mounted_rig, self._origin(self._last, spec))
 
     def _is_in_sequence(self, number: int) -> bool:
         """Tell whether the sample follows another one by time alone."""
@@ -166,18 +185,24 @@ class Episode:
             self._spec = self._draw(self.seed, self.number, self._attempt)
             self.scene = build_scene(self._spec)
             self._commanded = None
+            self._moves = []
             return self.scene, self._spec
         if self.command != self._commanded:
-            self.scene.command_ego(self.command)
+            self._move(self.scene, methodcaller("command_ego", self.command))
             self._commanded = self.command
         if self._is_in_sequence(number):
-            self.scene.step(float(self.policy.time_step_s or 0.0))
+            self._move(self.scene, methodcaller("step", float(self.policy.time_step_s or 0.0)))
         else:
-            self.scene.drive(float(self.policy.distance_m), float(self.policy.blocked_s))
+            drive = methodcaller("drive", float(self.policy.distance_m), float(self.policy.blocked_s))
+            self._move(self.scene, drive)
             if self.scene.ego_is_at_road_end:
                 self._redraw()
                 return self._advance(number)
         return self.scene, self._spec
+
+    def _move(self, scene: _cadet.Scene, move: Callable[[_cadet.Scene], None]) -> None:
+        move(scene)
+        self._moves.append(move)
 
     def _note_road_end(self, scene: _cadet.Scene, spec: EpisodeSpec) -> None:
         """Warn of an ego that stands at its road's end for the rest of a sequence."""

@@ -14,7 +14,6 @@ import pytest
 from cadet import kitti
 from small_runs import make
 
-
 # mlcroissant calls what rdflib is about to take away.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning:rdflib")
 
