@@ -78,3 +78,37 @@ def test_wrong_parts_and_files_in_the_way_are_refused(tmp_path: Path) -> None:
     with pytest.raises(CadetError, match="nothing"):
         list(write_gallery(tmp_path / "out", ("people",), real=tmp_path / "nothing"))
     assert not (tmp_path / "out").exists(), "refused before there is work"
+
+
+def test_every_district_has_streets_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Street:
+        def __init__(self, seed: int) -> None:
+            self.seed = seed
+
+        def capture(self, *, sensors: tuple[str, ...]) -> int:
+            return self.seed
+
+    monkeypatch.setattr(Scene, "random", lambda *, seed, policy: Street(seed))
+    names = ("quiet", "parked_rows", "motorway")
+    by_day = [set(pages._views(name, "clear_noon", 2)) for name in names]
+    assert len(set.union(*by_day)) == 2 * len(names)
+    assert [set(pages._views(name, "snow", 2)) for name in names] == by_day, "the same streets in every weather"
+
+
+def test_the_sheets_of_districts_and_lidars_have_a_tile_for_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[list[str]] = []
+
+    def page(title: str, shown: list[tuple[str, Any]], **_: object) -> str:
+        drawn.append([caption for caption, _ in shown])
+        return title
+
+    monkeypatch.setattr(pages, "page", page)
+    monkeypatch.setattr(pages, "DISTRICTS", ("quiet", "campus"))
+    monkeypatch.setattr(pages, "LIDAR_PRESETS", ("vlp16", "livox_mid40"))
+    assert [name for part in ("districts", "lidars") for name, _ in pages.PAGES[part]()] == ["districts", "lidars"]
+    districts, lidars = drawn
+    assert [caption.split(",")[0] for caption in districts] == ["quiet", "quiet", "campus", "campus"]
+    assert len(set(districts)) == 4
+    counts = [int(caption.split(", ", 1)[1].removesuffix(" returns").replace(",", "")) for caption in lidars]
+    # 28,800 and 10,000 beams at 10 Hz; some meet nothing.
+    assert 15_000 < counts[0] < 28_800 and 3_000 < counts[1] < 10_000

@@ -17,6 +17,8 @@ from cadet.formats.kitti.dataset import Dataset
 from cadet.formats.kitti.drawing.bev import bev_figure
 from cadet.formats.kitti.drawing.camera import lidar_figure
 from cadet.formats.kitti.frame import Frame
+from cadet.sensors.lidar import LIDAR_PRESETS, Lidar
+from cadet.sensors.rig import Rig
 from cadet.simulation.scene import Scene
 from cadet.worlds.districts import DISTRICTS, District
 from cadet.worlds.policy import ResetPolicy
@@ -28,10 +30,14 @@ _PER_FAMILY: Final = 24
 _VEHICLES: Final = {"car": 480, "van": 160, "truck": 240, "misc": 160}
 _PEOPLE: Final = {"pedestrian": 1.3, "cyclist": 4.5, "person_sitting": None}
 _WEATHERS: Final = ("clear_noon", "cloudy_noon", "clear_sunset", "hard_rain_noon", "dusk", "clear_night", "wet_night")
+_OTHER_WEATHERS: Final = ("wet_sunset", "hard_rain_noon", "light_fog", "snow", "dusk", "clear_night", "wet_night")
 _VIEWS_PER_WEATHER: Final = 2
 _PORTRAIT_PX: Final = (300, 200)
 _PERSON_PX: Final = (150, 240)
 _STREET_PX: Final = (828, 250)
+_SMALL_PX: Final = (360, 109)
+_LIDAR_PX: Final = 330
+_LIDAR_SEED: Final = 1
 _SCANS_PER_DISTRICT: Final = 2
 _REAL_SCANS: Final = 8
 
@@ -73,6 +79,29 @@ def _streets() -> Iterator[Page]:
         yield f"street_{name}", page(f"district {name}", tiles, across=2, tile_px=_STREET_PX)
 
 
+def _districts() -> Iterator[Page]:
+    """One sheet of all districts, a street of each in fair weather and in one that is not."""
+    tiles = [
+        (f"{name}, {weather}", frame.image)
+        for number, name in enumerate(DISTRICTS)
+        for weather in ("clear_noon", _OTHER_WEATHERS[number % len(_OTHER_WEATHERS)])
+        for frame in _views(name, weather, 1)
+    ]
+    yield "districts", page("districts", tiles, across=4, tile_px=_SMALL_PX)
+
+
+def _lidars() -> Iterator[Page]:
+    """What each LIDAR of the package sees of one street, from above."""
+    policy = ResetPolicy.kitti().with_districts(District.named("main_road")).with_weathers("cloudy_noon")
+    tiles = []
+    for name in LIDAR_PRESETS:
+        rig = Rig.kitti().with_lidar(Lidar(name))
+        frame = Scene.random(seed=_LIDAR_SEED, policy=policy, rig=rig).capture(sensors=())
+        figure = bev_figure(replace(frame, labels=()), _LIDAR_PX, has_text=False)
+        tiles.append((f"{name}, {len(frame.points_velo):,} returns", figure))
+    yield "lidars", page("LIDARs in one street, from above", tiles, across=5, tile_px=(_LIDAR_PX, _LIDAR_PX))
+
+
 def _scans() -> Iterator[Page]:
     """Scans of each district from above and in the image."""
     tiles = [
@@ -107,14 +136,18 @@ def _scan_figures(frame: Frame) -> tuple[style.Image, style.Image]:
 
 def _views(district_name: str, weather: str, num: int) -> Iterator[Frame]:
     policy = ResetPolicy.kitti().with_districts(District.named(district_name)).with_weathers(weather)
-    for seed in range(num):
+    # Streets of its own for each district, the same ones in every weather.
+    first = num * list(DISTRICTS).index(district_name)
+    for seed in range(first, first + num):
         yield Scene.random(seed=seed, policy=policy).capture(sensors=())
 
 
 PAGES: Final[dict[str, Callable[[], Iterator[Page]]]] = {
     "vehicles": _vehicles,
     "people": _people,
+    "districts": _districts,
     "streets": _streets,
+    "lidars": _lidars,
     "scans": _scans,
 }
 """The parts of the gallery by name; each yields its pages' names and pictures."""
