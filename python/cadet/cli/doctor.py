@@ -16,9 +16,9 @@ from cadet._util.operating_system import free_memory_gb, num_processors
 from cadet._util.text_tables import aligned
 from cadet.generate import Settings
 from cadet.generate.engines.worker import prepare
-from cadet.generate.frames import sample_files
+from cadet.generate.frames import sample_files, samples_at
 from cadet.generate.golden_frames import CASES, digest, generator, stored
-from cadet.simulation.episode import Episode
+from cadet.worlds.policy import ResetPolicy
 
 _PROMISED: Final = ("linux", "x86_64")
 _CASE: Final = "kitti"
@@ -42,7 +42,8 @@ def doctor_command() -> int:
     is_same = digest(CASES[_CASE].capture()) == stored()[_CASE]
     is_promised = (sys.platform, platform.machine().lower().replace("amd64", "x86_64")) == _PROMISED
     click.echo(f"Bytes: {_of_bytes(is_same=is_same, is_promised=is_promised)}")
-    minutes = _episode_s() * _FRAMES / Settings(policy="kitti").policy.samples_per_episode / num_processors() / 60.0  # type: ignore[arg-type]
+    settings = Settings(policy=ResetPolicy.kitti(), num_frames=_FRAMES)
+    minutes = _episode_s(settings) * settings.num_episodes / num_processors() / 60.0
     click.echo(f"Speed: cadet-gen -n {_FRAMES} takes about {max(minutes, 0.1):.1f} minutes")
     return 1 if is_promised and not is_same else 0
 
@@ -60,11 +61,9 @@ def _of_bytes(*, is_same: bool, is_promised: bool) -> str:
     return "a seed gives other frames here than on Linux on x86-64, for which alone they are promised"
 
 
-def _episode_s() -> float:
-    """Return how long one process takes for an episode of KITTI's policy, all but writing the files."""
-    settings = Settings(policy="kitti")  # type: ignore[arg-type]
+def _episode_s(settings: Settings) -> float:
+    """Return how long one process takes for an episode, all but writing the files."""
     begin_s = time.monotonic()
-    views = Episode(settings.policy, settings.seed, 0, wanted=settings.wanted)
-    for place in settings.places_of(0):
-        sample_files(settings, place, views.next_sample(place.sample))
+    for place, sample in samples_at(settings, settings.places_of(0)):
+        sample_files(settings, place, sample)
     return time.monotonic() - begin_s

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -14,13 +14,13 @@ from cadet._util.checks import as_seed, check_kind, check_number
 from cadet._util.process_map import process_map
 from cadet._util.sink import Sink
 from cadet.errors import CadetError, FrameExistsError, MissingFileError
+from cadet.formats.exporter import Place
 from cadet.formats.kitti.exporter import KittiExporter
-from cadet.generate.frames import sample_files
+from cadet.generate.frames import sample_files, samples_at
 from cadet.generate.manifest import MANIFEST
 from cadet.generate.object_sink import open_sink
 from cadet.generate.recipe import Recipe
 from cadet.generate.settings import Settings
-from cadet.simulation.episode import Episode
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,8 @@ def generate_frame(root: str | Path, settings: Settings, frame: int) -> tuple[st
     check_number("", "frame", frame, 0, settings.num_frames - 1, whole=True)
     if not isinstance(settings.exporter, KittiExporter):
         raise CadetError(f"frame: only kitti has all of a frame in files of its own, {settings.format} does not")
-    (files,) = _made(settings, [frame])
+    ((place, sample),) = samples_at(settings, [settings.place(frame)])
+    files, _ = sample_files(settings, place, sample)
     sink = open_sink(root)
     with sink.held():
         try:
@@ -92,7 +93,8 @@ def compare(root: str | Path, recipe: Recipe, *, num_frames: int = 20, seed: int
         raise MissingFileError(f"{sink.location}: no dataset of cadet-gen's: there is no {MANIFEST} in it")
     count = min(num_frames, settings.num_frames)
     chosen = sorted(random.Random(as_seed(seed)).sample(range(settings.num_frames), count))
-    episodes = [list(numbers) for _, numbers in groupby(chosen, lambda number: settings.place(number).episode)]
+    places = map(settings.place, chosen)
+    episodes = [list(of_episode) for _, of_episode in groupby(places, lambda place: place.episode)]
     wanted = {} if recipe.manifest_sha256 is None else {MANIFEST: recipe.manifest_sha256}
     for hashes in process_map(partial(_hashes, settings), episodes, workers=workers, at_once=1):
         wanted.update(hashes)
@@ -109,17 +111,10 @@ def _hash_there(sink: Sink, name: str) -> str | None:
         return None
 
 
-def _hashes(settings: Settings, numbers: Sequence[int]) -> dict[str, str]:
+def _hashes(settings: Settings, places: Sequence[Place]) -> dict[str, str]:
     """Return the hashes, by name, of all files of some frames of one episode."""
-    return {name: sha256(data).hexdigest() for files in _made(settings, numbers) for name, data in files.items()}
-
-
-def _made(settings: Settings, numbers: Sequence[int]) -> Iterator[dict[str, bytes]]:
-    """Drive an episode to the last of some of its frames, and yield their files by name."""
-    places = {place.sample: place for place in map(settings.place, numbers)}
-    episode = settings.place(numbers[0]).episode
-    views = Episode(settings.policy, settings.seed, episode, wanted=settings.wanted)
-    for number in range(max(places) + 1):
-        sample = views.next_sample(number)
-        if number in places:
-            yield sample_files(settings, places[number], sample)[0]
+    return {
+        name: sha256(data).hexdigest()
+        for place, sample in samples_at(settings, places)
+        for name, data in sample_files(settings, place, sample)[0].items()
+    }

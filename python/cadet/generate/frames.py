@@ -6,6 +6,7 @@ there and every hash fits.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from typing import Any
 
@@ -16,8 +17,22 @@ from cadet.formats.exporter import Place
 from cadet.formats.record_seal import BLANK, SEAL, is_intact, sealed
 from cadet.generate.settings import Settings
 from cadet.sensors.sample import Sample
+from cadet.simulation.episode import Episode
 
 _HASHES = "sha256"
+
+
+def samples_at(settings: Settings, places: Sequence[Place]) -> Iterator[tuple[Place, Sample]]:
+    """Drive an episode to the last of some of its places, and yield each with its sample.
+
+    Driving leads from view to view, so what lies between them is seen too.
+    """
+    views = Episode(settings.policy, settings.seed, places[0].episode, wanted=settings.wanted)
+    wanted = {place.sample: place for place in places}
+    for number in range(places[-1].sample + 1):
+        sample = views.next_sample(number)
+        if number in wanted:
+            yield wanted[number], sample
 
 
 def sample_files(settings: Settings, place: Place, sample: Sample) -> tuple[dict[str, bytes], dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""The files that a dataset ends with: the format's lists or tables, `manifest.json`, and `recipe.toml`."""
+"""The files that a dataset ends with: the format's lists or tables, `manifest.json`, recipe, and description."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ MANIFEST = "manifest.json"
 _NOT_ALLOWED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
-def put_manifest(sink: Sink, settings: Settings, num_standing: int) -> Counter[str]:
-    """Write the lists or tables, the manifest, and the recipe of a dataset whose frames are all there.
+def put_manifest(sink: Sink, settings: Settings, num_standing: int) -> tuple[Counter[str], str]:
+    """Write the lists or tables, the manifest, recipe, and description of a dataset whose frames are all there.
 
     The manifest holds no time, host, path or worker count: the same settings give the same bytes.
 
@@ -32,7 +32,7 @@ def put_manifest(sink: Sink, settings: Settings, num_standing: int) -> Counter[s
         num_standing: how many of them were taken while the ego stood.
 
     Returns:
-        How many labels of each type there are.
+        How many labels of each type there are, and the manifest's hash.
 
     Raises:
         CadetError: a file was removed or damaged while the dataset was being written.
@@ -44,7 +44,7 @@ def put_manifest(sink: Sink, settings: Settings, num_standing: int) -> Counter[s
         raise CadetError(f"{error.filename} was removed by another program during the run") from None
 
 
-def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> Counter[str]:
+def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> tuple[Counter[str], str]:
     ending = settings.exporter.finish(sink, settings.places())
     hashes: dict[str, str] = {}
     for name, data in ending.files.items():
@@ -67,7 +67,7 @@ def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> Counter[st
         _put_unless_same(sink, RECIPE, lambda: Recipe(settings, digest).to_toml().encode("utf-8"))
     if isinstance(settings.exporter, KittiExporter):
         _put_unless_same(sink, CROISSANT, lambda: croissant(settings.kinds, head, digest))
-    return ending.labels
+    return ending.labels, digest
 
 
 def _put_unless_same(sink: Sink, name: str, make: Callable[[], bytes | Iterator[bytes]]) -> None:

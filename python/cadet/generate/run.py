@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
@@ -17,7 +16,7 @@ from cadet.generate.engines.engine import Engine
 from cadet.generate.engines.local_engine import LocalEngine
 from cadet.generate.engines.ray_engine import RayEngine
 from cadet.generate.folder import open_folder
-from cadet.generate.manifest import MANIFEST, put_manifest
+from cadet.generate.manifest import put_manifest
 from cadet.generate.object_sink import is_url, open_sink
 from cadet.generate.settings import Settings
 
@@ -99,14 +98,14 @@ def generate(
                 on_frame(made.is_new)
         finally:
             made_by.close()
-        labels = put_manifest(sink, settings, num_standing.total())
+        labels, manifest_sha256 = put_manifest(sink, settings, num_standing.total())
         return Summary(
             num_new,
             num_kept,
             labels,
             num_standing.total(),
             _standing_episodes(settings, num_standing),
-            sha256(sink.read(MANIFEST)).hexdigest(),
+            manifest_sha256,
         )
 
 

@@ -21,7 +21,7 @@ SAME = "Bytes: a seed gives the same frames here as on other machines"
 
 
 def run(monkeypatch: pytest.MonkeyPatch, **changes: object) -> tuple[int, str]:
-    for name, value in {"num_processors": lambda: 2, "_episode_s": lambda: 4.8, **changes}.items():
+    for name, value in {"num_processors": lambda: 2, "_episode_s": lambda _: 4.8, **changes}.items():
         monkeypatch.setattr(doctor, name, value)
     # The core reads the number of threads once, in whatever process uses it first.
     monkeypatch.setattr(doctor, "prepare", lambda _: None)

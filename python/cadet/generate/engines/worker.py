@@ -14,9 +14,8 @@ from typing import Any, Final
 from cadet._util.sink import Sink
 from cadet.errors import CadetError, CadetWarning, InternalError
 from cadet.generate.engines.engine import Failed, Made
-from cadet.generate.frames import put_sample, whole_record
+from cadet.generate.frames import put_sample, samples_at, whole_record
 from cadet.generate.settings import Settings
-from cadet.simulation.episode import Episode
 
 _STANDING_MPS: Final = 0.1
 
@@ -41,25 +40,14 @@ def make_episode(sink: Sink, settings: Settings, episode: int, report: Callable[
     for place in places:
         record = whole_record(sink, settings, place)
         if record is None:
-            missing.append(place.sample)
+            missing.append(place)
         else:
             report(Made(place.number, is_new=False, is_standing=_is_standing(record)))
     if missing:
-        _make_samples(sink, settings, episode, missing, report)
+        for place, sample in samples_at(settings, missing):
+            record = put_sample(sink, settings, place, sample)
+            report(Made(place.number, is_new=True, is_standing=_is_standing(record)))
     settings.exporter.end_episode(sink, places)
-
-
-def _make_samples(
-    sink: Sink, settings: Settings, episode: int, missing: list[int], report: Callable[[Made], None]
-) -> None:
-    places = settings.places_of(episode)
-    views = Episode(settings.policy, settings.seed, episode, wanted=settings.wanted)
-    # Driving leads from view to view, so frames that are there already are seen again, but not written.
-    for number in range(missing[-1] + 1):
-        sample = views.next_sample(number)
-        if number in missing:
-            record = put_sample(sink, settings, places[number], sample)
-            report(Made(places[number].number, is_new=True, is_standing=_is_standing(record)))
 
 
 def _is_standing(record: dict[str, Any]) -> bool:
