@@ -72,7 +72,7 @@ wheel: setup ## Build a wheel for this machine into dist/, which pip installs wh
 	@du -h dist/*.whl
 
 demo: build ## Write 40 samples and a picture of them to demo/
-	@rm -rf $(DEMO)/training $(DEMO)/ImageSets $(DEMO)/manifest.json $(DEMO)/run.json $(DEMO)/overview.png
+	@rm -rf $(addprefix $(DEMO)/,training testing ImageSets manifest.json recipe.toml croissant.json run.json overview.png)
 	@$(BIN)/cadet-gen $(DEMO) -n 40 --seed 0
 	@$(BIN)/cadet view $(DEMO) -o $(DEMO)/overview.png
 	@echo "Look at $(DEMO)/overview.png; $(DEMO)/training is the KITTI folder, and 'make help' lists what else there is."
