@@ -75,26 +75,33 @@ def test_fewer_steps_shorten_all_in_proportion(name: str, steps: int, stops: tup
         assert cell.config.second_stage.truth_steps == round(whole.second_stage.truth_steps * share)
 
 
-@pytest.mark.parametrize("name", ["tiny", "full"])
-def test_scratch_has_the_whole_training_and_tuned_the_scales_tuning(name: str) -> None:
+@pytest.mark.parametrize("name", ["tiny", "full", "center"])
+def test_all_that_is_compared_has_as_many_steps(name: str) -> None:
     scale = SCALES[name]
     cells = few_frame_cells(scale, ("Car",), ("default",), 2, (10, 40))
-    assert [cell.name for cell in cells[:5]] == [
+    assert [cell.name for cell in cells[:8]] == [
         "car-default-sim-seed0",
+        "car-default-longer-seed0",
         "car-default-real-10frames-seed0",
         "car-default-tuned-10frames-seed0",
+        "car-default-mixed-10frames-seed0",
         "car-default-real-40frames-seed0",
         "car-default-tuned-40frames-seed0",
+        "car-default-mixed-40frames-seed0",
     ]
-    assert len(cells) == 10
-    (pretrained, *rest) = cells[:5]
+    assert len(cells) == 16
+    (pretrained, longer, *rest) = cells[:8]
     whole = scale.config("Car", "default")
     assert pretrained == matrix_cells(scale, ("Car",), ("default",), 1)[0]
-    for scratch, tuned in zip(rest[::2], rest[1::2], strict=True):
-        assert (scratch.stops, tuned.stops) == ((whole.training.steps,), (scale.few_steps,))
-        assert (scratch.seed, scratch.frames, scratch.last) == (tuned.seed, tuned.frames, 1)
-        assert (scratch.source, tuned.source) == (None, pretrained.name)
-        assert (scratch.config, tuned.config.training.steps) == (whole, scale.few_steps)
+    assert (longer.data, longer.frames) == (("sim",), None)
+    for scratch, tuned, mixed in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
+        assert (scratch.data, tuned.data, mixed.data) == (("real",), ("real",), ("sim", "real"))
+        for after in (longer, tuned, mixed):
+            assert scratch.num_steps == pretrained.num_steps + after.num_steps
+            assert (after.stops, after.last, after.source) == ((scale.few_steps,), 1, pretrained.name)
+            assert after.config == tuned.config
+        assert (scratch.seed, scratch.frames, scratch.last, scratch.source) == (tuned.seed, tuned.frames, 1, None)
+        assert mixed.frames == tuned.frames
         # As often as in the scale's tuning, the rate falls.
         falls = scale.tuning.steps / scale.tuning.decay_steps
         assert tuned.config.training.steps / tuned.config.training.decay_steps == pytest.approx(falls, rel=0.01)
@@ -102,7 +109,7 @@ def test_scratch_has_the_whole_training_and_tuned_the_scales_tuning(name: str) -
 
 
 def test_given_weights_take_the_place_of_the_pretraining() -> None:
-    cells = few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 2, (10,), inits=(Path("tiny_car"),))
+    cells = few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 2, (10,), inits=(Path("tiny_car"),), mixes=False)
     assert [cell.name for cell in cells] == [
         "car-default-given-seed0",
         "car-default-real-10frames-seed0",

@@ -163,13 +163,19 @@ def test_pairs_on_a_few_frames_learn_from_the_same_ones(sets: Sets, folder: Path
     checksums = {}
     for cell in cells[1:]:
         record = read_record(cell_folder(finished, cell.name) / "run")
-        assert record.num_used == cell.frames and record.config.training.steps == cell.stops[-1]
+        num_sim = sets["sim"].num_train if "sim" in cell.data else 0
+        assert record.num_used == num_sim + (cell.frames or 0) and record.config.training.steps == cell.stops[-1]
         checksums[cell.trained, cell.frames] = record.frames_crc32
     for count in (1, 3):
         assert checksums["real", count] == checksums["tuned", count]
     found = {(item.trained, item.frames): item for item in read_outcomes(finished) if item.tested == "real"}
-    assert set(found) == {(way, n) for way in ("real", "tuned") for n in (None, 1, 3)} | {("sim", None)}
-    assert (finished / "few_frames.png").is_file() and "from scratch" in (finished / "table.md").read_text()
+    assert set(found) == {
+        ("sim", None),
+        ("longer", None),
+        *((way, count) for way in ("real", "tuned") for count in (None, 1, 3)),
+        *(("mixed", count) for count in (1, 3)),
+    }
+    assert (finished / "few_frames.png").is_file() and "simulated, then both" in (finished / "table.md").read_text()
 
 
 def test_another_experiment_in_the_same_folder_is_refused(

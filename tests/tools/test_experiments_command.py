@@ -95,7 +95,8 @@ def test_cells_are_run_one_by_one_and_the_table_grows(folder: Path, tmp_path: Pa
         )
     )
     rows = [line.split("|")[3].strip() for line in few.stdout.splitlines() if line.startswith("| Car ")]
-    assert rows == ["0", "1", "3"]
+    # Simulated frames and given weights alone, then from scratch and tuned with each number.
+    assert rows == ["0", "0", "1", "1", "3", "3"]
 
 
 def test_what_cannot_be_run_is_one_clear_line(folder: Path, tmp_path: Path) -> None:
@@ -108,6 +109,7 @@ def test_what_cannot_be_run_is_one_clear_line(folder: Path, tmp_path: Path) -> N
         ((*arguments(folder, tmp_path), "--frames", "10,x"), "--frames: expected numbers of frames such as"),
         ((*arguments(folder, tmp_path), "--frames", "0"), "--frames: expected numbers of frames such as"),
         ((*arguments(folder, tmp_path), "--classes", "Van"), "--classes: expected some of Car,Pedestrian, got 'Van'"),
+        ((*arguments(folder, tmp_path), "--scale", "center"), "--scale center: its detector is none of the paper's"),
         ((*arguments(folder, tmp_path), "--maps", "max"), "--maps: expected some of default,max3_density3,max_min"),
         ((*arguments(folder, tmp_path), "--data-sim", tmp_path / "no"), "no: no such folder"),
         ((*arguments(folder, tmp_path), "--cells", "ped*"), "--cells ped*: names none of"),

@@ -14,6 +14,8 @@ from tools.experiments.scales import CLASSES
 REAL: Final = "real"
 SIM: Final = "sim"
 TUNED: Final = "tuned"
+MIXED: Final = "mixed"
+LONGER: Final = "longer"
 GIVEN: Final = "given"
 
 WEIGHTS_FILE: Final = "model.safetensors"
@@ -26,7 +28,8 @@ class Cell:
     Attributes:
         class_name: that the detector finds.
         maps: configuration of the bird's-eye-view maps.
-        trained: "sim", "real", "tuned" (sim, then real) or "given" (weights from elsewhere).
+        trained: "sim", "real", "tuned" (sim, then real), "mixed" (sim, then both by turns), "longer" (sim, then sim for
+            as long), or "given" (weights from elsewhere).
         frames: how many real frames it learns from; None for all.
         seed: of the training.
         config: of the detector and its training.
@@ -59,9 +62,9 @@ class Cell:
         return "-".join((CLASSES[self.class_name], self.maps, self.trained, *few, f"seed{self.seed}"))
 
     @property
-    def data(self) -> str:
-        """The set that it learns from: "sim" or "real"."""
-        return SIM if self.trained == SIM else REAL
+    def data(self) -> tuple[str, ...]:
+        """The sets that it learns from in equal shares, "sim" or "real"; `frames` are of the last."""
+        return {SIM: (SIM,), LONGER: (SIM,), MIXED: (SIM, REAL)}.get(self.trained, (REAL,))
 
     @property
     def first_step(self) -> int:

@@ -50,7 +50,8 @@ _DEVICES = (1, 2, 4, 8)
 @click.option(
     "--frames",
     metavar="COUNTS",
-    help="Instead of the matrix: train from scratch and pre-trained on these numbers of real frames, as 10,40,160.",
+    help="Instead of the matrix: train from scratch, pre-trained, and mixed with simulated frames on these numbers of "
+    "real frames, as 10,40,160.",
 )
 @click.option(
     "--init",
@@ -131,13 +132,17 @@ def _plan(options: dict[str, Any]) -> _Plan:
         raise CadetError("--init: pre-trained weights are for --frames; the matrix trains its own")
     if options["data_sim"] is None and not inits:
         raise CadetError("--data-sim: needed to train on, unless --frames and --init give pre-trained weights")
+    if scale.has_one_map and options["frames"] is None:
+        raise CadetError(f"--scale {scale.name}: its detector is none of the paper's: it has --frames alone")
     if options["frames"] is None:
         maps = _names_of("--maps", options["maps"] or ",".join(MAPS), MAPS)
         cells = matrix_cells(scale, classes, maps, num_seeds, steps)
     else:
-        maps = _names_of("--maps", options["maps"] or MAPS[0], MAPS)
+        maps = _names_of("--maps", options["maps"] or MAPS[0], MAPS[:1] if scale.has_one_map else MAPS)
         counts = _counts(options["frames"])
-        cells = few_frame_cells(scale, classes, maps, num_seeds, counts, steps, inits)
+        cells = few_frame_cells(
+            scale, classes, maps, num_seeds, counts, steps, inits, mixes=options["data_sim"] is not None
+        )
     folders = {REAL: options["data_real"], SIM: options["data_sim"]}
     for folder in filter(None, folders.values()):
         for split in (TRAIN, VAL):
@@ -180,7 +185,7 @@ def _estimate(cells: Sequence[Cell], plan: _Plan, machine: Machine) -> None:
     speeds: dict[str, Speed] = {}
     for cell in left:
         if cell.class_name not in speeds:
-            speeds[cell.class_name] = measure_speed(cell.config, plan.sets[cell.data], machine)
+            speeds[cell.class_name] = measure_speed(cell.config, plan.sets[cell.data[-1]], machine)
     num_val = {name: frames.num_val for name, frames in plan.sets.items()}
     seconds = {cell.name: cell_seconds(cell, speeds[cell.class_name], num_val) for cell in left}
     if not machine.processes.is_first:

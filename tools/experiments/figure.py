@@ -10,7 +10,7 @@ from typing import Any, Final
 from matplotlib.figure import Figure
 
 from cadet.evaluation.curve import METRIC_TITLES
-from tools.experiments.cells import REAL, SIM, TUNED
+from tools.experiments.cells import LONGER, MIXED, REAL, SIM, TUNED
 from tools.experiments.means import Group, Mean
 from tools.experiments.outcome import METRICS
 from tools.experiments.published import RULE
@@ -19,6 +19,11 @@ from tools.experiments.table import FEW_RULE, TRAINED_TITLES, few_frame_groups, 
 
 _LEVEL: Final = "Moderate"
 _COLORS: Final = {REAL: "tab:blue", SIM: "tab:orange", TUNED: "tab:green"}
+_FEW: Final = {
+    REAL: ("from scratch", "tab:blue"),
+    TUNED: ("pre-trained, then real frames", "tab:green"),
+    MIXED: ("pre-trained, then both by turns", "tab:red"),
+}
 _SIZE_INCH: Final = (5.6, 3.6)
 _BAR: Final = 0.27
 
@@ -42,7 +47,7 @@ def matrix_figure(groups: Sequence[Group]) -> Figure | None:
 
 
 def few_frames_figure(groups: Sequence[Group]) -> Figure | None:
-    """Draw AP Moderate over the number of real frames, from scratch and tuned, and pre-trained alone.
+    """Draw AP Moderate over the number of real frames, from scratch, tuned, and mixed, and pre-trained alone.
 
     Returns:
         The figure; None where nothing was trained on a few frames.
@@ -101,17 +106,23 @@ def _bars(axis: Any, groups: Sequence[Group], metric: str) -> None:
 
 def _lines(axis: Any, groups: Sequence[Group], metric: str) -> None:
     counts = sorted({group.frames for group in groups if group.frames is not None})
-    for trained, label in ((REAL, "from scratch"), (TUNED, "pre-trained, tuned")):
+    for trained, (label, color) in _FEW.items():
         mine = sorted((g for g in groups if g.frames is not None and g.trained == trained), key=lambda g: g.frames or 0)
         aps = [group.ap(metric, _LEVEL, FEW_RULE) for group in mine]
         places, values = [group.frames for group in mine], [ap.value for ap in aps]
-        axis.errorbar(places, values, _errors(aps), marker="o", capsize=4, color=_COLORS[trained], label=label)
+        if mine:
+            axis.errorbar(places, values, _errors(aps), marker="o", capsize=4, color=color, label=label)
     for group in groups:
         if group.frames is None:
             ap = group.ap(metric, _LEVEL, FEW_RULE)
-            axis.axhline(ap.value, linestyle="--", color=_COLORS[SIM], label="pre-trained alone")
+            label, style, color = (
+                ("pre-trained, then simulated frames", ":", "black")
+                if group.trained == LONGER
+                else ("pre-trained alone", "--", _COLORS[SIM])
+            )
+            axis.axhline(ap.value, linestyle=style, color=color, label=label)
             if ap.half_width is not None:
-                axis.axhspan(ap.value - ap.half_width, ap.value + ap.half_width, color=_COLORS[SIM], alpha=0.15)
+                axis.axhspan(ap.value - ap.half_width, ap.value + ap.half_width, color=color, alpha=0.15)
     axis.set_xscale("log")
     axis.set_xticks(counts, map(str, counts))
     axis.minorticks_off()

@@ -11,7 +11,7 @@ from typing import Final
 from avod.train import with_steps
 from avod.train.checkpoint import Checkpoint, read_checkpoint
 from cadet.errors import CadetError
-from tools.experiments.cells import GIVEN, REAL, SIM, TUNED, Cell
+from tools.experiments.cells import GIVEN, LONGER, MIXED, REAL, SIM, TUNED, Cell
 from tools.experiments.scales import Scale, tuned_config, with_length
 
 _INPUTS: Final = ("classes", "bev", "image", "anchors", "extractor")
@@ -81,12 +81,16 @@ def few_frame_cells(
     frames: Sequence[int],
     steps: int | None = None,
     inits: Sequence[Path] = (),
+    *,
+    mixes: bool = True,
 ) -> tuple[Cell, ...]:
     """List the cells in the order in which they are run, seed by seed.
 
-    For each number of frames there are two trainings on the same frames, which the seed draws: from scratch as long as
-    the pre-training, with the configuration's schedule, and from pre-trained weights for `few_steps`, with the schedule
-    of the scale's tuning stretched to them. No checkpoint is chosen: the last counts.
+    All that is compared has seen equal numbers of steps. For each number of frames there are trainings on the same
+    frames, which the seed draws: from scratch, as long as pre-training and tuning together, with the configuration's
+    schedule; from pre-trained weights for `few_steps`, with the schedule of the scale's tuning stretched to them; and
+    the same by turns with simulated frames. Pre-trained weights that go on with simulated frames alone show what longer
+    training is worth. No checkpoint is chosen: the last counts.
 
     Args:
         scale: their size.
@@ -96,6 +100,7 @@ def few_frame_cells(
         frames: how many real frames each pair of trainings learns from.
         steps: of a training from scratch on all frames; the others are shortened in proportion. None for the scale's.
         inits: pre-trained checkpoints, one or one a seed; none has them trained.
+        mixes: there are simulated frames to go on with.
 
     Raises:
         MissingFileError: no checkpoint there.
@@ -117,20 +122,24 @@ def few_frame_cells(
             pretrained = replace(pretrained, trained=GIVEN, stops=(), tests=(REAL,), init=init, last=1)
         if seed < len(given) or not given:
             cells.append(pretrained)
+        tuned = replace(
+            pretrained,
+            trained=TUNED,
+            config=with_length(tuned_config(whole, scale.tuning), tuned_length),
+            stops=(tuned_length,),
+            source=source,
+            init=init,
+            tests=(REAL,),
+            last=1,
+        )
+        total = length + tuned_length
+        scratch = replace(tuned, trained=REAL, config=with_length(whole, total), stops=(total,), source=None, init=None)
+        if mixes:
+            cells.append(replace(tuned, trained=LONGER))
         for count in frames:
-            scratch = replace(
-                pretrained,
-                trained=REAL,
-                frames=count,
-                config=with_length(whole, length),
-                stops=(length,),
-                tests=(REAL,),
-                init=None,
-                last=1,
-            )
-            config = with_length(tuned_config(whole, scale.tuning), tuned_length)
-            tuned = replace(scratch, trained=TUNED, config=config, stops=(tuned_length,), source=source, init=init)
-            cells += [scratch, tuned]
+            cells += [replace(scratch, frames=count), replace(tuned, frames=count)]
+            if mixes:
+                cells.append(replace(tuned, trained=MIXED, frames=count))
     return tuple(cells)
 
 

@@ -45,6 +45,7 @@ class Scale:
         tuning: on real frames.
         few_steps: of each tuning on a few frames.
         last: how many last checkpoints the best is chosen from; with 1 nothing is chosen.
+        has_one_map: its detector is none of AVOD's, with no maps to compare.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Scale:
     tuning: Tuning
     few_steps: int
     last: int = 1
+    has_one_map: bool = False
 
     def config(self, class_name: str, maps: str) -> Config:
         """Load the configuration of a class and maps."""
@@ -82,6 +84,14 @@ SCALES: Final[Mapping[str, Scale]] = {
         tuning=Tuning(steps=60_000, learning_rate=5.12e-5, decay_factor=0.8, decay_steps=30_000, branch_step=90_000),
         few_steps=60_000,
         last=20,
+    ),
+    # The packaged `center_all`, which finds all classes; tuned as `avod adapt` does.
+    "center": Scale(
+        name="center",
+        configs={(class_name, MAPS[0]): "center_all" for class_name in CLASSES},
+        tuning=Tuning(steps=400, learning_rate=1e-3, decay_factor=1.0, decay_steps=400),
+        few_steps=400,
+        has_one_map=True,
     ),
 }
 """The scales by name."""

@@ -85,7 +85,7 @@ def check_sets(cells: Iterable[Cell], sets: Sets) -> None:
                 folder = sets[tested].folder
                 raise CadetError(f"{folder}: its {VAL} frames hold no {cell.class_name} for {cell.name} to find")
         if cell.stops:
-            frames, least = sets[cell.data], cell.config.training.min_objects
+            frames, least = sets[cell.data[-1]], cell.config.training.min_objects
             count = sum(counts[cell.class_name] >= least for counts in frames.objects[TRAIN])
             if count < (cell.frames or 1):
                 what = cell.class_name if least == 1 else f"{least} of {cell.class_name}"

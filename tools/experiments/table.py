@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 from cadet.evaluation.curve import METRIC_TITLES
-from tools.experiments.cells import GIVEN, REAL, SIM, TUNED
+from tools.experiments.cells import GIVEN, LONGER, MIXED, REAL, SIM, TUNED
 from tools.experiments.means import Group
 from tools.experiments.outcome import LEVELS, METRICS, RULES
 from tools.experiments.published import RULE, published_ap
@@ -17,6 +17,8 @@ TRAINED_TITLES: Final = {
     SIM: "simulated",
     TUNED: "simulated, then real",
     GIVEN: "given weights",
+    LONGER: "simulated, longer",
+    MIXED: "simulated, then both",
 }
 """What the ways of training are called, in the tables' order."""
 
@@ -61,7 +63,7 @@ def few_frame_groups(groups: Sequence[Group], class_name: str, maps: str) -> lis
     """Return the trainings on a few real frames, and those before them, where there are any."""
     mine = [g for g in groups if (g.class_name, g.maps, g.tested) == (class_name, maps, REAL)]
     few = [group for group in mine if group.frames is not None]
-    return [*few, *(g for g in mine if g.frames is None and g.trained in (SIM, GIVEN))] if few else []
+    return [*few, *(g for g in mine if g.frames is None and g.trained in (SIM, GIVEN, LONGER))] if few else []
 
 
 def _plain(group: Group, metric: str, level: str) -> dict[str, Any]:
@@ -101,26 +103,18 @@ def _cell(group: Group, metric: str, level: str, rule: str) -> str:
 
 
 def _few(groups: Sequence[Group]) -> str:
-    titles = [METRIC_TITLES[metric] for metric in METRICS]
-    header = ["class", "maps", "real frames", *(f"{t} from scratch" for t in titles), *(f"{t} tuned" for t in titles)]
-    rows = [header]
+    rows = [["class", "maps", "real frames", "trained on", *(METRIC_TITLES[metric] for metric in METRICS)]]
+    ways = list(TRAINED_TITLES)
     for class_name in CLASSES:
         for maps in MAPS:
             mine = few_frame_groups(groups, class_name, maps)
-            for count in sorted({group.frames or 0 for group in mine}):
-                by_way = {g.trained: g for g in mine if (g.frames or 0) == count}
-                tuned = by_way.get(TUNED) if count else next(iter(by_way.values()))
-                cells = [cell for group in (by_way.get(REAL), tuned) for cell in _few_cells(group)]
-                rows.append([class_name, maps, str(count), *cells])
+            for group in sorted(mine, key=lambda g: (g.frames or 0, ways.index(g.trained))):
+                aps = [str(group.ap(metric, _FEW_LEVEL, FEW_RULE)) for metric in METRICS]
+                rows.append([class_name, maps, str(group.frames or 0), TRAINED_TITLES[group.trained], *aps])
     if len(rows) == 1:
         return ""
-    title = f"AP {FEW_RULE.upper()} {_FEW_LEVEL} in percent by number of real frames; 0: pre-trained alone"
+    title = f"AP {FEW_RULE.upper()} {_FEW_LEVEL} in percent by number of real frames"
     return _markdown(title, rows)
-
-
-def _few_cells(group: Group | None) -> Iterator[str]:
-    for metric in METRICS:
-        yield "" if group is None else str(group.ap(metric, _FEW_LEVEL, FEW_RULE))
 
 
 def _markdown(title: str, rows: list[list[str]]) -> str:

@@ -70,8 +70,9 @@ def _train_to(stop: int, cell: Cell, out: Path, sets: Sets, machine: Machine) ->
     # Decided by one for all: the first to begin writes what the others would find.
     (is_begun, *_) = machine.processes.gathered(has_record(folder))
     begin: dict[str, Any] = {"resume": True} if is_begun else beginning(cell, out)
+    folders = [sets[name].folder for name in cell.data]
     run = Run(
-        data=sets[cell.data].folder,
+        data=folders[0] if len(folders) == 1 else [(path, 1.0) for path in folders],
         out=folder,
         split=TRAIN,
         seed=cell.seed,

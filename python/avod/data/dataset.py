@@ -95,7 +95,8 @@ class TrainingData(Dataset[Any]):
         seed: of the order and the augmentations.
         bank: of the objects that are pasted; needed where the configuration asks for some, and refused where it does
             not.
-        frames: learn from only this many of them, drawn by `seed`; None for all.
+        frames: learn from only this many of them, of the last folder's where there are several, drawn by `seed`; None
+            for all.
 
     Raises:
         MissingFileError: no folder, split or label file.
@@ -115,11 +116,12 @@ class TrainingData(Dataset[Any]):
     ) -> None:
         folders = shares_of(data)
         check_bank(bank, config)
-        if frames is not None and len(folders) > 1:
-            raise CadetError(f"--num-frames {frames}: several folders have shares instead: train on one")
         self.config = config
-        drawn = None if frames is None else (frames, seed)
-        self._sets = [_Set.read(root, split, config, drawn, has_prefix=len(folders) > 1) for root, _ in folders]
+        drawn = [None] * (len(folders) - 1) + [None if frames is None else (frames, seed)]
+        self._sets = [
+            _Set.read(root, split, config, few, has_prefix=len(folders) > 1)
+            for (root, _), few in zip(folders, drawn, strict=True)
+        ]
         orders = [
             Order(len(item.ids), config.training, set_seed(seed, number, len(folders)))
             for number, item in enumerate(self._sets)

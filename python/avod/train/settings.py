@@ -70,8 +70,8 @@ class Run:
         compile: compile the pyramids.
         tensorboard: write TensorBoard's files too.
         bank: of objects that are pasted into frames, as many as the configuration says.
-        num_frames: learn from only this many of the folder's frames, drawn by the seed; fewer are among more;
-            None for all that hold enough objects.
+        num_frames: learn from only this many of the folder's frames, or of the last folder's, drawn by the seed; fewer
+            are among more; None for all that hold enough objects.
 
     Raises:
         CadetError: a number outside its range.

@@ -55,8 +55,12 @@ def test_a_training_reads_the_drawn_frames_alone(config: Config, data: Path) -> 
 def test_more_frames_than_there_are_are_refused(config: Config, data: Path) -> None:
     with pytest.raises(CadetError, match=r"--num-frames 7: \S+set: 6 frames of the split 'train' hold enough objects"):
         TrainingData(data, "train", config, 0, frames=7)
-    with pytest.raises(CadetError, match="--num-frames 2: several folders have shares instead"):
-        TrainingData(((data, 0.5), (data, 0.5)), "train", config, 0, frames=2)
+
+
+def test_of_several_folders_the_last_gives_the_drawn_frames(config: Config, data: Path) -> None:
+    both = TrainingData(((data, 0.5), (data, 0.5)), "train", config, 5, frames=2)
+    whole, two = TrainingData(data, "train", config, 5), TrainingData(data, "train", config, 5, frames=2)
+    assert both.ids == (*(f"0/{name}" for name in whole.ids), *(f"1/{name}" for name in two.ids))
 
 
 def test_a_class_that_no_label_has_is_refused_by_name(config: Config, data: Path) -> None:
