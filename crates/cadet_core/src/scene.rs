@@ -18,7 +18,7 @@ use cadet_sensors::rig::Rig;
 use cadet_sensors::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
 use cadet_sensors::weather::{Sun, Weather};
 use cadet_town::{PropConfig, SuburbConfig, Town};
-use cadet_world::{Course, EgoCommand, ModelChoice, Overlap, Shortfall, Snapshot, TrafficConfig, World};
+use cadet_world::{Course, EgoCommand, ModelChoice, Overlap, Retouch, Shortfall, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
 #[derive(Debug, Clone)]
@@ -232,6 +232,15 @@ impl Scene {
     pub fn move_ego(&mut self, x: f64, y: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
         (self.sensed, self.exposed) = (None, None);
         self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw_rad)?, overlap)
+    }
+
+    /// Shows an actor otherwise to all sensors from now on, while the world goes on as it was.
+    ///
+    /// # Errors
+    /// As [`World::retouch`].
+    pub fn retouch(&mut self, actor_id: i32, retouch: Retouch) -> Result<()> {
+        self.sensed = None;
+        self.world.retouch(actor_id, retouch)
     }
 
     /// Drives the ego by command from the next step on; `None` lets its driver drive.

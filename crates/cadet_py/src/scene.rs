@@ -3,10 +3,12 @@
 use std::sync::{Mutex, TryLockError};
 
 use cadet_core::actor::{BrakesFor, ObjectClass};
+use cadet_core::frames;
 use cadet_core::lidar::Scan;
+use cadet_core::math::DVec3;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene as core;
-use cadet_core::world::{Course, EgoCommand, ModelChoice, Overlap, Waypoint};
+use cadet_core::world::{Course, EgoCommand, ModelChoice, Overlap, Retouch, Waypoint};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -154,6 +156,22 @@ impl Scene {
 
     fn move_ego(&self, py: Python<'_>, x: f64, y: f64, yaw: f64, may_overlap: bool) -> Result<(), BorderError> {
         self.with(py, |scene| scene.move_ego(x, y, yaw, overlap(may_overlap)))
+    }
+
+    fn hide_actor(&self, py: Python<'_>, actor_id: i32) -> Result<(), BorderError> {
+        self.with(py, |scene| scene.retouch(actor_id, Retouch::Absent))
+    }
+
+    fn shift_actor(
+        &self,
+        py: Python<'_>,
+        actor_id: i32,
+        forward_m: f64,
+        left_m: f64,
+        yaw_rad: f64,
+    ) -> Result<(), BorderError> {
+        let box_from_shown = frames::upright(DVec3::new(forward_m, left_m, 0.0), yaw_rad);
+        self.with(py, |scene| scene.retouch(actor_id, Retouch::Moved { box_from_shown }))
     }
 
     #[pyo3(signature = (command))]

@@ -7,6 +7,7 @@ use super::agents::{ActorView, Agent, AgentKind, Car, Fixture, Gone, OfKind};
 use super::footprint::Footprint;
 use super::lane_use::OnLane;
 use super::physics::Physics;
+use super::retouch::Retouch;
 use super::slot::{EGO, Slot};
 use super::streets::Streets;
 use super::traffic_state::{PersonAt, TrafficState, VehicleAt};
@@ -26,6 +27,8 @@ pub(super) struct Arena {
     next_id: i32,
     /// By id: the end of an actor that was near when it was first labeled. Its annotated box stays as it was drawn then.
     pub labeled_ends: BTreeMap<i32, BodyEnd>,
+    /// By id: what snapshots show otherwise.
+    pub retouched: BTreeMap<i32, Retouch>,
 }
 
 impl Arena {
@@ -39,8 +42,17 @@ impl Arena {
             let z_m = town.ground.height_at(obstacle.center.x, obstacle.center.y).unwrap_or(0.0);
             around.stand(Footprint::standing(obstacle, z_m), &streets.graph);
         }
-        let (agents, active, labeled_ends) = (Vec::new(), Vec::new(), BTreeMap::new());
-        Ok(Self { agents, physics, streets, around, active, next_id: 0, labeled_ends })
+        let (labeled_ends, retouched) = (BTreeMap::new(), BTreeMap::new());
+        Ok(Self {
+            agents: Vec::new(),
+            physics,
+            streets,
+            around,
+            active: Vec::new(),
+            next_id: 0,
+            labeled_ends,
+            retouched,
+        })
     }
 
     /// The id that the next newcomer gets; the ego's is 0.

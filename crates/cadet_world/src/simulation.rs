@@ -10,6 +10,7 @@ use super::ego_command::EgoCommand;
 use super::footprint::Footprint;
 use super::params::LOOK_STEPS;
 use super::physics::DT_S;
+use super::retouch::Retouch;
 use super::slot::{EGO, Slot};
 use super::snapshot::{EgoState, Snapshot, brakes_for};
 use super::spawn::{
@@ -333,6 +334,20 @@ impl World {
             self.needs_lamps,
             self.night_scenery.as_deref(),
         )
+    }
+
+    /// Shows an actor otherwise in all snapshots from now on.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for the ego, or an id that nobody in the world has.
+    pub fn retouch(&mut self, actor_id: i32, retouch: Retouch) -> Result<()> {
+        let others = self.arena.present().filter(|(slot, _)| *slot != EGO).flat_map(|(_, agent)| agent.actors());
+        let is_there = others.map(|(id, _)| id).any(|id| id == actor_id);
+        if !is_there {
+            return Err(Error::Scene { reason: format!("no actor but the ego has the id {actor_id}") });
+        }
+        self.arena.retouched.insert(actor_id, retouch);
+        Ok(())
     }
 
     /// Takes note that actors were labeled: from now on their annotated boxes stay as they are.

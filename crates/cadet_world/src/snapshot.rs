@@ -2,12 +2,13 @@
 
 use super::arena::Arena;
 use super::junctions::Refusal;
+use super::retouch::Retouch;
 use super::slot::{EGO, Slot};
 use crate::agents::{ActorView, Agent};
 use crate::driving::Cause;
 use crate::look::{LampLight, PosedBox};
 use cadet_assets::vehicle::{HALOGEN, low_beams};
-use cadet_base::actor::{ActorState, BrakesFor};
+use cadet_base::actor::{ActorState, BodyEnd, BrakesFor};
 use cadet_base::instance::Instance;
 use cadet_base::lamp::Lamp;
 use cadet_base::math::{DPose3, DVec3};
@@ -60,7 +61,15 @@ impl Snapshot {
             agent.actors().map(move |(id, actor)| (id, actor, brakes_for))
         });
         let mut near: Vec<(i32, ActorView<'_>, Option<BrakesFor>, DPose3)> = others
-            .map(|(id, actor, brakes_for)| (id, actor, brakes_for, actor.body.world_from_box(&arena.physics)))
+            .filter_map(|(id, actor, brakes_for)| {
+                let world_from_box = actor.body.world_from_box(&arena.physics);
+                let shown = match arena.retouched.get(&id) {
+                    None => world_from_box,
+                    Some(Retouch::Absent) => return None,
+                    Some(Retouch::Moved { box_from_shown }) => world_from_box * *box_from_shown,
+                };
+                Some((id, actor, brakes_for, shown))
+            })
             .filter(|(.., pose)| (pose.translation - middle).length() <= SNAPSHOT_RADIUS_M)
             .collect();
         near.sort_by_key(|(id, ..)| *id);
@@ -73,7 +82,12 @@ impl Snapshot {
             let box_from_wheels = body.box_from_wheels();
             look.parts(&PosedBox { actor_id: id, world_from_box, box_from_wheels, light: &light }, &mut instances);
             let near_end = arena.labeled_ends.get(&id).copied();
-            let near_end = near_end.unwrap_or_else(|| actor.near_end(&arena.physics, middle));
+            let near_end = near_end.unwrap_or_else(|| BodyEnd::nearer(&world_from_box, middle));
+            let mut velocity_world = body.velocity_world(&arena.physics);
+            if arena.retouched.contains_key(&id) {
+                let true_from_world = body.world_from_box(&arena.physics).rotation.inverse();
+                velocity_world = world_from_box.rotation * (true_from_world * velocity_world);
+            }
             actors.push(ActorState {
                 id,
                 class: look.class(),
@@ -81,7 +95,7 @@ impl Snapshot {
                 size_lwh: look.size_lwh(),
                 annotated: look.annotated_from(near_end),
                 world_from_box,
-                velocity_world: body.velocity_world(&arena.physics),
+                velocity_world,
                 angular_velocity_world: body.angular_velocity_world(&arena.physics),
                 brakes_for,
             });

@@ -146,8 +146,18 @@ class Episode:
             self._num_empty = self._num_vain = 0
             return Sample(captured, spec.mounted_rig, self._origin(number, spec))
 
-    def otherwise(self, change: Callable[[EpisodeSpec], EpisodeSpec]) -> Sample:
+    def otherwise(
+        self,
+        change: Callable[[EpisodeSpec], EpisodeSpec],
+        retouch: Callable[[_cadet.Scene], None] = lambda scene: None,
+        noise: int = 0,
+    ) -> Sample:
         """Return the last sample once more, from a world that is drawn otherwise and driven as far.
+
+        Args:
+            change: from the world's draw to another.
+            retouch: shows the sensors other actors, once all have been driven.
+            noise: names the sensors' random streams; 0 for the sample's own.
 
         Raises:
             CadetError: there is no last sample, or what is changed is refused.
@@ -158,7 +168,9 @@ class Episode:
         scene = build_scene(spec)
         for move in self._moves:
             move(scene)
-        return Sample(scene.capture(self._request(spec, self._last)), spec.mounted_rig, self._origin(self._last, spec))
+        retouch(scene)
+        asked = self._request(spec, self._last + (noise << 32))
+        return Sample(scene.capture(asked), spec.mounted_rig, self._origin(self._last, spec))
 
     def _is_in_sequence(self, number: int) -> bool:
         """Tell whether the sample follows another one by time alone."""
