@@ -58,7 +58,7 @@ _SECONDS_BETWEEN_LINES: Final = 10.0
     "with their shares of the frames.",
 )
 @split_option("train")
-@click.option("--num-frames", type=click.IntRange(1), help="Learn from only so many frames of the last folder, by the seed.")
+@click.option("--num-frames", type=click.IntRange(1), help="Learn from only so many frames of the last folder.")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Output, one per run.")
 @click.option("--steps", type=click.IntRange(1), help="Step at which training ends: short for --set training.steps=N.")
 @set_option
