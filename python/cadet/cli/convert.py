@@ -25,7 +25,7 @@ _SHOWN = 3
     "--images", metavar="DIR", type=click.Path(path_type=Path, file_okay=False), help="The folder of BDD100K's images."
 )
 def convert_command(source: str, out: Path, to: str, shard_size: int, images: Path | None) -> None:
-    """Write the dataset SRC in another format to the folder DST, byte for byte, or its scans.
+    """Write the dataset SRC in another format to the folder DST, byte for byte, or its images or scans.
 
     SRC may be a .json file of BDD100K's labels, too: with its --images it becomes a KITTI folder without scans.
 
@@ -33,6 +33,7 @@ def convert_command(source: str, out: Path, to: str, shard_size: int, images: Pa
     cadet convert kitti shards --to webdataset
     cadet convert shards kitti --to kitti
     cadet convert 'shards/train/{000000..000003}.tar' some --to kitti
+    cadet convert kitti coco --to coco               # images, and annotations/instances_train.json
     cadet convert kitti scans --to pcd               # or ply, las, npz: points_pcd/ID.pcd
     cadet convert det_train.json bdd --to kitti --images bdd100k/images/100k/train
     """  # noqa: D301 - click reads the backspace

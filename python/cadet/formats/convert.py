@@ -11,6 +11,7 @@ from typing import Final
 from cadet._util.checks import as_path, check_number, is_one_of, shown
 from cadet._util.sink import LocalSink
 from cadet.errors import CadetError, MissingFileError
+from cadet.formats.coco import put_coco
 from cadet.formats.kitti.files.folder import (
     REQUIRED,
     file_path,
@@ -35,8 +36,8 @@ from cadet.formats.webdataset.member import Member
 from cadet.formats.webdataset.member_names import member_name
 from cadet.formats.webdataset.tar_writing import archive_chunks
 
-FORMATS: Final = ("kitti", "webdataset", *POINT_FILES)
-"""What can be converted to: sets byte for byte, and scans in other formats."""
+FORMATS: Final = ("kitti", "webdataset", "coco", *POINT_FILES)
+"""What can be converted to: sets byte for byte, images with COCO's annotations, and scans in other formats."""
 UNLISTED: Final = "unlisted"
 """The split of frames that neither `train.txt` nor `val.txt` names, where there are such lists."""
 
@@ -63,10 +64,10 @@ class _Source:
 
 
 def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = SHARD_SIZE) -> Converted:
-    """Write a dataset in another format, or its scans. Lists of splits are kept.
+    """Write a dataset in another format, its images with COCO's annotations, or its scans. Lists of splits are kept.
 
-    Between sets no file of a frame is parsed or changed. Scans have x, y, z, and intensity, the `ring` where their
-    files have it, and the `time` where `point_times` has it.
+    Between sets no file of a frame is parsed or changed. `put_coco` tells what annotations hold. Scans have x, y, z,
+    and intensity, the `ring` where their files have it, and the `time` where `point_times` has it.
 
     Args:
         source: a KITTI folder, a folder of shards as `cadet-gen --format webdataset` writes it, or a pattern that names
@@ -77,8 +78,8 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
 
     Raises:
         CadetError: an unknown format, a folder that is not empty, lists that contradict each other or the folder,
-            archives as `read_members` refuses them, or, to write scans, a scan that cannot be read.
-        MissingFileError: no dataset, or, to write scans, a frame without one.
+            archives as `read_members` refuses them, or, to write scans or annotations, a file that cannot be read.
+        MissingFileError: no dataset, or a frame without the scan or image that is to be written.
         OSError: the folder can't be written.
     """
     if not is_one_of(to, FORMATS):
@@ -87,13 +88,15 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
     sink = LocalSink.new(as_path("out", out))
     found = _open(source)
     try:
+        if to == "coco":
+            put_coco(sink, found.splits)
         for split, (files, ids) in found.splits.items():
             if to == "kitti":
                 _put_folder(sink, split, files, ids)
+            elif to == "webdataset":
+                _put_shards(sink, split, files, ids, int(shard_size))
             elif to in POINT_FILES:
                 _put_points(sink, split, files, ids, to)
-            else:
-                _put_shards(sink, split, files, ids, int(shard_size))
         if to == "kitti":
             for kind in REQUIRED:
                 sink.make_folder(f"testing/{kind}")

@@ -6,7 +6,7 @@ import json
 import math
 import shutil
 import xml.etree.ElementTree as ElementTree
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -213,6 +213,41 @@ def test_tracking_files_are_the_object_formats_of_the_same_samples(tracking: Pat
     ]
     assert (tracking / "ImageSets" / "train.txt").read_text() == "0000\n"
     assert (tracking / "ImageSets" / "val.txt").read_text() == "0001\n"
+
+
+def evaluated_by_trackeval(trackeval: Any, root: Path, tracks: dict[str, list[str]], trackers: Path) -> tuple[Any, Any]:
+    """Return what TrackEval finds of the cars that a tracker gives each sequence as lines: HOTA, and CLEAR."""
+    folder = trackers / "ours" / "data"
+    folder.mkdir(parents=True)
+    for sequence, lines in tracks.items():
+        (folder / f"{sequence}.txt").write_text("".join(f"{line} 1.0\n" for line in lines))
+    places = {"GT_FOLDER": str(root / "training"), "TRACKERS_FOLDER": str(trackers), "PRINT_CONFIG": False}
+    unwanted = "OUTPUT_SUMMARY OUTPUT_DETAILED PLOT_CURVES PRINT_CONFIG LOG_ON_ERROR".split()
+    metrics = [trackeval.metrics.HOTA(), trackeval.metrics.CLEAR()]
+    evaluator = trackeval.Evaluator(dict.fromkeys(unwanted))
+    found, _ = evaluator.evaluate([trackeval.datasets.Kitti2DBox(places)], metrics)
+    cars = found["Kitti2DBox"]["ours"]["COMBINED_SEQ"]["car"]
+    return cars["HOTA"], cars["CLEAR"]
+
+
+def test_trackeval_finds_the_truth_perfect_and_exchanged_ids(tracking: Path, tmp_path: Path) -> None:
+    # Its dependency opencv-python would write over opencv-python-headless.
+    reason = "reads the folder with trackeval: pip install --no-deps trackeval tabulate"
+    trackeval = pytest.importorskip("trackeval", reason=reason, exc_type=ImportError)
+    tracks = {path.stem: path.read_text().splitlines() for path in (tracking / "training" / "label_02").glob("*.txt")}
+    hota, clear = evaluated_by_trackeval(trackeval, tracking, tracks, tmp_path / "truth")
+    assert hota["HOTA"].min() == clear["MOTA"] == 1.0 and clear["CLR_TP"] > 50
+    lines = tracking_labels(tracking / "training" / "label_02" / "0000.txt")
+    frames = Counter(line.track for line in lines if line.type == "Car" and line.truncation == 0)
+    first, second = [str(track) for track, count in frames.items() if count == SAMPLES][:2]
+    other = {first: second, second: first}
+    fields = [line.split(" ", 2) for line in tracks["0000"]]
+    tracks["0000"] = [
+        f"{frame} {other.get(track, track) if int(frame) >= SAMPLES // 2 else track} {rest}"
+        for frame, track, rest in fields
+    ]
+    hota, clear = evaluated_by_trackeval(trackeval, tracking, tracks, tmp_path / "exchanged")
+    assert clear["MOTA"] == pytest.approx(1.0 - 2 / clear["CLR_TP"]) and hota["HOTA"].mean() < 0.99
 
 
 def tracklets(path: Path) -> list[tuple[str, Array, int, list[dict[str, float]]]]:
