@@ -25,6 +25,7 @@ EXTRAS: Final = {
     "gym": Extra("Gymnasium environment", ("gymnasium",)),
     "view": Extra("episodes in Rerun", ("rerun",)),
     "mcap": Extra("ROS 2 bags", ("mcap", "rosbags")),
+    "parquet": Extra("Parquet files", ("pyarrow",)),
     "remote": Extra("object stores", ("fsspec", "gcsfs", "s3fs")),
     "cluster": Extra("a Ray cluster", ("ray",)),
 }

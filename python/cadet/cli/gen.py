@@ -91,7 +91,7 @@ _A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 )
 @click.option("--props", metavar="DIR", help="Own props: a folder with a TOML file for each (docs/props.md).")
 @click.option("--format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
-@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples per shard of webdataset.  [default: 1000]")
+@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples per shard.  [default: 1000]")
 @click.option(
     "--hz",
     type=float,
@@ -167,6 +167,7 @@ def cadet_gen(
     cadet-gen bags -n 400 --format mcap --hz 10 --length-s 20   # ROS 2's messages
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
+    cadet-gen rows -n 1000 --format parquet --shard-size 500   # for Hugging Face's datasets
     cadet-gen fields -n 500 --districts country_road   # or motorway
     cadet-gen rain -n 500 --weathers hard_rain_noon --write depth,instance
     cadet-gen again --recipe out/recipe.toml   # out once more, byte for byte; --frame 123 writes that one alone

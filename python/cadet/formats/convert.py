@@ -30,6 +30,7 @@ from cadet.formats.point_files import POINT_FILES, columns_of_points
 from cadet.formats.scan_files.read import scan_from_data
 from cadet.formats.webdataset import ShardDataset
 from cadet.formats.webdataset.dataset import expand_pattern, is_pattern, is_shard_folder
+from cadet.formats.webdataset.dataset_card import CARD
 from cadet.formats.webdataset.exporter import SHARD_SIZE
 from cadet.formats.webdataset.index import SUFFIX, text_from_index
 from cadet.formats.webdataset.member import Member
@@ -184,7 +185,7 @@ def _made_lists(source: _Source) -> dict[str, bytes]:
 
 def _left_out(root: Path, taken: set[Path]) -> tuple[str, ...]:
     """Name the files that are not taken; those that tell of a run, which goes on in its own folder alone, aside."""
-    of_run = {Path(name) for name in ("run.json", "manifest.json", "recipe.toml", "croissant.json")}
+    of_run = {Path(name) for name in ("run.json", "manifest.json", "recipe.toml", "croissant.json", CARD)}
     files = (path.relative_to(root) for path in sorted(root.rglob("*")) if path.is_file())
     return tuple(str(path) for path in files if path not in taken and path not in of_run)
 

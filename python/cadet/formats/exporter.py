@@ -47,6 +47,22 @@ class Ending:
     """Folders that must be there, be they empty or not."""
 
 
+@dataclass(frozen=True)
+class Finished:
+    """A dataset whose files are all there, for those who describe it."""
+
+    head: Mapping[str, Any]
+    """What `manifest.json` says besides the hashes of files."""
+    manifest_sha256: str
+    """Its own hash, in hexadecimal digits."""
+    kinds: tuple[str, ...]
+    """Kinds of files that a sample has."""
+    splits: tuple[Split, ...]
+    """Those that hold samples."""
+    recipe: str | None
+    """The text of its recipe; None where files of the user's are needed to make it."""
+
+
 class FilesInPlace:
     """What exporters do whose files lie in the dataset's folder as they are."""
 
@@ -59,6 +75,10 @@ class FilesInPlace:
 
     def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
         """Do nothing: each sample stands for itself."""
+
+    def describe(self, dataset: Finished) -> dict[str, bytes]:
+        """Return nothing."""
+        return {}
 
 
 class Exporter(Protocol):
@@ -120,3 +140,6 @@ class Exporter(Protocol):
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return what the dataset ends with, from the records and files that are there."""
+
+    def describe(self, dataset: Finished) -> dict[str, bytes]:
+        """Return descriptions of the whole dataset by name, for those who look at it without reading it."""

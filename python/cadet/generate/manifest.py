@@ -7,12 +7,11 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from hashlib import sha256
-from typing import Any
+from typing import Any, get_args
 
 from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError
-from cadet.formats.kitti.croissant import CROISSANT, croissant
-from cadet.formats.kitti.exporter import KittiExporter
+from cadet.formats.exporter import Finished, Split
 from cadet.generate.frames import recorded_hashes
 from cadet.generate.recipe import RECIPE, Recipe, is_recipe_of
 from cadet.generate.settings import Settings
@@ -63,10 +62,14 @@ def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> tuple[Coun
     }
     _put_unless_same(sink, MANIFEST, lambda: _chunks(head, hashes, sink, settings))
     digest = sha256(sink.read(MANIFEST)).hexdigest()
-    if is_recipe_of(settings):
-        _put_unless_same(sink, RECIPE, lambda: Recipe(settings, digest).to_toml().encode("utf-8"))
-    if isinstance(settings.exporter, KittiExporter):
-        _put_unless_same(sink, CROISSANT, lambda: croissant(settings.kinds, head, digest))
+    recipe = Recipe(settings, digest).to_toml() if is_recipe_of(settings) else None
+    if recipe is not None:
+        _put_unless_same(sink, RECIPE, lambda: recipe.encode("utf-8"))
+    found = {place.split for place in settings.places()}
+    splits = tuple(split for split in get_args(Split) if split in found)
+    dataset = Finished(head, digest, settings.kinds, splits, recipe)
+    for name, data in settings.exporter.describe(dataset).items():
+        _put_unless_same(sink, name, lambda data=data: data)  # type: ignore[misc]
     return ending.labels, digest
 
 

@@ -17,6 +17,7 @@ from cadet.formats.exporter import Exporter, Place, Split
 from cadet.formats.kitti.exporter import KittiExporter
 from cadet.formats.kitti_sequences import KittiRawExporter, KittiTrackingExporter
 from cadet.formats.nuscenes.exporter import NuscenesExporter
+from cadet.formats.parquet import ParquetExporter
 from cadet.formats.ros_bags import McapExporter
 from cadet.formats.webdataset.exporter import WebdatasetExporter
 from cadet.generate.golden_frames import generator
@@ -33,6 +34,7 @@ _ALL: Final[tuple[Exporter, ...]] = (
     KittiRawExporter(),
     NuscenesExporter(),
     WebdatasetExporter(),
+    ParquetExporter(),
     McapExporter(),
 )
 EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}

@@ -163,7 +163,7 @@ def test_other_layouts_are_named_with_what_to_do(
         assert captured.out == "" and captured.err.startswith("cadet: ") and captured.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("name", ["kitti_tracking", "kitti_raw", "nuscenes", "webdataset"])
+@pytest.mark.parametrize("name", ["kitti_tracking", "kitti_raw", "nuscenes", "webdataset", "parquet"])
 def test_our_own_formats_are_named_by_their_manifest(name: str, tmp_path: Path) -> None:
     (tmp_path / "manifest.json").write_text(json.dumps({"cadet": "1.0", "dataset_format": name}))
     with pytest.raises(

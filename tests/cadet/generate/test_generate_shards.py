@@ -66,11 +66,12 @@ def test_shards_hold_the_bytes_of_kittis_files_in_its_splits(shards: Path, as_ki
     assert found == expected
     for path in (as_kitti / "ImageSets").iterdir():
         assert (shards / "ImageSets" / path.name).read_bytes() == path.read_bytes()
-    assert {path.name for path in shards.iterdir()} == {"ImageSets", "train", "val", "run.json", "manifest.json"}
+    names = {"ImageSets", "train", "val", "README.md", "run.json", "manifest.json"}
+    assert {path.name for path in shards.iterdir()} == names
 
 
 def test_converting_the_folder_gives_the_same_shards_and_back(shards: Path, as_kitti: Path, tmp_path: Path) -> None:
-    of_run = ("run.json", "manifest.json", "croissant.json")
+    of_run = ("run.json", "manifest.json", "croissant.json", "README.md")
 
     def without_run(root: Path) -> dict[str, str]:
         return {name: digest for name, digest in tree(root).items() if name not in of_run}

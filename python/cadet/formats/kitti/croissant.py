@@ -13,7 +13,10 @@ from cadet.formats.kitti.files.folder import suffix_of
 
 CROISSANT: Final = "croissant.json"
 """Its name in a dataset."""
-_REPOSITORY: Final = "https://github.com/cadet-sim/cadet"
+REPOSITORY: Final = "https://github.com/cadet-sim/cadet"
+"""Of the program."""
+LICENSE: Final = f"{REPOSITORY}/blob/main/docs/data_license.md"
+"""Of what it generates."""
 _OWN: Final = (
     *("citeAs", "column", "containedIn", "arrayShape", "equivalentProperty", "extract", "field", "fileProperty"),
     *("fileObject", "fileSet", "format", "includes", "isArray", "isLiveDataset", "jsonPath", "key", "md5"),
@@ -40,7 +43,7 @@ _LABEL_FIELDS: Final = (
     *("type", "truncated", "occluded", "alpha_rad", "left_px", "top_px", "right_px", "bottom_px"),
     *("height_m", "width_m", "length_m", "x_cam_m", "y_cam_m", "z_cam_m", "rotation_y_rad"),
 )
-_ABOUT: Final = {
+ABOUT: Final = {
     "rai:dataCollection": (
         "A simulated car with KITTI's sensors drove through procedurally generated streets; nothing was recorded."
     ),
@@ -62,6 +65,22 @@ _ABOUT: Final = {
     ),
     "rai:personalSensitiveInformation": "None: people, vehicles, and license plates are made up.",
 }
+"""How sets are made, and what they are good for, by the keys of the responsible-AI vocabulary."""
+
+
+def title_of(head: Mapping[str, Any]) -> str:
+    """Return a generated set's name, by what its manifest says besides the hashes of files."""
+    return f"cadet-{head['policy']['name']}-{head['seed']}"
+
+
+def summary_of(head: Mapping[str, Any]) -> str:
+    """Tell what a generated set is, by what its manifest says besides the hashes of files."""
+    counts = head["counts"]
+    return (
+        f"{counts['frames']} frames of {counts['episodes']} drives through procedurally generated streets: KITTI's "
+        f"camera images, LIDAR scans, and 3D labels. Seed {head['seed']}, policy {head['policy']['name']}, "
+        f"cadet {head['cadet']}. manifest.json has the SHA-256 of every file."
+    )
 
 
 def croissant(kinds: Iterable[str], head: Mapping[str, Any], manifest_sha256: str) -> bytes:
@@ -73,23 +92,17 @@ def croissant(kinds: Iterable[str], head: Mapping[str, Any], manifest_sha256: st
         manifest_sha256: its own hash, in hexadecimal digits.
     """
     parts = ("training", "testing") if head["test_fraction"] > 0.0 else ("training",)
-    counts = head["counts"]
-    description = (
-        f"{counts['frames']} frames of {counts['episodes']} drives through procedurally generated streets, in the "
-        f"layout of KITTI's object set: camera images, LIDAR scans, and 3D labels. Seed {head['seed']}, policy "
-        f"{head['policy']['name']}, cadet {head['cadet']}. manifest.json has the SHA-256 of every file."
-    )
     content = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": ["http://mlcommons.org/croissant/1.1", "http://mlcommons.org/croissant/RAI/1.0"],
-        "name": f"cadet-{head['policy']['name']}-{head['seed']}",
-        "description": description,
+        "name": title_of(head),
+        "description": summary_of(head),
         "version": head["cadet"],
-        "url": _REPOSITORY,
-        "license": f"{_REPOSITORY}/blob/main/docs/data_license.md",
-        "citeAs": f"The cadet authors: cadet {head['cadet']}, {_REPOSITORY}",
-        **_ABOUT,
+        "url": REPOSITORY,
+        "license": LICENSE,
+        "citeAs": f"The cadet authors: cadet {head['cadet']}, {REPOSITORY}",
+        **ABOUT,
         "distribution": [
             {
                 "@type": "cr:FileObject",

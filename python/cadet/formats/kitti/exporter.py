@@ -11,7 +11,8 @@ from typing import Any, Final
 from cadet._util.checks import shown
 from cadet._util.sink import Sink, read_each
 from cadet.errors import CadetError
-from cadet.formats.exporter import Ending, FilesInPlace, Place
+from cadet.formats.exporter import Ending, FilesInPlace, Finished, Place
+from cadet.formats.kitti.croissant import CROISSANT, croissant
 from cadet.formats.kitti.dataset import encode_facts, encode_maps, encode_meta
 from cadet.formats.kitti.files.folder import (
     CAMERAS,
@@ -137,6 +138,10 @@ class KittiExporter(FilesInPlace):
         # Tools of others list these folders, be there a test frame or none.
         folders = tuple(f"testing/{folder}" for folder in REQUIRED)
         return replace(ending(places, labels), folders=folders)
+
+    def describe(self, dataset: Finished) -> dict[str, bytes]:
+        """Return the description in Croissant's format."""
+        return {CROISSANT: croissant(dataset.kinds, dataset.head, dataset.manifest_sha256)}
 
 
 def _kinds_of_cameras(rig: Rig, extras: tuple[str, ...]) -> tuple[str, ...]:

@@ -9,9 +9,10 @@ from typing import Any
 
 from cadet._util.sink import LocalSink, Sink, read_each
 from cadet.errors import CadetError
-from cadet.formats.exporter import Ending, Place, Split
+from cadet.formats.exporter import Ending, Finished, Place, Split
 from cadet.formats.kitti.exporter import KittiExporter, ending
-from cadet.formats.packing_sink import PackingSink
+from cadet.formats.packing_sink import ArchiveFormat, PackingSink
+from cadet.formats.webdataset.dataset_card import CARD, dataset_card
 from cadet.formats.webdataset.member_names import member_name, parse_member_name
 from cadet.formats.webdataset.shard_format import ShardFormat
 from cadet.sensors.rig import Rig
@@ -57,6 +58,19 @@ class WebdatasetExporter:
         """Return the shard of a sample."""
         return f"{place.split}/{place.rank // self.shard_size:06d}.tar"
 
+    def shards(self, split: Split) -> str:
+        """Return a pattern of the shards of a split."""
+        return f"{split}/*.tar"
+
+    def columns(self, kinds: Iterable[str]) -> str:
+        """Return what a sample holds, for the dataset's card."""
+        names = (f"`{member_name('0', kind).removeprefix('0.')}`" for kind in (*kinds, "meta"))
+        return f"KITTI's files, by their kind: {', '.join(names)}."
+
+    def archives(self) -> ArchiveFormat:
+        """Return what shards are written by."""
+        return ShardFormat()
+
     def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
         """Return the files by kind, byte for byte KITTI's."""
         return _KITTI.encode(sample, extras)
@@ -82,7 +96,7 @@ class WebdatasetExporter:
             parsed = parse_member_name(member)
             return None if parsed is None else self.shard(place_of(int(parsed[0])))
 
-        return PackingSink(sink, ShardFormat(), shard_of)
+        return PackingSink(sink, self.archives(), shard_of)
 
     def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
         """Pack the shards that an episode has filled."""
@@ -105,6 +119,11 @@ class WebdatasetExporter:
         sink.remove_staging()
         places, same = tee(places)
         return ending(places, read_each(sink, (self.path(place, "label_2") for place in same)))
+
+    def describe(self, dataset: Finished) -> dict[str, bytes]:
+        """Return the dataset's card."""
+        shards = {split: self.shards(split) for split in dataset.splits}
+        return {CARD: dataset_card(dataset.head, shards, self.columns(dataset.kinds), dataset.recipe)}
 
 
 def _is_record(member: str) -> bool:

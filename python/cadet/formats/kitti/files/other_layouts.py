@@ -20,6 +20,7 @@ _OURS: Final = {
     "kitti_raw": _ANEW,
     "nuscenes": _ANEW,
     "mcap": _ANEW,
+    "parquet": _ANEW,
 }
 """What to do about a set of each of our formats where a KITTI folder is needed."""
 _SEQUENCES: Final = ("image_02/[0-9][0-9][0-9][0-9]", "velodyne/0000")
