@@ -15,7 +15,7 @@ _MODULES: Final[dict[str, str]] = {
     "avod/model": "arithmetic",
     "avod/train": "average checkpoints processes resume training",
     "cadet/datasets": "lidar_fit range_offsets report",
-    "cadet/formats": "foreign_folders fuzz_readers kitti_raw kitti_sequences nuscenes nuscenes_sweeps ros_bags "
+    "cadet/formats": "coco foreign_folders fuzz_readers kitti_raw kitti_sequences nuscenes nuscenes_sweeps ros_bags "
     "toolboxes",
     "cadet/formats/kitti": "depths",
     "cadet/generate": "dataset faults generate generate_errors generate_shards generate_splits object_sink "
@@ -27,7 +27,7 @@ _MODULES: Final[dict[str, str]] = {
     "cadet/figures": "gallery recording",
     "cadet/worlds": "assets_in_frames night paper_policy props_in_frames scene_config trucks",
     "cadet/worlds/meshes": "broken_inputs gltf_assets",
-    "repository": "docs docs_site makefile",
+    "repository": "action docs docs_site makefile notebooks",
     "tools": "experiments experiments_command gpu_run",
 }
 SLOW: Final = (
