@@ -7,7 +7,7 @@ import re
 import shlex
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -51,6 +51,8 @@ _WORLD: Final = (
 """The options that change the policy, by the same keys as in a file."""
 _OF_A_RUN: Final = ("out", "workers", "engine", "address", "resume", "recipe_file", "frame")
 """The parameters that change no byte, and those that go with a recipe."""
+_OF_ALL_FRAMES: Final = ("num_frames", "workers", "engine", "address", "resume")
+"""The parameters that say nothing where one frame is written."""
 _A_WEATHER: Final = 'JSON such as {"fog_visibility_m": 80}'
 
 
@@ -176,8 +178,11 @@ def cadet_gen(
     """  # noqa: D301 - click reads the backspace
     if address is not None and engine != "ray":
         raise CadetError("--address: goes with --engine ray")
+    if frame is not None:
+        _refuse(context, _OF_ALL_FRAMES, "--frame writes one frame alone; leave it out")
     if recipe_file is not None:
-        _check_no_settings(context)
+        settable = [name for name in context.params if name not in _OF_A_RUN]
+        _refuse(context, settable, "the recipe has all settings; leave it out, or change the recipe")
         recipe = Recipe.read(recipe_file)
     else:
         recipe = Recipe(
@@ -247,11 +252,11 @@ def cadet_gen(
 cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_names()))
 
 
-def _check_no_settings(context: click.Context) -> None:
-    """Refuse options that a recipe has as well."""
-    for name in context.params:
-        if name not in _OF_A_RUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
-            raise CadetError(f"{_option(name)}: the recipe has all settings; leave it out, or change the recipe")
+def _refuse(context: click.Context, names: Iterable[str], why: str) -> None:
+    """Refuse options that would be left out of account."""
+    for name in names:
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise CadetError(f"{_option(name)}: {why}")
 
 
 def _option(key: str) -> str:

@@ -144,6 +144,9 @@ def test_what_does_not_go_with_a_recipe_is_refused(made: Path, tmp_path: Path) -
     recipe = made / "recipe.toml"
     asked = gen(tmp_path / "out", "--recipe", recipe, "--seed", 3).exception
     assert str(asked) == "--seed: the recipe has all settings; leave it out, or change the recipe"
+    for option in (["--workers", 2], ["--resume"], ["-n", 7]):
+        ignored = gen(tmp_path / "out", "--seed", 1, "--frame", 3, *option).exception
+        assert isinstance(ignored, CadetError) and "--frame writes one frame alone; leave it out" in str(ignored)
     beyond = gen(tmp_path / "out", "--recipe", recipe, "--frame", 3).exception
     assert str(beyond) == "frame: expected a whole number from 0 to 2, got 3"
     assert not (tmp_path / "out").exists()
