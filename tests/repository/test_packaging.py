@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import re
 import signal
+import subprocess
 import sys
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -30,6 +32,19 @@ def test_the_citation_has_the_packages_version() -> None:
 def test_what_the_package_lists_is_public() -> None:
     assert dir(cadet) == sorted(cadet.__all__)
     assert all(hasattr(cadet, name) for name in cadet.__all__)
+
+
+def test_the_source_distribution_holds_all_that_is_built(tmp_path: Path) -> None:
+    maturin = Path(sys.executable).with_name("maturin")
+    subprocess.run([maturin, "sdist", "--out", tmp_path], cwd=ROOT, check=True, capture_output=True)
+    (path,) = tmp_path.iterdir()
+    with tarfile.open(path) as archive:
+        packed = {name.partition("/")[2] for name in archive.getnames()}
+    built = {"Cargo.lock", "Cargo.toml", "pyproject.toml"}
+    for folder in ("crates", "python"):
+        files = (one.relative_to(ROOT) for one in (ROOT / folder).rglob("*") if one.is_file())
+        built |= {str(one) for one in files if one.suffix not in (".pyc", ".so") and "cadet_bench" not in one.parts}
+    assert built <= packed
 
 
 def test_every_extra_that_is_named_exists() -> None:
