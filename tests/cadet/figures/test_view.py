@@ -189,6 +189,28 @@ def test_a_return_seen_from_above_lies_12_pixels_a_meter_from_the_sensor(x: floa
     assert np.abs(changed - [v, u]).max() <= 1
 
 
+@pytest.mark.parametrize(
+    ("yaw_deg", "is_turned"), [(0.0, False), (44.0, False), (-44.0, False), (90.0, True), (180.0, True)]
+)
+def test_from_above_a_camera_that_looks_aside_or_back_looks_up(yaw_deg: float, is_turned: bool) -> None:
+    """What lies 30 m ahead of the camera and 10 m to its left is drawn there."""
+    yaw = np.radians(yaw_deg if is_turned else 0.0)
+    ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    point = np.array([[*(30.02 * ahead + 9.98 * left), 1.0, 1.0]], np.float32)
+    calib, turn = make_calib(), np.eye(4)
+    turn[:2, :2] = [
+        [np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg))],
+        [-np.sin(np.radians(yaw_deg)), np.cos(np.radians(yaw_deg))],
+    ]
+    calib = replace(calib, Tr_velo_to_cam=calib.Tr_velo_to_cam @ turn)
+    with_point, without = (
+        bev_figure(replace(make_frame(labels=()), calib=calib, points_velo=points))
+        for points in (point, np.zeros((0, 4), np.float32))
+    )
+    changed = np.argwhere((with_point != without).any(axis=2))
+    assert len(changed) >= 1 and np.abs(changed - [480, 360]).max() <= 1
+
+
 def test_boxes_seen_from_above_lie_in_the_velo_frame() -> None:
     frame = make_frame(points_velo=np.zeros((0, 4), np.float32))
     drawn = bev_figure(frame)

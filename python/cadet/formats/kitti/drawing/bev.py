@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+import math
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -34,6 +35,8 @@ _HEADING_M: Final = 1.2
 def bev_figure(frame: Drawable, width: int = 960, *, has_text: bool = True) -> style.Image:
     """Draw the scan from above, ahead being up: 70 m ahead, 40 m to either side, a ring every 10 m.
 
+    Ahead is where the LIDAR's x axis points, or the camera, if that looks more than 45 degrees away from it.
+
     Returns are colored by height over the ground and brighter where they are denser or shine back more. Boxes are
     outlined in their class's color with a tick along the heading; the faint wedge is what the camera sees.
 
@@ -49,39 +52,60 @@ def bev_figure(frame: Drawable, width: int = 960, *, has_text: bool = True) -> s
     scale = width / (2.0 * ASIDE_M)
     height = round((AHEAD_M + _BEHIND_M) * scale)
     canvas = style.filled(height, width)
-    _draw_view(canvas, frame, scale)
-    _draw_rings(canvas, scale)
-    _draw_points(canvas, frame, scale)
+    level, view = _View(scale), _View.of_camera(frame.calib, scale)
+    _draw_view(canvas, frame, view)
+    _draw_rings(canvas, level)
+    _draw_points(canvas, frame, view)
     if has_text:
-        _draw_ranges(canvas, scale)
+        _draw_ranges(canvas, level)
     for label in frame.labels:
         if not label.is_dont_care:
-            _draw_box(canvas, label, frame.calib, scale)
-    _draw_ego(canvas, scale)
+            _draw_box(canvas, label, frame.calib, view)
+    _draw_ego(canvas, view)
     return canvas
 
 
-def _pixels(points_velo: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
-    """Place points (N, 2+) [x, y] of the velo frame on the canvas: (N, 2) [u, v]."""
-    near_velo = np.clip(points_velo[:, :2], -_FARTHEST_M, _FARTHEST_M)
-    u = (ASIDE_M - near_velo[:, 1]) * scale - 0.5
-    v = (AHEAD_M - near_velo[:, 0]) * scale - 0.5
-    return np.stack([u, v], axis=1)
+class _View(NamedTuple):
+    """Where places lie on the canvas.
+
+    Attributes:
+        scale: pixels a meter.
+        ahead_velo: what is up, a unit vector of the velo frame's plane.
+    """
+
+    scale: float
+    ahead_velo: tuple[float, float] = (1.0, 0.0)
+
+    @classmethod
+    def of_camera(cls, calib: Calibration, scale: float) -> _View:
+        """Return the view in which the camera looks up, or within 45 degrees of it."""
+        eye, far = calib.points_velo_from_cam(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+        x, y = (far - eye)[:2]
+        length = math.hypot(x, y)
+        return cls(scale) if x >= math.sqrt(0.5) * length else cls(scale, (x / length, y / length))
+
+    def pixels(self, points_velo: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Place points (N, 2+) [x, y] of the velo frame on the canvas: (N, 2) [u, v]."""
+        near_velo = np.clip(points_velo[:, :2], -_FARTHEST_M, _FARTHEST_M)
+        x, y = self.ahead_velo
+        u = (ASIDE_M - near_velo @ [-y, x]) * self.scale - 0.5
+        v = (AHEAD_M - near_velo @ [x, y]) * self.scale - 0.5
+        return np.stack([u, v], axis=1)
 
 
-def _draw_rings(canvas: style.Image, scale: float) -> None:
+def _draw_rings(canvas: style.Image, view: _View) -> None:
     angles = np.linspace(-np.pi, np.pi, 241)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for range_m in np.arange(_RING_STEP_M, AHEAD_M + 1.0, _RING_STEP_M):
-        style.polyline(canvas, _pixels(range_m * circle, scale), style.GRID)
+        style.polyline(canvas, view.pixels(range_m * circle), style.GRID)
 
 
-def _draw_ranges(canvas: style.Image, scale: float) -> None:
+def _draw_ranges(canvas: style.Image, view: _View) -> None:
     """Write the rings' ranges to the right, near the edge of what the camera sees, where few returns lie."""
     bearing = np.radians(-36.0)
     ahead = np.array([[np.cos(bearing), np.sin(bearing)]])
     for range_m in np.arange(_RING_STEP_M, AHEAD_M + 1.0, _RING_STEP_M):
-        left, baseline = _pixels(range_m * ahead, scale)[0]
+        left, baseline = view.pixels(range_m * ahead)[0]
         text = f"{range_m:.0f} m"
         width, height = style.text_size(text, 0.38)
         if left + width + 6 < canvas.shape[1]:
@@ -90,9 +114,9 @@ def _draw_ranges(canvas: style.Image, scale: float) -> None:
             style.write(canvas, text, left + 4, baseline - 4, 0.38, style.TEXT)
 
 
-def _draw_view(canvas: style.Image, frame: Drawable, scale: float) -> None:
+def _draw_view(canvas: style.Image, frame: Drawable, view: _View) -> None:
     eye, *rays = _view_rays(frame.calib, frame.image_size[0])
-    wedge = _pixels(np.stack([eye, rays[0], rays[1]]), scale)
+    wedge = view.pixels(np.stack([eye, rays[0], rays[1]]))
     style.polygon(canvas, wedge, (90, 110, 140), 0.13)
     for ray in wedge[1:]:
         style.stroke(canvas, wedge[0], ray, (58, 70, 88))
@@ -107,12 +131,12 @@ def _view_rays(calib: Calibration, width: int) -> list[NDArray[np.float64]]:
     return list(calib.points_velo_from_cam(np.concatenate([eye_cam[None], far_cam]))[:, :2])
 
 
-def _draw_points(canvas: style.Image, frame: Drawable, scale: float) -> None:
+def _draw_points(canvas: style.Image, frame: Drawable, view: _View) -> None:
     """Add up the returns on a grid twice as fine, then shrink it: dense places glow, single returns stay visible."""
     plane = LEVEL_PLANE if frame.plane is None else frame.plane
     height_m = frame.calib.points_cam_from_velo(frame.points_velo) @ plane[:3] + plane[3]
     fine = (canvas.shape[0] * 2, canvas.shape[1] * 2)
-    places = np.floor((_pixels(frame.points_velo.astype(np.float64), scale) + 0.5) * 2.0)
+    places = np.floor((view.pixels(frame.points_velo.astype(np.float64)) + 0.5) * 2.0)
     # Far beyond the canvas a number may be none of an integer's.
     pixels = np.clip(places, -1.0, max(fine)).astype(np.intp)
     is_inside = ((pixels >= 0) & (pixels < [fine[1], fine[0]])).all(axis=1)
@@ -141,28 +165,28 @@ def height_colors(share: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.interp(share, stops, colors[:, channel]) for channel in range(3)], axis=-1)
 
 
-def _draw_box(canvas: style.Image, label: Label, calib: Calibration, scale: float) -> None:
+def _draw_box(canvas: style.Image, label: Label, calib: Calibration, view: _View) -> None:
     corners = calib.points_velo_from_cam(boxes.corners_cam(label.box_cam[None])[0, :4])
-    outline = _pixels(corners, scale)
+    outline = view.pixels(corners)
     color = style.class_color(label.type)
     style.polygon(canvas, outline, color, 0.25)
-    thickness = 2 if scale > _THICK_PX_PER_M else 1
+    thickness = 2 if view.scale > _THICK_PX_PER_M else 1
     style.polyline(canvas, outline, color, thickness)
     if np.abs(corners).max() > _FARTHEST_M:
         return
     front, center = corners[:2].mean(axis=0), corners.mean(axis=0)
     ahead = (front - center) / np.linalg.norm(front - center)
-    tick = _pixels(np.stack([center, front + _HEADING_M * ahead]), scale)
+    tick = view.pixels(np.stack([center, front + _HEADING_M * ahead]))
     style.stroke(canvas, tick[0], tick[1], color, thickness)
 
 
-def _draw_ego(canvas: style.Image, scale: float) -> None:
+def _draw_ego(canvas: style.Image, view: _View) -> None:
     length, width = _EGO_SIZE_M
     corners = np.array(
         [[length / 2, width / 2], [length / 2, -width / 2], [-length / 2, -width / 2], [-length / 2, width / 2]]
     )
-    outline = _pixels(corners, scale)
+    outline = view.pixels(corners)
     style.polygon(canvas, outline, style.GRID, 0.9)
     style.polyline(canvas, outline, style.FAINT_TEXT)
-    nose = _pixels(np.array([[length / 2, 0.0], [length / 6, width / 3], [length / 6, -width / 3]]), scale)
+    nose = view.pixels(np.array([[length / 2, 0.0], [length / 6, width / 3], [length / 6, -width / 3]]))
     style.polygon(canvas, nose, style.TEXT, 0.9)
