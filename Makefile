@@ -24,7 +24,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev wheel demo test test-core lint test-rust test-python test-fast emulator golden \
-	fuzz faults bench bench-tables bench-peers bench-traffic bench-gpu gallery docs fmt clean
+	fuzz faults readers bench bench-tables bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -116,6 +116,17 @@ fuzz: build-dev ## Feed every reader with 100,000 damaged files, half an hour on
 
 faults: build-dev ## Generate under 1,000 schedules of faults, a quarter of an hour (COUNT=100 for fewer)
 	PYTHONPATH=tests/support $(BIN)/python tests/support/faults.py --count $(or $(COUNT),1000)
+
+# Programs that agree on no version of a library with our own tools have environments of their own.
+pip_in = $(BIN)/python -m venv $(VENV)/$(1) && $(VENV)/$(1)/bin/python -m pip --disable-pip-version-check --quiet install $(2)
+
+readers: build-dev ## Let every program that reads our sets read one, and print a table (minutes)
+	@$(call quietly,Installing the programs that read our sets (the first time takes some minutes),{ \
+		$(PIP) install torchvision tabulate $(if $(NCORE_CLONE),nvidia-ncore debugpy tqdm) \
+		&& $(PIP) install --no-deps trackeval \
+		&& $(call pip_in,readers/numpy1,'py123d[nuscenes]' 'pyarrow<23') \
+		&& $(call pip_in,readers/numpy2,datumaro fiftyone); })
+	@PYTHONPATH=python:tests/support $(BIN)/python -m readers $(DEMO)/readers $(BIN)/python $(VENV)/readers/*/bin/python
 
 golden: build ## Renew the hashes of frames that tests/cadet/generate/test_golden_bytes.py makes again
 	$(BIN)/python tests/support/golden_frames.py --write

@@ -15,8 +15,8 @@ _MODULES: Final[dict[str, str]] = {
     "avod/model": "arithmetic",
     "avod/train": "average checkpoints processes resume training",
     "cadet/datasets": "lidar_fit range_offsets report",
-    "cadet/formats": "coco foreign_folders fuzz_readers kitti_raw kitti_sequences nuscenes nuscenes_sweeps ros_bags "
-    "toolboxes",
+    "cadet/formats": "coco foreign_folders fuzz_readers kitti_raw kitti_sequences nuscenes nuscenes_sweeps readers "
+    "ros_bags toolboxes",
     "cadet/formats/kitti": "depths",
     "cadet/generate": "dataset faults generate generate_errors generate_shards generate_splits object_sink "
     "plain_scripts ray same_bytes sequences",

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,19 +19,13 @@ from numpy.typing import NDArray
 import cadet
 from cadet.formats.kitti_sequences import RawDrive
 from cadet.generate import Settings, generate
+from readers.sequence_converters import scenes_of_123d, sequence_of_ncore
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 WIDTH, HEIGHT = 200, 112
 KEY_FRAMES = (0, 10, 20)
 NUM_FRAMES = 10
-
-
-def run(command: list[str], folder: Path, **environment: str) -> None:
-    done = subprocess.run(
-        command, cwd=folder, env={**os.environ, **environment}, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
 
 
 def records(root: Path, num_frames: int) -> list[dict[str, Any]]:
@@ -67,7 +59,6 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     policy = cadet.ResetPolicy.kitti().with_rig(rig).as_sequence(hz=20, length_s=1.05)
     root = tmp_path_factory.mktemp("123d") / "scenes"
     generate(root, Settings(seed=1, num_frames=21, policy=policy, format="nuscenes"), workers=1)
-    (root / "can_bus").mkdir()
     return root
 
 
@@ -77,13 +68,9 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_123d_opens_what_its_converter_of_nuscenes_wrote(
     dataset: str, numbers: tuple[int, ...], scenes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    api = pytest.importorskip("py123d.api")
     monkeypatch.setenv("NUSCENES_DATA_ROOT", str(scenes))
     monkeypatch.setenv("PY123D_DATA_ROOT", str(tmp_path))
-    command = [str(Path(sys.executable).with_name("py123d-conversion")), f"dataset={dataset}"]
-    command += [f"dataset.parser.splits=[{dataset}_train]", "dataset.parser.nuscenes_map_root=null"]
-    run([*command, "execution=sequential_executor"], tmp_path)
-    (scene,) = api.get_filtered_scenes(api.SceneFilter(iteration_threshold=100), tmp_path)
+    (scene,) = scenes_of_123d(scenes, tmp_path, f"{dataset}_train")
     assert (scene.log_name, scene.number_of_iterations) == ("scene-0001", len(numbers))
     assert len(scene.available_camera_names) == 6
     known = records(scenes, 21)
@@ -130,7 +117,7 @@ def test_123d_opens_what_its_converter_of_nuscenes_wrote(
 
 
 def test_ncore_opens_what_its_converter_of_raw_drives_wrote(tmp_path: Path) -> None:
-    v4 = pytest.importorskip("ncore.data.v4", reason="reads the folder with ncore: pip install nvidia-ncore")
+    pytest.importorskip("ncore.data.v4", reason="reads the folder with ncore: pip install nvidia-ncore")
     clone = os.environ.get("NCORE_CLONE")
     if clone is None:
         pytest.skip("reads the folder with ncore: NCORE_CLONE names no clone of github.com/NVIDIA/ncore")
@@ -139,12 +126,7 @@ def test_ncore_opens_what_its_converter_of_raw_drives_wrote(tmp_path: Path) -> N
     root = tmp_path / "drives"
     generate(root, Settings(seed=0, num_frames=NUM_FRAMES, policy=policy, format="kitti_raw"), workers=1)
     drive = RawDrive(root / "2020_01_01" / "2020_01_01_drive_0000_sync")
-    command = [sys.executable, "-m", "tools.data_converter.kitti.main", "--root-dir", str(drive.folder.parent)]
-    command += ["--output-dir", str(tmp_path / "ncore"), "--camera-id", "camera_color_left", "kitti-v4"]
-    run(command, tmp_path, PYTHONPATH=clone)
-
-    stores = sorted((tmp_path / "ncore" / drive.folder.name).glob("*.zarr.itar"))
-    sequence = v4.SequenceLoaderV4(v4.SequenceComponentGroupsReader(stores))
+    sequence = sequence_of_ncore(drive.folder, tmp_path, clone)
     assert (sequence.camera_ids, sequence.lidar_ids) == (["camera_color_left"], ["lidar_top"])
     camera, lidar = sequence.get_camera_sensor("camera_color_left"), sequence.get_lidar_sensor("lidar_top")
     assert camera.frames_count == lidar.frames_count == NUM_FRAMES
