@@ -241,15 +241,22 @@ def cadet_gen(
         console.print(
             f"val.txt is empty: validation starts with the second episode, at frame {num_first}", markup=False
         )
-    if recipe.manifest_sha256 not in (None, summary.manifest_sha256):
-        raise CadetError(
-            f"{out} is whole, but not the dataset that {recipe_file} was written for: its manifest.json has another "
-            "hash; was the recipe made by another build of cadet?"
-        )
+    if recipe.manifest_sha256 is not None:
+        _check_manifest(out, summary, recipe, recipe_file)
+        console.print("manifest.json is the recipe's, and so is every file", markup=False)
     return 0
 
 
 cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_names()))
+
+
+def _check_manifest(out: Path | str, summary: Summary, recipe: Recipe, recipe_file: Path | None) -> None:
+    """Refuse a dataset that is not the one that its recipe was written for."""
+    if recipe.manifest_sha256 != summary.manifest_sha256:
+        raise CadetError(
+            f"{out} is whole, but not the dataset that {recipe_file} was written for: its manifest.json has another "
+            "hash; was the recipe made by another build of cadet?"
+        )
 
 
 def _refuse(context: click.Context, names: Iterable[str], why: str) -> None:
@@ -291,7 +298,8 @@ def _policy(name: str, format: str, world: Mapping[str, Any]) -> ResetPolicy:
         table["image_size"] = _image_size(table["image_size"])
     if format == "nuscenes":
         table.setdefault("rig", "nuscenes")
-    policy = changed(policy, table, Path(), _option)
+    weathers = "--weathers" if world["weather"] is None else "--weather"
+    policy = changed(policy, table, Path(), lambda key: weathers if key == "weathers" else _option(key))
     for road_map in policy.maps:
         _check_drivable(road_map)
     return policy.as_sequence() if EXPORTERS[format].needs_sequence and policy.time_step_s is None else policy

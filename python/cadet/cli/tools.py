@@ -110,8 +110,8 @@ def _named(what: Path) -> tuple[Path, str | None]:
     root, name = what.parent, what.name
     try:
         ids = open_dataset(root).ids
-    except MissingFileError as error:
-        raise MissingFileError(f"{what}: no such folder, and no frame: {error}") from None
+    except MissingFileError:
+        raise MissingFileError(f"{what}: no such folder, and no frame: {root} is no dataset") from None
     if name in ids:
         return root, name
     matching = [one for one in ids if name.isdecimal() and one.isdecimal() and int(one) == int(name)]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet import _cadet
 from cadet._util.sink import Sink
 from cadet.errors import CadetError, KittiFormatError
 from cadet.formats.kitti import Label
@@ -56,7 +57,7 @@ def put_coco(sink: Sink, splits: Mapping[str, tuple[FrameFiles, Sequence[str]]])
             )
             sink.put(f"{split}/{file_name}", data)
         content = {
-            "info": {"description": f"KITTI's labels of the split {split}, by cadet convert"},
+            "info": {"description": f"Labels by KITTI's definitions, {split}: converted by cadet {_cadet.__version__}"},
             "images": images,
             "annotations": annotations,
             "categories": [{"id": number, "name": name} for name, number in categories.items()],

@@ -118,8 +118,8 @@ def test_findings_of_different_kinds_are_rows_of_their_own(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["view", "nothing/000012"], "nothing/000012: no such folder, and no frame: nothing: no such folder"),
-        (["view", "nothing/12", "-o", "x.png"], "nothing/12: no such folder, and no frame: nothing: no such folder"),
+        (["view", "nothing/000012"], "nothing/000012: no such folder, and no frame: nothing is no dataset"),
+        (["view", "nothing/12", "-o", "x.png"], "nothing/12: no such folder, and no frame: nothing is no dataset"),
         (["check", "nothing"], "nothing: no such folder"),
         (["draw"], "No such command 'draw'."),
     ],

@@ -69,7 +69,7 @@ WEATHERS = (
         ),
         (["OUT", "--weather", "fog"], "--weather: expected JSON such as {"),
         (["OUT", "--weather", "[]"], "--weather: expected JSON such as {"),
-        (["OUT", "--weather", '{"hail": 1}'], "--weathers: hail: unknown key"),
+        (["OUT", "--weather", '{"hail": 1}'], "--weather: hail: unknown key"),
         (["OUT", "--weather", "{}", "--weathers", "snow"], "--weather: expected it or --weathers, not both"),
         (
             ["OUT", "--weathers", "hail"],

@@ -62,7 +62,7 @@ def test_a_recipe_from_a_preset_is_short(name: str) -> None:
 
 def test_a_dataset_is_made_again_from_the_recipe_in_it(made: Path, tmp_path: Path) -> None:
     done = gen(tmp_path / "again", "--recipe", made / "recipe.toml", "--workers", 1)
-    assert done.exit_code == 0, done.output
+    assert done.exit_code == 0 and "manifest.json is the recipe's" in done.output, done.output
     assert tree(tmp_path / "again") == tree(made)
 
 

@@ -54,7 +54,7 @@ ABOUT: Final = {
     ),
     "rai:annotationsPerItem": "1",
     "rai:machineAnnotationTools": "cadet",
-    "rai:dataUseCases": "Training and testing 3D object detectors, before or beside real frames.",
+    "rai:dataUseCases": "For training and testing 3D object detectors, before real frames or together with them.",
     "rai:dataLimitations": (
         "Images look plausible, not photographic; streets are German; what a detector scores here says little of what "
         "it scores on real streets."
@@ -76,8 +76,9 @@ def title_of(head: Mapping[str, Any]) -> str:
 def summary_of(head: Mapping[str, Any]) -> str:
     """Tell what a generated set is, by what its manifest says besides the hashes of files."""
     counts = head["counts"]
+    drives = "1 drive" if counts["episodes"] == 1 else f"{counts['episodes']} drives"
     return (
-        f"{counts['frames']} frames of {counts['episodes']} drives through procedurally generated streets: KITTI's "
+        f"{counts['frames']} frames of {drives} through procedurally generated streets: KITTI's "
         f"camera images, LIDAR scans, and 3D labels. Seed {head['seed']}, policy {head['policy']['name']}, "
         f"cadet {head['cadet']}. manifest.json has the SHA-256 of every file."
     )

@@ -4,12 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Final
 
 from cadet.formats.exporter import Place, Split
 from cadet.formats.parquet.parquet_format import ParquetFormat
 from cadet.formats.parquet.rows import COLUMNS, schema
 from cadet.formats.webdataset.dataset_card import SPLITS
 from cadet.formats.webdataset.exporter import WebdatasetExporter
+
+_EXAMPLE: Final = (
+    "```python",
+    "import numpy as np",
+    "from datasets import load_dataset",
+    "",
+    'frame = load_dataset("FOLDER")["train"][0]  # or its name on the hub',
+    'points_velo = np.frombuffer(frame["points_velo"], "<f4").reshape(-1, 4)',
+    'types = [label["type"] for label in frame["labels"]]',
+    "```",
+    "",
+)
 
 
 @dataclass
@@ -29,7 +42,9 @@ class ParquetExporter(WebdatasetExporter):
 
     def columns(self, kinds: Iterable[str]) -> str:
         """Return what a row holds, for the dataset's card."""
-        return "\n".join(["| column | |", "|---|---|", *(f"| `{name}` | {what} |" for name, what in COLUMNS.items())])
+        return "\n".join(
+            [*_EXAMPLE, "| column | |", "|---|---|", *(f"| `{name}` | {what} |" for name, what in COLUMNS.items())]
+        )
 
     def archives(self) -> ParquetFormat:
         """Return what shards are written by.

@@ -31,7 +31,8 @@ def dataset_card(head: Mapping[str, Any], shards: Mapping[Split, str], columns: 
         columns: what a sample holds, in Markdown.
         recipe: the text of its recipe; None where files of the user's are needed to make it.
     """
-    num_frames = head["counts"]["frames"]
+    num_frames, labels = head["counts"]["frames"], head["counts"]["labels"]
+    objects = ", ".join(f"{count} {name}" for name, count in labels.items() if name != "DontCare")
     size = _SIZES[bisect_right([10**3, 10**4, 10**5, 10**6], num_frames)]
     files = "\n".join(f"  - {{split: {SPLITS[split]}, path: {json.dumps(path)}}}" for split, path in shards.items())
     made = (
@@ -64,6 +65,8 @@ configs:
 ## What a frame holds
 
 {columns}
+
+All frames together: {objects}.
 
 ## Limits
 

@@ -25,7 +25,7 @@ _OURS: Final = {
 """What to do about a set of each of our formats where a KITTI folder is needed."""
 _SEQUENCES: Final = ("image_02/[0-9][0-9][0-9][0-9]", "velodyne/0000")
 """Folders of KITTI's tracking set, one for each drive."""
-_OBJECT: Final = f"copy its frames to the layout of KITTI's object set, {_EXPECTED}, by one name a frame"
+_OBJECT: Final = f"copy its frames to the layout of KITTI's object set, {_EXPECTED}, each with a name of its own"
 
 _SIGNS: Final = (
     (("*/*.tar",), "shards of WebDataset", _OURS["webdataset"]),
