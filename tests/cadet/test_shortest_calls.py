@@ -56,6 +56,12 @@ class World:
         self.policy = cadet.ResetPolicy.kitti()
         self.settings = generate.Settings(policy=self.policy, num_frames=1, rig=self.rig)
 
+    def generated(self) -> Path:
+        """Return a dataset's folder."""
+        if not (self.root / "made").exists():
+            generate.generate(self.root / "made", self.settings, workers=1)
+        return self.root / "made"
+
 
 # What is needed to make an object, or to call a function or method; all else is called without arguments.
 OBJECTS: dict[str, Callable[[World], Any]] = {
@@ -95,6 +101,7 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     ),
     "MountedLidar": lambda w: cadet.MountedLidar(name="b", lidar=cadet.Lidar(), pose=cadet.Pose()),
     "RayHits": lambda w: w.scene.cast_rays([[0.0, 0.0, 9.0]], [[0.0, 0.0, -1.0]]),
+    "Recipe": lambda w: generate.Recipe(w.settings),
     "Report": lambda w: cadet.evaluate([w.truth], [w.found]),
     "ResetPolicy": lambda w: w.policy,
     "RoadMap": lambda w: cadet.RoadMap("town", "<OpenDRIVE/>"),
@@ -107,7 +114,7 @@ OBJECTS: dict[str, Callable[[World], Any]] = {
     "Semantic": lambda w: cadet.Semantic.CAR,
     "Settings": lambda w: w.settings,
     "Simulation": lambda w: cadet.Simulation(w.policy),
-    "Summary": lambda w: generate.generate(w.root / "summary", w.settings, workers=1),
+    "Summary": lambda w: generate.generate(w.generated(), w.settings, workers=1, resume=True),
     "Rules": lambda w: cadet.Rules(classes=(cadet.EvalClass("Car", ("Car",), (0.5, 0.5, 0.5)),)),
     "UniformFiring": lambda w: cadet.UniformFiring(columns=9),
     "Props": lambda w: cadet.Props.read(w.root / "props"),
@@ -187,12 +194,14 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "boxes_cam_from_labels": lambda w: kitti.boxes_cam_from_labels(w.labels),
     "box_iou_3d": lambda w: cadet.box_iou_3d(BOXES, BOXES),
     "box_iou_bev": lambda w: cadet.box_iou_bev(BOXES, BOXES),
+    "compare": lambda w: generate.compare(w.generated(), generate.Recipe(w.settings)),
     "encode_frame": lambda w: kitti.encode_frame(w.frame),
     "encode_meta": lambda w: kitti.encode_meta({}),
     "estimate_plane": lambda w: kitti.estimate_plane(w.frame.points_velo, w.frame.calib),
     "evaluate": lambda w: cadet.evaluate([w.truth], [w.found]),
     "frame_from_sample": lambda w: kitti.frame_from_sample(w.sample),
     "generate": lambda w: generate.generate(w.root / "out", w.settings),
+    "generate_frame": lambda w: generate.generate_frame(w.root / "alone", w.settings, 0),
     "labels_from_text": lambda w: kitti.labels_from_text(""),
     "lint": lambda w: kitti.lint(w.root),
     "lint_frame": lambda w: kitti.lint_frame(w.root, 0, strict=True),

@@ -37,7 +37,7 @@ RULES: Final[dict[str, str]] = {
     "dont-care": "a DontCare line with fields that it should not have",
     "other-readers": "what OpenPCDet and MMDetection3D fail on or misread",
     "meta": "a `meta` that is malformed, or belongs to another frame",
-    "table-row": "a row of nuScenes' tables that names no row of another, or a pose or box that is none",
+    "table-row": "a row of nuScenes' tables that names no row of another, or an invalid pose or box",
 }
 """Each kind of finding, and what it means."""
 
