@@ -53,7 +53,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the wheel that `make wheel` builds, from what is compiled already."""
     folder = tmp_path_factory.mktemp("wheels")
     maturin = Path(sys.executable).with_name("maturin")
-    command = [maturin, "build", "--release", "--locked", "--quiet", "--out", folder]
+    command: list[str | Path] = [maturin, "build", "--release", "--locked", "--quiet", "--out", folder]
     subprocess.run(command, cwd=ROOT, env={**os.environ, "PYO3_PYTHON": sys.executable}, check=True)
     (path,) = folder.iterdir()
     return path
