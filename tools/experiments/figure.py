@@ -123,6 +123,7 @@ def _lines(axis: Any, groups: Sequence[Group], metric: str) -> None:
             axis.axhline(ap.value, linestyle=style, color=color, label=label)
             if ap.half_width is not None:
                 axis.axhspan(ap.value - ap.half_width, ap.value + ap.half_width, color=color, alpha=0.15)
+    axis.use_sticky_edges = False
     axis.set_xscale("log")
     axis.set_xticks(counts, map(str, counts))
     axis.minorticks_off()
