@@ -36,8 +36,6 @@ from cadet.sensors.sample import MATERIALS, Agent, Sample, Scan, ScanSurfaces
 from cadet.sensors.semantic import Semantic
 from cadet.simulation.environment import Environment
 from cadet.simulation.scene import RayHits, Scene
-from cadet.simulation.simulation import Simulation
-from cadet.simulation.streaming import FrameStream, stream
 from cadet.simulation.twin import twin
 from cadet.worlds.assets import ActorMesh, Assets
 from cadet.worlds.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
@@ -66,6 +64,8 @@ if TYPE_CHECKING:
     )
     from cadet.evaluation.analysis import Analysis, Comparison, analyze
     from cadet.figures.show import view
+    from cadet.simulation.simulation import Simulation
+    from cadet.simulation.streaming import FrameStream, stream
 
 __all__ = [
     "MATERIALS",
@@ -145,17 +145,25 @@ __all__ = [
 ]
 
 
+_LATER = (
+    "cadet.simulation.streaming",
+    "cadet.simulation.simulation",
+    "cadet.evaluation",
+    "cadet.evaluation.analysis",
+    "cadet.figures.show",
+)
+
+
 def __dir__() -> list[str]:
     """List what is public, and not the rooms that it comes from."""
     return sorted(__all__)
 
 
 def __getattr__(name: str) -> Any:
-    # Scenes and readers do without what writes datasets, and without what judges and draws them.
+    # Scenes and readers do without what writes datasets, starts processes, judges, and draws.
     if name == "generate":
         return import_module("cadet.generate")
-    for room in ("cadet.evaluation", "cadet.evaluation.analysis", "cadet.figures.show") if name in __all__ else ():
-        module = import_module(room)
+    for module in map(import_module, _LATER) if name in __all__ else ():
         if hasattr(module, name):
             return globals().setdefault(name, getattr(module, name))
     raise AttributeError(f"module 'cadet' has no attribute {name!r}")

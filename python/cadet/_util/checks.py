@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import sys
 from collections.abc import Collection
 from dataclasses import fields
@@ -228,7 +227,7 @@ def as_seed(seed: object) -> int:
 
 def fresh_seed() -> int:
     """Return a seed that nobody chose, drawn by the operating system: ten digits at most, to be written down."""
-    return secrets.randbits(32)
+    return int.from_bytes(os.urandom(4), "little")
 
 
 def as_path(name: str, path: object) -> Path:

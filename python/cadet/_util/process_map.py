@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final, TypeVar
 
 from cadet._util.checks import check_number
-from cadet._util.worker_processes import WorkerContext
 from cadet.errors import CadetError
 
 _Item = TypeVar("_Item")
@@ -38,6 +37,8 @@ def process_map(
     # Most programs need no pool, and these take a tenth of the time of `import cadet`.
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
+
+    from cadet._util.worker_processes import WorkerContext
 
     pool = ProcessPoolExecutor(int(workers), mp_context=WorkerContext(), initializer=_leave_interrupts_to_the_parent)
     try:
