@@ -49,6 +49,13 @@ def tree(root: Path) -> dict[str, str]:
     return {str(path.relative_to(root)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
+def flip(path: Path, at: int) -> None:
+    """Flip the bits of one byte of a file."""
+    data = bytearray(path.read_bytes())
+    data[at] ^= 0xFF
+    path.write_bytes(data)
+
+
 def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
     for _ in range(600):
         if path.exists() or process.poll() is not None:

@@ -20,8 +20,8 @@ from tools.experiments.table import FEW_RULE, TRAINED_TITLES, few_frame_groups, 
 _LEVEL: Final = "Moderate"
 _COLORS: Final = {REAL: "tab:blue", SIM: "tab:orange", TUNED: "tab:green"}
 _FEW: Final = {
-    REAL: ("from scratch", "tab:blue"),
-    TUNED: ("pre-trained, then real frames", "tab:green"),
+    REAL: ("from scratch", _COLORS[REAL]),
+    TUNED: ("pre-trained, then real frames", _COLORS[TUNED]),
     MIXED: ("pre-trained, then both by turns", "tab:red"),
 }
 _SIZE_INCH: Final = (5.6, 3.6)

@@ -90,7 +90,8 @@ def few_frame_cells(
     frames, which the seed draws: from scratch, as long as pre-training and tuning together, with the configuration's
     schedule; from pre-trained weights for `few_steps`, with the schedule of the scale's tuning stretched to them; and
     the same by turns with simulated frames. Pre-trained weights that go on with simulated frames alone show what longer
-    training is worth. No checkpoint is chosen: the last counts.
+    training is worth. Weights that are given count as if they had been trained here. No checkpoint is chosen: the last
+    counts.
 
     Args:
         scale: their size.

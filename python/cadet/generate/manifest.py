@@ -65,7 +65,7 @@ def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> tuple[Coun
     recipe = Recipe(settings, digest).to_toml() if is_recipe_of(settings) else None
     if recipe is not None:
         _put_unless_same(sink, RECIPE, lambda: recipe.encode("utf-8"))
-    found = {place.split for place in settings.places()}
+    found = set(map(settings.split, range(settings.num_episodes)))
     splits = tuple(split for split in get_args(Split) if split in found)
     dataset = Finished(head, digest, settings.kinds, splits, recipe)
     for name, data in settings.exporter.describe(dataset).items():

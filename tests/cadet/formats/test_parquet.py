@@ -20,7 +20,7 @@ from cadet.errors import CadetError
 from cadet.formats.kitti.calib import KEYS
 from cadet.formats.parquet import parquet_format, rows
 from cadet.formats.parquet.parquet_format import ParquetShard
-from gen_process import FINE, SIZE, run, tree
+from gen_process import FINE, SIZE, flip, run, tree
 from small_runs import make
 
 NUM_FRAMES = 10
@@ -116,12 +116,6 @@ def test_neither_workers_nor_the_order_of_episodes_nor_stops_change_a_byte(out: 
     assert first.stat().st_mtime_ns == written_ns
 
 
-def _flip(path: Path, at: int) -> None:
-    data = bytearray(path.read_bytes())
-    data[at] ^= 0xFF
-    path.write_bytes(data)
-
-
 @pytest.mark.parametrize(
     "damage",
     [
@@ -129,9 +123,9 @@ def _flip(path: Path, at: int) -> None:
         lambda data: shutil.rmtree(data),
         lambda data: shutil.copy(data / "validation-00000.parquet", data / "train-00000.parquet"),
         lambda data: (data / "train-00000.parquet").write_bytes((data / "train-00000.parquet").read_bytes()[:-9]),
-        lambda data: _flip(data / "train-00000.parquet", 1000),  # in an image
-        lambda data: _flip(data / "train-00000.parquet", -3),  # in the last mark
-        lambda data: _flip(data / "train-00000.parquet", -700),  # in the columns' types
+        lambda data: flip(data / "train-00000.parquet", 1000),  # in an image
+        lambda data: flip(data / "train-00000.parquet", -3),  # in the last mark
+        lambda data: flip(data / "train-00000.parquet", -700),  # in the columns' types
     ],
 )
 def test_resuming_mends_what_is_damaged(out: Path, tmp_path: Path, damage: Callable[[Path], object]) -> None:

@@ -21,7 +21,7 @@ from cadet.errors import CadetError
 from cadet.formats.convert import convert
 from cadet.generate import Settings
 from cadet.generate.folder import open_folder
-from gen_process import FINE, SIZE, run, start, tree, wait_for, write_whole
+from gen_process import FINE, SIZE, flip, run, start, tree, wait_for, write_whole
 from small_runs import make, small_settings
 
 SHARDS = ("-n", 10, "--seed", 3, *SIZE, "--format", "webdataset", "--shard-size", 2)
@@ -196,12 +196,6 @@ def test_wherever_a_run_is_killed_resuming_gives_the_same_shards(
             assert tree(out) == expected, (moment, is_done)
 
 
-def _flip(path: Path, at: int) -> None:
-    data = bytearray(path.read_bytes())
-    data[at] ^= 0xFF
-    path.write_bytes(data)
-
-
 @pytest.mark.parametrize(
     "damage",
     [
@@ -210,8 +204,8 @@ def _flip(path: Path, at: int) -> None:
         lambda train: (train / "000001.idx").write_text("v1.2 0\n"),
         lambda train: (train / "000001.idx").write_bytes((train / "000000.idx").read_bytes()),
         lambda train: (train / "000001.tar").write_bytes((train / "000000.tar").read_bytes()),
-        lambda train: _flip(train / "000002.tar", 600),  # in a member
-        lambda train: _flip(train / "000002.tar", 10),  # in a header
+        lambda train: flip(train / "000002.tar", 600),  # in a member
+        lambda train: flip(train / "000002.tar", 10),  # in a header
         lambda train: (train / "000002.tar").write_bytes((train / "000002.tar").read_bytes()[:5000]),
         lambda train: (train / "000002.tar").write_bytes((train / "000002.tar").read_bytes()[:-1024]),
         lambda train: shutil.rmtree(train),
