@@ -125,14 +125,15 @@ def test_numbers_are_taken_out_of_reports_by_metric_level_and_rule() -> None:
 
 def test_the_table_by_number_of_frames() -> None:
     header, *rows = table_after(tables(grouped(few())), "**AP R40 Moderate in percent by number of real frames")
-    assert header[2:] == ["real frames", "trained on", "3D", "BEV"]
+    assert header[2:] == ["real frames", "trained on", "3D", "BEV", "3D gain", "BEV gain"]
     # Moderate is 1 below and R40 5: 20 and 22 are 14 and 16.
     assert [row[2:] for row in rows[:5]] == [
-        ["0", "given weights", "45.00", "55.00"],
-        ["0", "simulated, longer", "46.50 ±6.35", "56.50 ±6.35"],
-        ["10", "real", "15.00 ±12.71", "25.00 ±12.71"],
-        ["10", "simulated, then real", "54.50 ±6.35", "64.50 ±6.35"],
-        ["10", "simulated, then both", "55.50 ±6.35", "65.50 ±6.35"],
+        ["0", "given weights", "45.00", "55.00", "", ""],
+        ["0", "simulated, longer", "46.50 ±6.35", "56.50 ±6.35", "", ""],
+        # Seed by seed 32 and 31 less, and 8 and 9 more.
+        ["10", "real", "15.00 ±12.71", "25.00 ±12.71", *["-31.50 ±6.35"] * 2],
+        ["10", "simulated, then real", "54.50 ±6.35", "64.50 ±6.35", *["8.00 ±0.00"] * 2],
+        ["10", "simulated, then both", "55.50 ±6.35", "65.50 ±6.35", *["9.00 ±0.00"] * 2],
     ]
     assert [row[2] for row in rows] == ["0"] * 2 + ["10"] * 3 + ["40"] * 3 + ["160"] * 3
 

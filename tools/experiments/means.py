@@ -60,6 +60,13 @@ class Group:
         """Return the mean AP in percent."""
         return mean_of([outcome.ap[metric][level][rule] for outcome in self.outcomes])
 
+    def gain(self, base: Group, metric: str, level: str, rule: str) -> Mean:
+        """Return the mean gain in AP over another group, seed by seed; both have one seed in common at least."""
+        mine, theirs = (
+            {outcome.seed: outcome.ap[metric][level][rule] for outcome in group.outcomes} for group in (self, base)
+        )
+        return mean_of([mine[seed] - theirs[seed] for seed in mine if seed in theirs])
+
     @property
     def has_levels(self) -> frozenset[str]:
         """The levels that all outcomes have."""

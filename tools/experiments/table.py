@@ -103,17 +103,24 @@ def _cell(group: Group, metric: str, level: str, rule: str) -> str:
 
 
 def _few(groups: Sequence[Group]) -> str:
-    rows = [["class", "maps", "real frames", "trained on", *(METRIC_TITLES[metric] for metric in METRICS)]]
+    titles = [METRIC_TITLES[metric] for metric in METRICS]
+    rows = [["class", "maps", "real frames", "trained on", *titles, *(f"{title} gain" for title in titles)]]
     ways = list(TRAINED_TITLES)
     for class_name in CLASSES:
         for maps in MAPS:
             mine = few_frame_groups(groups, class_name, maps)
             for group in sorted(mine, key=lambda g: (g.frames or 0, ways.index(g.trained))):
                 aps = [str(group.ap(metric, _FEW_LEVEL, FEW_RULE)) for metric in METRICS]
-                rows.append([class_name, maps, str(group.frames or 0), TRAINED_TITLES[group.trained], *aps])
+                # Beside as many steps on simulated frames, which are the same for all.
+                bases = [g for g in mine if g.trained == LONGER and group.frames is not None]
+                gains = [str(group.gain(g, metric, _FEW_LEVEL, FEW_RULE)) for g in bases for metric in METRICS]
+                row = [class_name, maps, str(group.frames or 0), TRAINED_TITLES[group.trained], *aps]
+                rows.append([*row, *(gains or [""] * len(METRICS))])
     if len(rows) == 1:
         return ""
-    title = f"AP {FEW_RULE.upper()} {_FEW_LEVEL} in percent by number of real frames"
+    title = (
+        f"AP {FEW_RULE.upper()} {_FEW_LEVEL} in percent by number of real frames; gains over {TRAINED_TITLES[LONGER]!r}"
+    )
     return _markdown(title, rows)
 
 
