@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from cadet._util.checks import shown
+from cadet._util.checks import known_names, shown
 from cadet._util.plain_text import toml_from_text
 from cadet._util.user_files import read_settings
 from cadet.errors import CadetError, FileFormatError
@@ -37,7 +37,9 @@ def with_base(table: Mapping[str, Any], folder: Path, seen: tuple[Path, ...] = (
         return rest
     name = table["base"]
     if not isinstance(name, str) or not (name in CONFIGS or name.endswith(".toml")):
-        raise CadetError(f"base: unknown configuration {shown(name)}; known: {', '.join(CONFIGS)}, or a .toml file")
+        raise CadetError(
+            f"base: unknown configuration {shown(name)}; {known_names(name, CONFIGS, ', or a .toml file')}"
+        )
     path = CONFIGS.get(name, folder / name)
     if path in seen:
         circle = " -> ".join(map(str, (*seen, path)))

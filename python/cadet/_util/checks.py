@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Collection
 from dataclasses import fields
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
@@ -33,6 +34,14 @@ def shown(value: object) -> str:
         # Python prints no whole number of more than 4300 digits.
         text = f"{type(value).__name__} with thousands of digits"
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
+
+
+def known_names(name: object, names: Collection[str], or_else: str = "") -> str:
+    """Return what there is instead of `name` for a message, and which of it was probably meant."""
+    asked = name if isinstance(name, str) and len(name) <= _LONGEST_SHOWN else ""
+    nearest = get_close_matches(asked, names, 1)
+    meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    return f"known: {', '.join(names) or 'none'}{or_else}{meant}"
 
 
 def shown_key(key: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from cadet._util.checks import shown, shown_key
+from cadet._util.checks import known_names, shown, shown_key
 from cadet.errors import CadetError
 
 T = TypeVar("T")
@@ -35,7 +35,7 @@ def check_keys(table: object, known: tuple[str, ...], needed: tuple[str, ...] = 
     for key in table:
         if key not in known:
             name = _join(place, shown_key(key))
-            raise CadetError(f"{name}: unknown key; known: {', '.join(known)}")
+            raise CadetError(f"{name}: unknown key; {known_names(key, known)}")
     for key in needed:
         if key not in table:
             raise CadetError(f"{_join(place, key)}: missing key")

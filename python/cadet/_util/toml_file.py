@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
-from cadet._util.checks import as_path, is_one_of, shown
+from cadet._util.checks import as_path, is_one_of, known_names, shown
 from cadet._util.plain_tables import object_of_table, table_of_object, toml_of_table
 from cadet._util.plain_text import toml_from_text
 from cadet._util.user_files import read_settings
@@ -101,7 +101,5 @@ class NamedFile(TomlFile):
             return presets[str(name_or_file)]()
         if isinstance(name_or_file, str | Path) and str(name_or_file).endswith(".toml"):
             return cls.read(as_path("folder", folder) / as_path(cls._KIND, name_or_file))
-        known = ", ".join(presets)
-        raise CadetError(
-            f"unknown {cls._KIND} {shown(name_or_file)}; known: {known}, or the path of a file that ends in .toml"
-        )
+        there_is = known_names(name_or_file, presets, ", or the path of a file that ends in .toml")
+        raise CadetError(f"unknown {cls._KIND} {shown(name_or_file)}; {there_is}")

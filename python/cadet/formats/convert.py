@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from cadet._util.checks import as_path, check_number, is_one_of, shown
+from cadet._util.checks import as_path, check_number, is_one_of, known_names, shown
 from cadet._util.sink import LocalSink
 from cadet.errors import CadetError, MissingFileError
 from cadet.formats.coco import put_coco
@@ -84,7 +84,7 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
         OSError: the folder can't be written.
     """
     if not is_one_of(to, FORMATS):
-        raise CadetError(f"unknown format {shown(to)}; known: {', '.join(FORMATS)}")
+        raise CadetError(f"unknown format {shown(to)}; {known_names(to, FORMATS)}")
     check_number("convert", "shard_size", shard_size, 1, 10_000, whole=True)
     sink = LocalSink.new(as_path("out", out))
     found = _open(source)

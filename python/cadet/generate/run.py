@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from cadet._util.checks import check_kind, check_number, is_one_of, shown
+from cadet._util.checks import check_kind, check_number, is_one_of, known_names, shown
 from cadet._util.notices import notice
 from cadet._util.operating_system import free_memory_gb, num_processors
 from cadet.errors import CadetError
@@ -75,7 +75,7 @@ def generate(
     """
     check_kind("generate", "settings", settings, Settings)
     if not is_one_of(engine, ENGINES):
-        raise CadetError(f"unknown engine {shown(engine)}; known: {', '.join(ENGINES)}")
+        raise CadetError(f"unknown engine {shown(engine)}; {known_names(engine, ENGINES)}")
     if address is not None and engine != "ray":
         raise CadetError("generate.address: only for the engine ray")
     if workers is not None:

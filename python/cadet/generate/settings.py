@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from cadet import _cadet
-from cadet._util.checks import as_seed, as_tuple, check_kind, check_number, is_one_of, make_plain, shown
+from cadet._util.checks import as_seed, as_tuple, check_kind, check_number, is_one_of, known_names, make_plain, shown
 from cadet._util.sink import Sink
 from cadet.errors import CadetError
 from cadet.formats.exporter import Exporter, Place, Split
@@ -88,7 +88,7 @@ class Settings:
                 raise CadetError(f"Settings.{name}: expected 0 or at least {least}, got {getattr(self, name):g}")
         object.__setattr__(self, "write", as_tuple("Settings", "write", self.write, "folders' names"))
         if not is_one_of(self.format, EXPORTERS):
-            raise CadetError(f"unknown format {shown(self.format)}; known: {', '.join(EXPORTERS)}")
+            raise CadetError(f"unknown format {shown(self.format)}; {known_names(self.format, EXPORTERS)}")
         if self.exporter.needs_sequence and self.policy.time_step_s is None:
             raise CadetError(f"{self.format}: expected a sequence (--hz, or ResetPolicy.as_sequence)")
         if self.shard_size is not None:
@@ -97,8 +97,9 @@ class Settings:
                 raise CadetError(f"Settings.shard_size: the format {self.format} has no shards")
         for extra in self.write:
             if not is_one_of(extra, self.exporter.extras):
-                known = ", ".join(self.exporter.extras) or "none"
-                raise CadetError(f"Settings.write: cannot write {shown(extra)}; known: {known}")
+                raise CadetError(
+                    f"Settings.write: cannot write {shown(extra)}; {known_names(extra, self.exporter.extras)}"
+                )
         for rig, _ in self.policy.rigs:
             self.exporter.check(rig, self.write)
         self.exporter.check_size(Counter(map(self.split, range(self.num_episodes))))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet._util.checks import check_flag, check_kind, check_number, is_one_of, make_plain, shown
+from cadet._util.checks import check_flag, check_kind, check_number, is_one_of, known_names, make_plain, shown
 from cadet._util.summary import summary
 from cadet._util.toml_file import NamedFile
 from cadet.errors import CadetError
@@ -72,7 +72,7 @@ class Lidar(LidarFile, NamedFile):
             # What the table's own checks cannot see is refused here rather than in the middle of a run.
             self._to_native()
         elif not is_one_of(self.name, LIDAR_PRESETS):
-            raise CadetError(f"unknown lidar {shown(self.name)}; known: {', '.join(LIDAR_PRESETS)}")
+            raise CadetError(f"unknown lidar {shown(self.name)}; {known_names(self.name, LIDAR_PRESETS)}")
 
     def __repr__(self) -> str:
         changed = {f.name: getattr(self, f.name) for f in fields(self)[1:] if getattr(self, f.name) != f.default}

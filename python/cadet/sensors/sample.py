@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet._util.checks import as_tuple, check_number, is_one_of, shown
+from cadet._util.checks import as_tuple, check_number, is_one_of, known_names, shown
 from cadet._util.summary import counts, summary
 from cadet.errors import CadetError
 from cadet.sensors.rig import Rig
@@ -104,7 +104,7 @@ class Wanted:
     def __post_init__(self) -> None:
         for name in self.more_maps:
             if not is_one_of(name, MORE_MAPS):
-                raise CadetError(f"more_maps: unknown map {shown(name)}; known: {', '.join(MORE_MAPS)}")
+                raise CadetError(f"more_maps: unknown map {shown(name)}; {known_names(name, MORE_MAPS)}")
         if self.flow_s is not None:
             check_number("", "flow_s", self.flow_s, *_FLOW_LIMITS_S)
 

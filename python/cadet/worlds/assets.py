@@ -21,6 +21,7 @@ from cadet._util.checks import (
     check_number,
     check_text,
     is_one_of,
+    known_names,
     make_plain,
     shown,
 )
@@ -95,8 +96,9 @@ class ActorMesh:
         object.__setattr__(self, "materials", as_pairs(owner, "materials", self.materials, "of a role and its names"))
         for role, patterns in self.materials:
             if not is_one_of(role, (*ROLES, LEAVE_OUT)):
-                known = ", ".join((*ROLES, LEAVE_OUT))
-                raise CadetError(f"{owner}.materials: unknown key {shown(role)}; known: {known}")
+                raise CadetError(
+                    f"{owner}.materials: unknown key {shown(role)}; {known_names(role, (*ROLES, LEAVE_OUT))}"
+                )
             if not isinstance(patterns, tuple) or not all(isinstance(pattern, str) for pattern in patterns):
                 raise CadetError(f"{owner}.materials.{role}: expected a list of names, got {shown(patterns)}")
         make_plain(self)
@@ -251,7 +253,7 @@ def _check_keys(owner: str, values: Mapping[str, Any], *, required: tuple[str, .
             raise CadetError(f"{owner}: missing key {key!r}")
     for key in values:
         if key not in (*required, *optional):
-            raise CadetError(f"{owner}: unknown key {key!r}; known: {', '.join((*required, *optional))}")
+            raise CadetError(f"{owner}: unknown key {key!r}; {known_names(key, (*required, *optional))}")
 
 
 def _actor(root: Path, number: int, table: Mapping[str, Any]) -> ActorMesh:

@@ -258,13 +258,14 @@ class ResetPolicy(NamedFile):
         check_kind("", "rig", rig, Rig)
         return replace(self, rigs=((rig, 1.0),))
 
-    def with_districts(self, *districts: District) -> ResetPolicy:
-        """Return the policy with these districts, all equally likely.
+    def with_districts(self, *districts: District | str | Path) -> ResetPolicy:
+        """Return the policy with these districts, as objects, names, or files, all equally likely.
 
         Raises:
             CadetError: none, or what is no district.
         """
-        return replace(self, districts=tuple((district, 1.0) for district in districts))
+        given = (District.named(each) if isinstance(each, str | Path) else each for each in districts)
+        return replace(self, districts=tuple((district, 1.0) for district in given))
 
     def with_each_district(self, change: Callable[[District], District]) -> ResetPolicy:
         """Return the policy with each of its districts changed."""

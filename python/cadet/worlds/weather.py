@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet._util.arrays import check_array
-from cadet._util.checks import Limits, check_number, check_text, is_one_of, plain_number, shown
+from cadet._util.checks import Limits, check_number, check_text, is_one_of, known_names, plain_number, shown
 from cadet._util.summary import summary
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.worlds.config import SceneConfig
@@ -172,7 +172,7 @@ def check_weather(name: object) -> str:
     """
     names = weather_names()
     if not is_one_of(name, names):
-        raise CadetError(f"unknown weather {shown(name)}; known: {', '.join(names)}")
+        raise CadetError(f"unknown weather {shown(name)}; {known_names(name, names)}")
     return str(name)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cadet
-from cadet.worlds.districts import DISTRICTS, District
+from cadet.worlds.districts import DISTRICTS
 
 LUMA = np.array([0.2126, 0.7152, 0.0722])
 
@@ -14,7 +14,7 @@ LUMA = np.array([0.2126, 0.7152, 0.0722])
 def frame(seed: int, weather: str, district: str | None = None) -> cadet.Frame:
     policy = cadet.ResetPolicy.kitti()
     if district is not None:
-        policy = policy.with_districts(District.named(district))
+        policy = policy.with_districts(district)
     policy = policy.with_weathers(weather)
     return cadet.Scene.random(seed=seed, policy=policy).capture(sensors=())
 

@@ -192,6 +192,15 @@ def test_an_unknown_district_is_refused_by_its_name(name: Any) -> None:
         ResetPolicy.kitti().with_districts()
 
 
+def test_names_stand_for_districts_and_a_misspelt_one_for_what_was_meant() -> None:
+    kitti = ResetPolicy.kitti()
+    assert kitti.with_districts("quiet", STREET) == kitti.with_districts(District.named("quiet"), STREET)
+    with pytest.raises(CadetError, match=r"^unknown district 'county_road'; .*; did you mean 'country_road'\?$"):
+        kitti.with_districts("county_road")
+    with pytest.raises(CadetError, match=r"^unknown weather 'clear_moon'; .*; did you mean 'clear_noon'\?$"):
+        kitti.with_weathers("clear_moon")
+
+
 class RushHour(ResetPolicy):
     """The policy of docs/reference/settings.md."""
 

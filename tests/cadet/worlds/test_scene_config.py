@@ -100,7 +100,7 @@ def test_a_policys_districts_and_sun_reach_the_scene() -> None:
 
 
 def test_the_motorway_district_has_fast_vehicles_and_nobody_on_foot() -> None:
-    policy = cadet.ResetPolicy.kitti().with_districts(cadet.District.named("motorway")).with_weathers("clear_noon")
+    policy = cadet.ResetPolicy.kitti().with_districts("motorway").with_weathers("clear_noon")
     for seed in range(3):
         scene = Scene.random(seed=seed, policy=policy, rig=SMALL)
         frame = scene.capture()
@@ -114,7 +114,7 @@ def test_the_motorway_district_has_fast_vehicles_and_nobody_on_foot() -> None:
 
 
 def test_the_country_road_district_has_vegetation_and_fields_and_no_sidewalk() -> None:
-    policy = cadet.ResetPolicy.kitti().with_districts(cadet.District.named("country_road")).with_weathers("clear_noon")
+    policy = cadet.ResetPolicy.kitti().with_districts("country_road").with_weathers("clear_noon")
     wanted = {Semantic.ROAD, Semantic.ROAD_MARKING, Semantic.TERRAIN, Semantic.VEGETATION}
     for seed in range(3):
         frame = Scene.random(seed=seed, policy=policy, rig=SMALL).capture()

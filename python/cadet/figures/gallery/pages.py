@@ -20,7 +20,7 @@ from cadet.formats.kitti.frame import Frame
 from cadet.sensors.lidar import LIDAR_PRESETS, Lidar
 from cadet.sensors.rig import Rig
 from cadet.simulation.scene import Scene
-from cadet.worlds.districts import DISTRICTS, District
+from cadet.worlds.districts import DISTRICTS
 from cadet.worlds.policy import ResetPolicy
 
 Page = tuple[str, style.Image]
@@ -92,7 +92,7 @@ def _districts() -> Iterator[Page]:
 
 def _lidars() -> Iterator[Page]:
     """What each LIDAR of the package sees of one street, from above."""
-    policy = ResetPolicy.kitti().with_districts(District.named("main_road")).with_weathers("cloudy_noon")
+    policy = ResetPolicy.kitti().with_districts("main_road").with_weathers("cloudy_noon")
     tiles = []
     for name in LIDAR_PRESETS:
         rig = Rig.kitti().with_lidar(Lidar(name))
@@ -135,7 +135,7 @@ def _scan_figures(frame: Frame) -> tuple[style.Image, style.Image]:
 
 
 def _views(district_name: str, weather: str, num: int) -> Iterator[Frame]:
-    policy = ResetPolicy.kitti().with_districts(District.named(district_name)).with_weathers(weather)
+    policy = ResetPolicy.kitti().with_districts(district_name).with_weathers(weather)
     # Streets of its own for each district, the same ones in every weather.
     first = num * list(DISTRICTS).index(district_name)
     for seed in range(first, first + num):
