@@ -81,6 +81,12 @@ impl Stream {
         (self.0.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
+    /// Uniform between the least and the most.
+    #[inline]
+    pub fn within(&mut self, (least, most): (f64, f64)) -> f64 {
+        self.range(least, most)
+    }
+
     /// Uniform in [lo, hi).
     #[inline]
     pub fn range(&mut self, lo: f64, hi: f64) -> f64 {
@@ -133,6 +139,12 @@ impl Stream {
             }
         }
         0
+    }
+
+    /// One of some choices, by their weights.
+    pub fn pick<T: Copy>(&mut self, choices: &[(T, f64)]) -> T {
+        let weights: Vec<f64> = choices.iter().map(|(_, weight)| *weight).collect();
+        choices[self.weighted(&weights)].0
     }
 
     /// Puts the items in a random order.

@@ -14,26 +14,22 @@ mod roadside;
 mod signals;
 mod street_things;
 
-pub use ground::Ground;
-pub use ground::kind::GroundKind;
-pub use ground::roughness::Roughness;
-pub use network::places::{ParkingSpot, SpotKind, Walkway};
-pub use network::road_network::RightOfWay;
-pub use network::road_network::{
-    GeoReference, Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork,
+pub use ground::{Ground, GroundKind, Roughness};
+pub use network::{
+    GeoReference, Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, ParkingSpot, RightOfWay,
+    RoadNetwork, SpotKind, Walkway,
 };
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
-pub use placement::prop_config::PropConfig;
-pub use plan::suburb::{Suburb, generate as generate_suburb};
-pub use plan::suburb_config::SuburbConfig;
-pub use roadside::parking_spots::parking_spots;
-pub use roadside::walkway::walkways;
+pub use placement::PropConfig;
+pub use plan::{Suburb, SuburbConfig, generate as generate_suburb};
+pub use roadside::{parking_spots, walkways};
 pub use signals::{
     ArmId, Aspect, CrossingRule, JunctionArm, STOP_LINE_M, SignalHead, SignalPlan, SignalledJunction, Signals,
 };
 pub use street_things::Seat;
 
-use self::paint::wear::Wear;
+use self::ground::land::{Land, Yards};
+use self::paint::Wear;
 use cadet_base::error::Result;
 use cadet_base::instance::Instance;
 use cadet_base::plane::OrientedRect;
@@ -113,16 +109,11 @@ impl Town {
         let roughness = if network.is_motorway() { roughness.scaled(MOTORWAY_ROUGHNESS) } else { roughness };
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
-        let land = ground::land::fields::Land::of(&network, key, ground::extent(&network));
+        let land = Land::of(&network, key, ground::extent(&network));
         let mut lots = lots::Lots::default();
         let has_lots = [config.car_park_share, config.industrial_share, config.campus_share].iter().any(|s| *s > 0.0);
-        let mut yards = ground::land::yards::Yards {
-            lines: roadside::parking_spots::bay_lines(&network, key),
-            ..Default::default()
-        };
-        let lay = |yards: &ground::land::yards::Yards| {
-            Ground::of_town(&network, &roughness, &wear, &signals, (land.as_ref(), yards))
-        };
+        let mut yards = Yards { lines: roadside::bay_lines(&network, key), ..Default::default() };
+        let lay = |yards: &Yards| Ground::of_town(&network, Some(&roughness), &wear, &signals, (land.as_ref(), yards));
         let mut ground = lay(&yards)?;
         if has_lots && land.is_none() {
             lots = lots::Lots::plan(key, &network, &ground, config);

@@ -14,6 +14,12 @@ pub fn unit(heading_rad: f64) -> DVec2 {
     DVec2::new(math::cos(heading_rad), math::sin(heading_rad))
 }
 
+/// The angle from x of a direction, in [-pi, pi].
+#[inline]
+pub fn heading_rad(direction: DVec2) -> f64 {
+    math::atan2(direction.y, direction.x)
+}
+
 /// The least and the greatest corner of a box about points: infinite, and inside out, about none.
 pub fn bounds(points: impl IntoIterator<Item = DVec2>) -> (DVec2, DVec2) {
     let nowhere = (DVec2::INFINITY, DVec2::NEG_INFINITY);

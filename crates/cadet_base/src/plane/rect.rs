@@ -14,6 +14,12 @@ pub struct OrientedRect {
 }
 
 impl OrientedRect {
+    /// The rectangle about the line from one place to another, which reaches `half_width_m` to both sides of it.
+    pub fn about_line(from: DVec2, to: DVec2, half_width_m: f64) -> Self {
+        let half = DVec2::new((to - from).length() / 2.0, half_width_m);
+        Self { center: (from + to) / 2.0, axis: (to - from).normalize_or(DVec2::X), half }
+    }
+
     /// The corners, counter-clockwise.
     #[inline]
     pub fn corners(&self) -> [DVec2; 4] {

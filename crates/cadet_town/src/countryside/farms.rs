@@ -1,14 +1,10 @@
 //! Lone houses and farms beside country roads: a house with its garden, a barn, a drive.
 
-use crate::ParkingSpot;
-use crate::ground::land::fields::Land;
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::Placer;
-use crate::placement::prop_config::PropConfig;
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::garden;
-use crate::plots::plot::{PlacedHouse, Plot};
-use crate::plots::street_style::StreetStyle;
+use crate::countryside::Country;
+use crate::ground::land::Land;
+use crate::network::ParkingSpot;
+use crate::placement::PropConfig;
+use crate::plots::{Frontage, PlacedHouse, Plot, StreetStyle, garden, right_of};
 use cadet_assets::props::DRIVE_PAVING;
 use cadet_assets::scenery::materials::barn_palette;
 use cadet_assets::scenery::{HouseKind, house, num_variants};
@@ -34,10 +30,8 @@ pub(super) fn build(
     key: &StreamKey,
     s: &mut Stream,
     frontage: &Frontage,
-    land: &Land,
     config: &PropConfig,
-    taken: &mut Occupancy,
-    placer: &mut Placer,
+    country: &mut Country,
     drives: &mut Vec<ParkingSpot>,
 ) {
     let (is_farm, is_hamlet) = (s.chance(FARM_SHARE), s.chance(HAMLET_SHARE));
@@ -53,19 +47,18 @@ pub(super) fn build(
         if built == houses || from_m > frontage.length_m() - CLEAR_OF_JUNCTION_M - 20.0 {
             return;
         }
-        let plot = propose(s, frontage, land, from_m, is_hamlet);
-        let is_free = plot.as_ref().is_some_and(|p| {
-            taken.is_free(&p.whole()) && placer.site.is_rect_clear(&p.whole(), land.roadside.reach_m())
-        });
-        let Some(plot) = plot.filter(|_| is_free) else {
+        let reach_m = country.land.roadside.reach_m();
+        let plot = propose(s, frontage, country.land, from_m, is_hamlet)
+            .filter(|p| country.taken.is_free(&p.whole()) && country.placer.site.is_rect_clear(&p.whole(), reach_m));
+        let Some(plot) = plot else {
             from_m += 9.0;
             continue;
         };
-        taken.take(plot.whole());
-        garden::fill(&plot, &style, s, placer, drives);
-        culvert(&plot, land, taken, placer);
+        country.taken.take(plot.whole());
+        garden::fill(&plot, &style, s, country.placer, drives);
+        culvert(&plot, country);
         if !is_hamlet {
-            barn(s, &plot, taken, placer);
+            barn(s, &plot, country);
         }
         from_m += plot.length_m + 0.2;
         built += 1;
@@ -74,8 +67,8 @@ pub(super) fn build(
 
 fn propose(s: &mut Stream, frontage: &Frontage, land: &Land, from_m: f64, is_hamlet: bool) -> Option<Plot> {
     let [variants, ..] = num_variants();
-    let kinds = [HouseKind::Detached, HouseKind::Village, HouseKind::Semi];
-    let kind = kinds[s.weighted(if is_hamlet { &[0.7, 0.1, 0.2] } else { &[0.45, 0.5, 0.05] })];
+    let [detached, village, semi] = if is_hamlet { [0.7, 0.1, 0.2] } else { [0.45, 0.5, 0.05] };
+    let kind = s.pick(&[(HouseKind::Detached, detached), (HouseKind::Village, village), (HouseKind::Semi, semi)]);
     let house = house(kind, s.below(variants));
     let size = house.model.footprint_size();
     let (left_m, right_m) = (s.range(3.0, 7.0), 6.8 + s.range(0.0, 4.0));
@@ -98,26 +91,26 @@ fn propose(s: &mut Stream, frontage: &Frontage, land: &Land, from_m: f64, is_ham
 }
 
 /// Paves the way from the carriageway to the plot's drive.
-fn culvert(plot: &Plot, land: &Land, taken: &mut Occupancy, placer: &mut Placer) {
+fn culvert(plot: &Plot, country: &mut Country) {
     let model = DRIVE_PAVING.model(0);
     let piece_m = model.footprint_max.x;
     let a = plot.length_m / 2.0 - 1.8;
-    let reach_m = land.roadside.reach_m() + BEHIND_M + 2.0;
-    taken.take(plot.rect([a - 1.7, a + 1.7], [-reach_m, 0.0]));
+    let reach_m = country.land.roadside.reach_m() + BEHIND_M + 2.0;
+    country.taken.take(plot.rect([a - 1.7, a + 1.7], [-reach_m, 0.0]));
     let mut d = 0.0;
     while d > -reach_m {
         let [p, q] = [plot.at(a, d), plot.at(a, d - piece_m)];
-        if placer.site.is_street(q) {
+        if country.placer.site.is_street(q) {
             return;
         }
-        let (p, q) = (placer.site.on_ground(p) + DVec3::Z * 0.02, placer.site.on_ground(q) + DVec3::Z * 0.02);
-        placer.instances.push(model.at(frames::facing(p, q - p, DVec3::Z)));
+        let [p, q] = [p, q].map(|p| country.placer.site.on_ground(p) + DVec3::Z * 0.02);
+        country.placer.instances.push(model.at(frames::facing(p, q - p, DVec3::Z)));
         d -= piece_m;
     }
 }
 
 /// Behind the house, its gable to the road.
-fn barn(s: &mut Stream, plot: &Plot, taken: &mut Occupancy, placer: &mut Placer) {
+fn barn(s: &mut Stream, plot: &Plot, country: &mut Country) {
     let [variants, ..] = num_variants();
     let model = house(HouseKind::Village, s.below(variants)).model;
     let size = model.footprint_size();
@@ -126,8 +119,8 @@ fn barn(s: &mut Stream, plot: &Plot, taken: &mut Occupancy, placer: &mut Placer)
     let d = s.range(10.0, 16.0);
     let rect = plot.rect([a - size.x / 2.0, a + size.x / 2.0], [d, d + size.y]);
     let is_on_plot = plot.house_rect().is_some_and(|h| h.overlaps(&rect));
-    if !is_on_plot && taken.is_free(&rect) && placer.site.is_rect_clear(&rect, 5.0) {
-        taken.take(rect);
-        placer.put(&model, barn_palette(s), plot.at(a, d + size.y / 2.0), plot.along * -side);
+    if !is_on_plot && country.taken.is_free(&rect) && country.placer.site.is_rect_clear(&rect, 5.0) {
+        country.taken.take(rect);
+        country.placer.put(&model, barn_palette(s), plot.at(a, d + size.y / 2.0), plot.along * -side);
     }
 }

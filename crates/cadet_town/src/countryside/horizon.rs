@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::Ground;
+use crate::ground::Ground;
 use cadet_base::geometry::{LodSet, Mesh, MeshBuilder};
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Palette, Pattern, Semantic};

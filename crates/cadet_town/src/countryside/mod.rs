@@ -10,18 +10,46 @@ mod verges;
 
 pub(super) use horizon::hills;
 
-use crate::ground::land::fields::Land;
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::Placer;
-use crate::placement::prop_config::PropConfig;
-use crate::plots::belt::StreetPoints;
-use crate::plots::frontage::Frontage;
+use std::ops::Range;
+
+use crate::ground::land::Land;
+use crate::network::{ParkingSpot, RoadNetwork};
+use crate::placement::{Occupancy, Placer, PropConfig};
+use crate::plots::{Frontage, StreetPoints};
 use crate::signals::Signals;
-use crate::{ParkingSpot, RoadNetwork};
-use cadet_base::rng::StreamKey;
+use cadet_assets::scenery::{SceneryModel, TreeKind};
+use cadet_base::math::DVec2;
+use cadet_base::rng::{Stream, StreamKey};
 
 /// Farther from all roads nothing is seen but the woods' outer trees.
 const SEEN_M: f64 = 150.0;
+
+/// The land that is furnished.
+struct Country<'a, 'b> {
+    land: &'a Land,
+    greenery: f64,
+    /// Plots, ways to them, bridges, and noise walls.
+    taken: Occupancy,
+    placer: &'a mut Placer<'b>,
+}
+
+impl Country<'_, '_> {
+    /// Whether a place keeps so far from roads, and from what is taken.
+    fn is_clear(&self, at: DVec2, from_roads_m: f64, from_taken_m: f64) -> bool {
+        self.placer.site.is_clear(at, from_roads_m) && self.taken.is_free_at(at, from_taken_m)
+    }
+
+    /// Plants a tree or shrub where it is not in the way: where leaves hang low, farther from the carriageway.
+    fn plant(&mut self, kind: TreeKind, model: &SceneryModel, s: &mut Stream, at: DVec2) {
+        let from_roads_m = match kind {
+            TreeKind::Street => 2.2,
+            _ => (model.footprint_max.x + 0.8).clamp(1.2, 5.6),
+        };
+        if self.is_clear(at, from_roads_m, 2.0) {
+            let _ = self.placer.plant_model(kind, model, s, at);
+        }
+    }
+}
 
 /// Furnishes the land about all roads; drives of farms become places to park.
 pub(super) fn furnish(
@@ -32,21 +60,26 @@ pub(super) fn furnish(
     placer: &mut Placer,
 ) -> Vec<ParkingSpot> {
     let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(4).copied()), SEEN_M);
-    let mut taken = Occupancy::default();
+    let country = &mut Country { land, greenery: config.greenery, taken: Occupancy::default(), placer };
     let mut drives = Vec::new();
     if network.is_motorway() {
-        motorway::furnish(key, network, land, frontages, config.greenery, &mut taken, placer);
-        growth::grow(key, &streets, config.greenery, &taken, placer);
-        return drives;
+        motorway::furnish(key, network, frontages, country);
+    } else {
+        for (i, frontage) in frontages.iter().enumerate() {
+            let s = &mut key.indexed("country/farms", i as u64);
+            farms::build(key, s, frontage, config, country, &mut drives);
+        }
+        for (i, frontage) in frontages.iter().enumerate() {
+            let s = &mut key.indexed("country/roadside", i as u64);
+            verges::furnish((key, network, signals), s, frontage, country);
+        }
     }
-    for (i, frontage) in frontages.iter().enumerate() {
-        let s = &mut key.indexed("country/farms", i as u64);
-        farms::build(key, s, frontage, land, config, &mut taken, placer, &mut drives);
-    }
-    for (i, frontage) in frontages.iter().enumerate() {
-        let s = &mut key.indexed("country/roadside", i as u64);
-        verges::furnish((key, network, signals), s, frontage, land, config.greenery, &taken, placer);
-    }
-    growth::grow(key, &streets, config.greenery, &taken, placer);
+    growth::grow(key, &streets, country);
     drives
+}
+
+/// The runs of pieces that are wanted.
+fn runs(wanted: &[bool]) -> Vec<Range<usize>> {
+    let pieces: Vec<usize> = (0..wanted.len()).filter(|k| wanted[*k]).collect();
+    pieces.chunk_by(|a, b| b - a == 1).map(|run| run[0]..run[run.len() - 1] + 1).collect()
 }

@@ -1,13 +1,15 @@
 //! What stands beside country roads: where it should, and nothing on them.
 
 use crate::countryside::horizon;
-use crate::ground::land::fields::{Crop, Land};
-use crate::ground::road_section::DistanceFrom;
-use crate::ground::roughness::Roughness;
-use crate::paint::wear::Wear;
+use crate::ground::land::{Crop, Land};
+use crate::ground::{DistanceFrom, Ground, GroundKind, Roughness};
+use crate::network::{LaneKind, RoadNetwork};
+use crate::paint::Wear;
+use crate::placement::PropConfig;
+use crate::plan::SuburbConfig;
 use crate::props::{Props, place_in_country};
 use crate::signals::Signals;
-use crate::{Ground, GroundKind, LaneKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, ground};
+use crate::{generate_suburb, ground};
 use cadet_base::math::{DVec2, DVec3};
 use cadet_base::rng::{Stream, StreamKey};
 
@@ -36,7 +38,7 @@ impl Country {
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
         let (wear, signals) = (Wear::default(), Signals::default());
         let ground =
-            Ground::of_town(&network, &roughness, &wear, &signals, (Some(&land), &Default::default())).unwrap();
+            Ground::of_town(&network, Some(&roughness), &wear, &signals, (Some(&land), &Default::default())).unwrap();
         Self { key, network, land, roughness, ground }
     }
 
@@ -221,7 +223,7 @@ fn barriers_part_a_motorway_without_a_gap_and_nothing_hangs_low_over_its_lanes()
             .filter(|s| kinds.iter().any(|k| s.name.starts_with(k)))
             .map(|s| s.rect.center)
             .collect();
-        for lane in motorway.network.lanes.iter().filter(|l| l.kind == LaneKind::Median) {
+        for lane in motorway.network.of_kind(LaneKind::Median) {
             for p in lane.center.iter().step_by(4) {
                 let near = barriers.iter().map(|b| (*b - p.truncate()).length()).fold(f64::INFINITY, f64::min);
                 assert!(near < 7.0, "seed {seed}: {near} m from {p}");

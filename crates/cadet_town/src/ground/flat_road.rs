@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::ground::palette;
-use crate::ground::palette::{ASPHALT, Asphalt, MARKING, TERRAIN};
-use crate::paint::wear::Wear;
+use crate::ground::{ASPHALT, Asphalt, MARKING, TERRAIN, palette};
+use crate::paint::Wear;
 use cadet_base::geometry::{LodSet, MeshBuilder};
 use cadet_base::instance::Instance;
 use cadet_base::math::{DPose3, DQuat, DVec3, Vec3};

@@ -4,7 +4,7 @@
 //! before, each fitted to what the others left over. No equations to solve; smooth everywhere; far from all lanes only
 //! the coarse lattices speak, so hills fade out gently.
 
-use crate::network::road_network::Lane;
+use crate::network::Lane;
 use cadet_base::math::{DVec2, DVec3};
 
 /// The coarsest lattice: cells per side of the area.

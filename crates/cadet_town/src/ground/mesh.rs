@@ -4,11 +4,10 @@ use std::collections::HashMap;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use crate::ground::kind::GroundKind;
-use crate::ground::land::fields::Crop;
-use crate::ground::land::yards::YardSurface;
+use crate::ground::GroundKind;
+use crate::ground::land::{Crop, YardSurface};
 use crate::ground::region::{Inside, Regions, Ring, with_crossings, with_steps};
-use crate::network::road_network::LaneSurface;
+use crate::network::LaneSurface;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DVec2, DVec3};
 
@@ -138,11 +137,9 @@ pub(crate) fn triangulate(
     let [inside_carriageway, inside_curb, inside_sidewalk, inside_green] =
         [&regions.carriageway, &regions.curb, &regions.sidewalk, &regions.green].map(|r| Inside::new(r));
     let inside_edges = Inside::new(&regions.bed_edges);
-    let inside_beds: Vec<(LaneSurface, Inside)> =
-        regions.beds.iter().map(|(surface, rings)| (*surface, Inside::new(rings))).collect();
+    let inside_beds = insides(&regions.beds);
     let inside_shoulder = Inside::new(&regions.shoulder);
-    let inside_yards: Vec<(YardSurface, Inside)> =
-        regions.yards.iter().map(|(surface, rings)| (*surface, Inside::new(rings))).collect();
+    let inside_yards = insides(&regions.yards);
     let inside_fields: Vec<(Crop, Inside)> = Crop::ALL.into_iter().map(|c| (c, inside_crop(regions, c))).collect();
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
@@ -155,18 +152,14 @@ pub(crate) fn triangulate(
         let middle = (a + b + c) / 3.0;
         // Each region lies inside of the next, and most of the plane outside of all.
         let cover = if !inside_sidewalk.contains(middle) {
-            let field = inside_fields.iter().find(|(_, fields)| fields.contains(middle));
-            match field {
-                Some((crop, _)) => Cover::Field(*crop),
+            match held(&inside_fields, middle) {
+                Some(crop) => Cover::Field(crop),
                 None if inside_shoulder.contains(middle) => Cover::Shoulder,
-                None => match inside_yards.iter().find(|(_, yard)| yard.contains(middle)) {
-                    Some((surface, _)) => Cover::Yard(*surface),
-                    None => Cover::Terrain,
-                },
+                None => held(&inside_yards, middle).map_or(Cover::Terrain, Cover::Yard),
             }
         } else if inside_carriageway.contains(middle) {
-            match inside_beds.iter().find(|(_, bed)| bed.contains(middle)) {
-                Some((surface, _)) => Cover::Bed(*surface),
+            match held(&inside_beds, middle) {
+                Some(surface) => Cover::Bed(surface),
                 None if inside_edges.contains(middle) => Cover::BedEdge,
                 None if is_curbless => Cover::Setts,
                 None => Cover::Carriageway,
@@ -182,6 +175,16 @@ pub(crate) fn triangulate(
         kinds.push(cover);
     }
     Ok(PlanMesh { points, faces, kinds })
+}
+
+/// What lies inside of each of some regions.
+fn insides<T: Copy>(regions: &[(T, Vec<Ring>)]) -> Vec<(T, Inside)> {
+    regions.iter().map(|(what, rings)| (*what, Inside::new(rings))).collect()
+}
+
+/// The first region that holds a place.
+fn held<T: Copy>(regions: &[(T, Inside)], p: DVec2) -> Option<T> {
+    regions.iter().find(|(_, inside)| inside.contains(p)).map(|(what, _)| *what)
 }
 
 /// The fields with a crop; no two of them overlap.
@@ -210,9 +213,9 @@ impl Cloud {
 
 fn add_rectangle(cloud: &mut Cloud, min: DVec2, max: DVec2, step_m: f64) {
     let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-    for p in with_steps(&Ring::from(corners), step_m) {
+    with_steps(&corners, step_m).into_iter().for_each(|p| {
         cloud.add(p);
-    }
+    });
 }
 
 /// A square lattice that is dense near lanes and thins out away from them.

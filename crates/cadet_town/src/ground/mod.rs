@@ -1,39 +1,37 @@
 //! The ground: one continuous surface of road, sidewalk and terrain.
 
-pub(crate) mod bridge;
-pub(crate) mod face_index;
+mod bridge;
+mod face_index;
 pub(crate) mod flat_road;
-pub(crate) mod height_field;
-pub(crate) mod kind;
+mod height_field;
+mod kind;
 pub(crate) mod land;
-pub(crate) mod mesh;
-pub(crate) mod palette;
+mod mesh;
+mod palette;
 pub(crate) mod region;
-pub(crate) mod road_section;
-pub(crate) mod roughness;
-pub(crate) mod surface;
+mod road_section;
+mod roughness;
+mod surface;
+
+use face_index::FaceIndex;
+use height_field::FINEST_CELL_M;
+pub(crate) use height_field::{FINEST_CELL_AT_BRIDGES_M, HeightField, road_heights};
+pub use kind::GroundKind;
+pub(crate) use mesh::{Cover, Fineness, PlanMesh};
+pub(crate) use palette::{ASPHALT, Asphalt, MARKING, TERRAIN};
+pub(crate) use road_section::{DistanceFrom, Roadside};
+pub use roughness::Roughness;
+pub(crate) use surface::{Heights, Surface};
 
 use std::sync::Arc;
 
 use crate::ground::bridge::{Bridges, Deck, pieces_of_rings};
-use crate::ground::face_index::FaceIndex;
-use crate::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, FINEST_CELL_M, HeightField, road_heights};
-use crate::ground::kind::GroundKind;
-use cadet_base::error::Result;
-
-use crate::ground::land::fields::{Crop, Land};
-use crate::ground::land::yard_region;
-use crate::ground::land::yards::Yards;
-use crate::ground::mesh::{Cover, Fineness, PlanMesh};
+use crate::ground::land::{Crop, Land, Yards, yard_region};
 use crate::ground::region::{Regions, Ring};
-use crate::ground::road_section::DistanceFrom;
-use crate::ground::roughness::Roughness;
-use crate::ground::surface::{Heights, Surface};
-use crate::network::road_network::RoadNetwork;
-use crate::paint::wear::Wear;
-use crate::paint::{rails, repairs, road_marking};
+use crate::network::RoadNetwork;
+use crate::paint::{Wear, rails, repairs, road_marking};
 use crate::signals::Signals;
-
+use cadet_base::error::Result;
 use cadet_base::instance::Instance;
 use cadet_base::math::{DVec2, DVec3, Vec3};
 use cadet_base::plane::bounds;
@@ -75,7 +73,7 @@ impl Ground {
     /// # Errors
     /// [`cadet_base::Error::Map`] where the network has no carriageway or is larger than 40 km.
     pub fn new(network: &RoadNetwork) -> Result<Self> {
-        Self::laid(network, None, &Wear::default(), &Signals::default(), (None, &Yards::default()))
+        Self::of_town(network, None, &Wear::default(), &Signals::default(), (None, &Yards::default()))
     }
 
     /// The ground under and around a network, with the bumps and dips that real streets have.
@@ -83,7 +81,7 @@ impl Ground {
     /// # Errors
     /// As [`Ground::new`].
     pub fn rough(network: &RoadNetwork, roughness: &Roughness) -> Result<Self> {
-        Self::laid(network, Some(roughness), &Wear::default(), &Signals::default(), (None, &Yards::default()))
+        Self::of_town(network, Some(roughness), &Wear::default(), &Signals::default(), (None, &Yards::default()))
     }
 
     /// The ground of a town, with bumps and dips, and with its paint: worn, and with stop lines and fords where there
@@ -92,16 +90,6 @@ impl Ground {
     /// # Errors
     /// As [`Ground::new`].
     pub(crate) fn of_town(
-        network: &RoadNetwork,
-        roughness: &Roughness,
-        wear: &Wear,
-        signals: &Signals,
-        (land, yards): (Option<&Land>, &Yards),
-    ) -> Result<Self> {
-        Self::laid(network, Some(roughness), wear, signals, (land, yards))
-    }
-
-    fn laid(
         network: &RoadNetwork,
         roughness: Option<&Roughness>,
         wear: &Wear,
@@ -154,20 +142,7 @@ impl Ground {
             kinds: vec![Cover::Carriageway; 2],
         };
         let ring = vec![Ring::from(corners)];
-        let regions = Regions {
-            carriageway: ring.clone(),
-            curb: ring.clone(),
-            sidewalk: ring,
-            walks: Vec::new(),
-            green: Vec::new(),
-            beds: Vec::new(),
-            bed_edges: Vec::new(),
-            sidewalk_width_m: 0.0,
-            shoulder: Vec::new(),
-            roadside: Vec::new(),
-            fields: Vec::new(),
-            yards: Vec::new(),
-        };
+        let regions = Regions { carriageway: ring.clone(), curb: ring.clone(), sidewalk: ring, ..Regions::default() };
         let surface = Surface::raise(&plan, &Heights::town(&|_| 0.0));
         let laid = Laid { plan: &plan, surface, decks: Vec::new(), bridges: Arc::default() };
         Self::assemble(laid, regions, (DVec2::splat(-half), DVec2::splat(half)), None)

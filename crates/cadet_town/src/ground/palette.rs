@@ -1,10 +1,9 @@
 //! What the ground is made of.
 
-use crate::ground::land::fields::Crop;
-use crate::ground::land::yards::YardSurface;
-use crate::ground::mesh::Cover;
-use crate::network::road_network::{LaneSurface, PaintColor};
-use crate::paint::wear::{LEFT, Wear};
+use crate::ground::Cover;
+use crate::ground::land::{Crop, YardSurface};
+use crate::network::{LaneSurface, PaintColor};
+use crate::paint::{LEFT, Wear};
 use cadet_base::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use cadet_base::road_paint::{self, WornPaint};
 

@@ -40,7 +40,7 @@ pub(crate) struct Roadside {
 impl Roadside {
     /// Draws it for verges of a width.
     pub fn new(stream: &mut Stream, verge_m: f64) -> Self {
-        let (ditch_m, depth_m) = (stream.range(DITCH_M.0, DITCH_M.1), stream.range(DITCH_DEPTH_M.0, DITCH_DEPTH_M.1));
+        let (ditch_m, depth_m) = (stream.within(DITCH_M), stream.within(DITCH_DEPTH_M));
         Self { verge_m, ditch_m, depth_m, field_m: FIELD_M, waves: draw_waves(stream, WAVE_M) }
     }
 
@@ -92,7 +92,7 @@ impl Roadside {
 
 fn draw_waves(stream: &mut Stream, length_m: (f64, f64)) -> [(DVec2, f64); 4] {
     std::array::from_fn(|_| {
-        let (length_m, heading) = (stream.range(length_m.0, length_m.1), stream.range(0.0, TAU));
+        let (length_m, heading) = (stream.within(length_m), stream.range(0.0, TAU));
         (unit(heading) * (TAU / length_m), stream.range(0.0, TAU))
     })
 }

@@ -24,7 +24,7 @@ struct Wave {
 
 impl Wave {
     fn new(stream: &mut Stream, lengths_m: (f64, f64), amplitude_m: f64) -> Self {
-        let (length_m, heading) = (stream.range(lengths_m.0, lengths_m.1), stream.range(0.0, TAU));
+        let (length_m, heading) = (stream.within(lengths_m), stream.range(0.0, TAU));
         let k = unit(heading) * (TAU / length_m);
         Self { k, phase: stream.range(0.0, TAU), amplitude_m }
     }

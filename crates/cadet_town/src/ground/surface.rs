@@ -3,12 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::ground::mesh::{Cover, PlanMesh};
-use crate::ground::palette;
-use crate::ground::palette::Asphalt;
-use crate::network::limits::CURB_HEIGHT_M;
-use crate::network::road_network::{PaintedQuad, RoadNetwork};
-use crate::paint::wear::Wear;
+use crate::ground::{Asphalt, Cover, PlanMesh, palette};
+use crate::network::{CURB_HEIGHT_M, PaintedQuad, RoadNetwork};
+use crate::paint::Wear;
 use cadet_base::geometry::{IndexedFaces, LodSet, Mesh};
 use cadet_base::instance::Instance;
 use cadet_base::math::{DPose3, DQuat, DVec2, DVec3};

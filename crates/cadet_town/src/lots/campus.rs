@@ -1,9 +1,8 @@
 //! Institutes: set back behind lawns with large trees, a paved way to the door, racks of bicycles, benches.
 
-use crate::ground::land::yards::YardSurface;
-use crate::lots::BEFORE_M;
-use crate::lots::layout::{LotLayout, fitting};
-use crate::placement::boundary::Boundary;
+use crate::ground::land::YardSurface;
+use crate::lots::{BEFORE_M, LotLayout, fitting};
+use crate::placement::Boundary;
 use cadet_assets::props::{BENCH, BICYCLE, CYCLE_HOOP, TUB};
 use cadet_assets::scenery::{HallKind, NARROW_HEDGES, TreeKind};
 use cadet_base::math::DVec2;

@@ -1,10 +1,9 @@
 //! Car parks: rows of bays along aisles, islands with trees, hedges about them, and a market behind some.
 
-use crate::SpotKind;
-use crate::ground::land::yards::YardSurface;
-use crate::lots::BEFORE_M;
-use crate::lots::layout::{Bay, LotLayout, fitting};
-use crate::placement::boundary::Boundary;
+use crate::ground::land::YardSurface;
+use crate::lots::{BEFORE_M, Bay, LotLayout, fitting};
+use crate::network::SpotKind;
+use crate::placement::Boundary;
 use cadet_assets::props::{ISLAND, PYLON, TALL_LAMP, TROLLEY_SHELTER, WALL, WIRE};
 use cadet_assets::scenery::{HallKind, NARROW_HEDGES, TreeKind};
 use cadet_base::math::DVec2;
@@ -168,8 +167,8 @@ fn edges(
 ) {
     let mut border = || match s.weighted(&[0.6, 0.15, 0.1, 0.15]) {
         0 => Boundary::Hedge(s.below(NARROW_HEDGES)),
-        1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
-        2 => Boundary::Fence(WALL, s.below(WALL.num_variants())),
+        1 => Boundary::fence(WIRE, s),
+        2 => Boundary::fence(WALL, s),
         _ => Boundary::Open,
     };
     let (beside, along) = (border(), border());

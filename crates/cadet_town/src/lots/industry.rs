@@ -1,10 +1,9 @@
 //! Works and offices: a hall with a forecourt, a yard beside it, lawns with young trees, and fences with gates.
 
-use crate::SpotKind;
-use crate::ground::land::yards::YardSurface;
-use crate::lots::BEFORE_M;
-use crate::lots::layout::{Bay, LotLayout, fitting};
-use crate::placement::boundary::Boundary;
+use crate::ground::land::YardSurface;
+use crate::lots::{BEFORE_M, Bay, LotLayout, fitting};
+use crate::network::SpotKind;
+use crate::placement::Boundary;
 use cadet_assets::props::{
     BILLBOARD, CRATES, PALLETS, PROFILES, PYLON, SHIPPING_CONTAINER, SITE_CONTAINER, SKIP, WIRE,
 };
@@ -52,7 +51,7 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> LotLayout 
     lot.paved.push((YardSurface::Asphalt, [gate, gate + GATE_M, -BEFORE_M, lawn_m + 1.0]));
     goods(&mut lot, yard, (front, depth_m), is_left, s);
     lawn(&mut lot, half, lawn_m, [gate, gate + GATE_M], s);
-    let wire = Boundary::Fence(WIRE, s.below(WIRE.num_variants()));
+    let wire = Boundary::fence(WIRE, s);
     let around = if s.chance(0.75) { wire } else { Boundary::Hedge(s.below(NARROW_HEDGES)) };
     for a in [-half + 0.35, half - 0.35] {
         lot.borders.push((around, DVec2::new(a, lawn_m + 0.2), DVec2::new(a, depth_m - 0.3)));

@@ -1,8 +1,8 @@
 //! What a lot is laid out with, in its own plane: x along its front from the middle, y behind it.
 
-use crate::SpotKind;
-use crate::ground::land::yards::YardSurface;
-use crate::placement::boundary::Boundary;
+use crate::ground::land::YardSurface;
+use crate::network::SpotKind;
+use crate::placement::Boundary;
 use cadet_assets::props::{Drawn, Shipped};
 use cadet_assets::scenery::{HALL_VARIANTS, HallKind, SceneryModel, TreeKind, hall, hall_palette};
 use cadet_base::math::DVec2;

@@ -8,22 +8,16 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use crate::ground::land::yards::Yards;
-use crate::network::limits::AISLE_KMH;
-use crate::network::road_network::PaintColor;
-use crate::placement::occupancy::{Occupancy, Site};
-use crate::placement::prop_config::PropConfig;
-use crate::plots::frontage::{Frontage, frontages};
-use crate::plots::lot_use::LotUse;
-use crate::plots::plot::Plot;
-use crate::plots::street_style::StreetStyle;
-use crate::plots::{fits, plot_at};
-use crate::{Ground, PaintedQuad, ParkingSpot, RoadNetwork, Walkway};
+use layout::{Bay, LotLayout, fitting};
+
+use crate::ground::Ground;
+use crate::ground::land::Yards;
+use crate::network::{AISLE_KMH, PaintColor, PaintedQuad, ParkingSpot, RoadNetwork, Walkway};
+use crate::placement::{Occupancy, PropConfig, Site};
+use crate::plots::{Frontage, LotUse, Plot, StreetStyle, fits, frontages, plot_at};
 use cadet_base::frames;
 use cadet_base::math::{DVec2, DVec3};
 use cadet_base::rng::{Stream, StreamKey};
-
-use crate::lots::layout::LotLayout;
 
 /// Width of the lines between bays.
 const LINE_M: f64 = 0.12;
@@ -64,9 +58,7 @@ impl Lots {
 
     /// The ground that they take.
     pub fn taken(&self) -> Occupancy {
-        let mut taken = Occupancy::default();
-        self.lots.iter().for_each(|lot| taken.take(lot.plot.whole()));
-        taken
+        Occupancy::of(self.lots.iter().map(|lot| lot.plot.whole()))
     }
 
     /// The paved ground and the painted lines of all lots.

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use crate::lots::{Lot, Lots};
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::{Placer, boundary_palette};
+use crate::placement::{Occupancy, Placer, footprint};
 use crate::street_things::{Seat, StreetThings};
 use cadet_assets::scenery::{TreeKind, num_variants, tree};
 use cadet_base::math::DVec2;
@@ -29,18 +28,14 @@ impl Lot {
     fn place(&self, greenery: f64, s: &mut Stream, placer: &mut Placer, things: &mut StreetThings) {
         let mut taken = Occupancy::default();
         for bay in &self.layout.bays {
-            let axis = self.direction(bay.heading);
             let half = DVec2::new(bay.length_m, bay.width_m) / 2.0;
-            let rect = OrientedRect { center: self.at(bay.at), axis, half };
+            let rect = OrientedRect { center: self.at(bay.at), axis: self.direction(bay.heading), half };
             taken.take(rect);
             placer.bays.push(rect);
         }
         for item in &self.layout.items {
             let (at, facing) = (self.at(item.at), self.direction(item.facing));
-            let axis = facing.normalize_or(DVec2::X);
-            let middle = (item.drawn.model.footprint_min + item.drawn.model.footprint_max) / 2.0;
-            let center = at + axis * middle.x + axis.perp() * middle.y;
-            let rect = OrientedRect { center, axis, half: item.drawn.model.footprint_size() / 2.0 };
+            let rect = footprint(&item.drawn.model, at, facing);
             let is_on_street = rect.samples(0.5).any(|p| placer.site.is_street(p));
             // Trees and lamps stand on islands.
             let is_low = item.drawn.model.height_m < 0.2;
@@ -58,11 +53,10 @@ impl Lot {
             things.seats.extend(Seat::of_last(&item.drawn, placer));
         }
         for (boundary, from, to) in &self.layout.borders {
-            let palette = boundary_palette(*boundary, s);
-            placer.run(*boundary, &palette, self.at(*from), self.at(*to));
+            let palette = boundary.palette(s);
             let (p, q) = (self.at(*from), self.at(*to));
-            let half = DVec2::new((q - p).length() / 2.0, 0.3);
-            taken.take(OrientedRect { center: p.midpoint(q), axis: (q - p).normalize_or(DVec2::X), half });
+            placer.run(*boundary, &palette, p, q);
+            taken.take(OrientedRect::about_line(p, q, 0.3));
         }
         let [_, variants, ..] = num_variants();
         let street_tree = s.below(variants);

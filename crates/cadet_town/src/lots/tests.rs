@@ -1,12 +1,14 @@
 //! Lots: nothing on them overlaps, floats, or stands on a street, and their bays are free.
 
-use crate::ground::roughness::Roughness;
+use crate::generate_suburb;
+use crate::ground::{Ground, GroundKind, Roughness};
 use crate::lots::*;
-use crate::paint::wear::Wear;
-use crate::placement::occupancy::Site;
+use crate::network::SpotKind;
+use crate::paint::Wear;
+use crate::placement::{PropConfig, Site};
+use crate::plan::SuburbConfig;
 use crate::props::place_props;
 use crate::signals::Signals;
-use crate::{Ground, GroundKind, PropConfig, SpotKind, SuburbConfig, generate_suburb};
 use cadet_base::material::{Pattern, Semantic};
 use cadet_base::plane::OrientedRect;
 
@@ -36,7 +38,7 @@ fn built(seed: u64, place: usize) -> Built {
     let key = StreamKey::scene(seed);
     let network = generate_suburb(&key, &suburb).unwrap().network;
     let (rough, wear, lit) = (Roughness::new(&mut key.stream("rough")), Wear::default(), Signals::default());
-    let lay = |yards: &Yards| Ground::of_town(&network, &rough, &wear, &lit, (None, yards)).unwrap();
+    let lay = |yards: &Yards| Ground::of_town(&network, Some(&rough), &wear, &lit, (None, yards)).unwrap();
     let lots = Lots::plan(&key, &network, &lay(&Yards::default()), &config);
     let ground = lay(&lots.yards());
     let spots = lots.parking(&ground);
@@ -45,18 +47,12 @@ fn built(seed: u64, place: usize) -> Built {
     Built { network, ground, lots, spots, props }
 }
 
-fn rect_of(spot: &ParkingSpot) -> OrientedRect {
-    let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize();
-    let half = DVec2::new(spot.length_m, spot.width_m) / 2.0;
-    OrientedRect { center: spot.world_from_spot.translation.truncate(), axis, half }
-}
-
 #[test]
 fn bays_are_paved_level_and_free_of_everything() {
     for (seed, place) in (0..10).flat_map(|seed| [(seed, 0), (seed, 1)]) {
         let Built { ground, spots, props, .. } = built(seed, place);
         assert!(spots.len() > 30, "{place}, seed {seed}: {} bays", spots.len());
-        let rects: Vec<OrientedRect> = spots.iter().map(rect_of).collect();
+        let rects: Vec<OrientedRect> = spots.iter().map(ParkingSpot::rect).collect();
         for (i, (rect, spot)) in rects.iter().zip(&spots).enumerate() {
             let name = format!("{place}, seed {seed}: the bay at {}", rect.center);
             let near = |o: &OrientedRect| (o.center - rect.center).length() < 45.0;

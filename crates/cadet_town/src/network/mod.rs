@@ -1,6 +1,14 @@
 //! The roads, in lanes that lead on to each other, and the places beside them.
 
-pub(crate) mod limits;
-pub(crate) mod overpass;
-pub(crate) mod places;
-pub(crate) mod road_network;
+mod limits;
+mod overpass;
+mod places;
+mod road_network;
+
+pub(crate) use limits::{AISLE_KMH, CURB_HEIGHT_M};
+pub(crate) use overpass::{CLEARANCE_M, Crossing, Overpass, crossings};
+pub use places::{ParkingSpot, SpotKind, Walkway};
+pub(crate) use road_network::DEFAULT_SPEED_MPS;
+pub use road_network::{
+    GeoReference, Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RightOfWay, RoadNetwork,
+};

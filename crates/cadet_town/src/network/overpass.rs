@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use crate::network::road_network::{Lane, LaneKind};
+use crate::network::{Lane, LaneKind};
 use cadet_base::math::DVec3;
 
 /// A road passes over another if it lies at least this far above it: less is no room for a car below a deck.
@@ -148,7 +148,7 @@ pub(crate) fn crossings(lanes: &[Lane], at_least_m: f64) -> Vec<Crossing> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RoadNetwork;
+    use crate::network::RoadNetwork;
 
     /// Straight roads of two lanes, each at a height and turned by a right angle or not, with its middle at a place.
     fn roads(placed: &[(bool, f64, (f64, f64))]) -> Vec<Lane> {

@@ -1,6 +1,7 @@
 //! Places beside the roads: where vehicles may be parked, and where people walk.
 
-use cadet_base::math::{DPose3, DVec3};
+use cadet_base::math::{DPose3, DVec2, DVec3};
+use cadet_base::plane::OrientedRect;
 
 /// How cars stand in a parking place, and who fills it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,6 +29,16 @@ pub struct ParkingSpot {
     pub length_m: f64,
     /// Room along y.
     pub width_m: f64,
+}
+
+impl ParkingSpot {
+    /// The ground that it takes.
+    #[must_use]
+    pub fn rect(&self) -> OrientedRect {
+        let axis = (self.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
+        let half = DVec2::new(self.length_m, self.width_m) / 2.0;
+        OrientedRect { center: self.world_from_spot.translation.truncate(), axis, half }
+    }
 }
 
 /// A line that people walk along, on a sidewalk.

@@ -103,15 +103,43 @@ pub struct Lane {
     pub keeps_left: bool,
 }
 
+/// Lanes without a speed limit get the one of German towns: 50 km/h.
+pub(crate) const DEFAULT_SPEED_MPS: f64 = 50.0 / 3.6;
 /// A lane whose ends are nearer to each other closes on itself.
 const CLOSED_M: f64 = 0.05;
 
 impl Lane {
+    /// A driving lane of 50 km/h along some points, outside of junctions and not linked to others.
+    pub(crate) fn new(id: LaneId, road: u32, center: Vec<DVec3>, width_m: Vec<f64>) -> Self {
+        let mut s_m = vec![0.0];
+        for pair in center.windows(2) {
+            s_m.push(s_m[s_m.len() - 1] + (pair[1] - pair[0]).length());
+        }
+        Self {
+            id,
+            kind: LaneKind::Driving,
+            surface: LaneSurface::Usual,
+            center,
+            width_m,
+            s_m,
+            successors: Vec::new(),
+            predecessors: Vec::new(),
+            junction: None,
+            road,
+            speed_limit_mps: DEFAULT_SPEED_MPS,
+            keeps_left: false,
+        }
+    }
+
+    /// Where it ends.
+    pub(crate) fn end(&self) -> DVec3 {
+        self.center[self.center.len() - 1]
+    }
+
     /// Whether it closes on itself, as about the middle of a roundabout.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        let ends = [self.center[0], self.center[self.center.len() - 1]];
-        self.center.len() > 3 && (ends[1] - ends[0]).truncate().length() < CLOSED_M
+        self.center.len() > 3 && (self.end() - self.center[0]).truncate().length() < CLOSED_M
     }
 
     /// Whether vehicles drive or stand on it.
@@ -305,20 +333,8 @@ impl RoadNetwork {
         let lane = |id: usize, side: f64| {
             let s_m: Vec<f64> = (0..=steps).map(|i| length_m * i as f64 / steps as f64).collect();
             let place = |s: &f64| DVec3::new((s - length_m / 2.0) * -side, side * lane_width_m / 2.0, 0.0);
-            Lane {
-                id: LaneId(id),
-                kind: LaneKind::Driving,
-                surface: LaneSurface::Usual,
-                center: s_m.iter().map(place).collect(),
-                width_m: vec![lane_width_m; s_m.len()],
-                s_m,
-                successors: Vec::new(),
-                predecessors: Vec::new(),
-                junction: None,
-                road: 0,
-                speed_limit_mps: 50.0 / 3.6,
-                keeps_left: false,
-            }
+            let (center, width_m) = (s_m.iter().map(place).collect(), vec![lane_width_m; s_m.len()]);
+            Lane { s_m, ..Lane::new(LaneId(id), 0, center, width_m) }
         };
         Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], ..Self::default() }
     }
@@ -339,13 +355,12 @@ impl RoadNetwork {
     /// Whether the roads lie in open country: with verges, and without a sidewalk anywhere.
     #[must_use]
     pub fn is_rural(&self) -> bool {
-        let has = |kind: LaneKind| self.lanes.iter().any(|l| l.kind == kind);
-        has(LaneKind::Verge) && !has(LaneKind::Sidewalk)
+        self.of_kind(LaneKind::Verge).next().is_some() && self.of_kind(LaneKind::Sidewalk).next().is_none()
     }
 
     /// The width that three quarters of the map's sidewalks have; 2 m where it has none.
     pub(crate) fn usual_sidewalk_m(&self) -> f64 {
-        let sidewalks = self.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk && l.junction.is_none());
+        let sidewalks = self.of_kind(LaneKind::Sidewalk).filter(|l| l.junction.is_none());
         let mut widths: Vec<f64> = sidewalks.map(|l| l.width_m[l.width_m.len() / 2]).filter(|w| *w > 0.5).collect();
         widths.sort_by(f64::total_cmp);
         widths.get(widths.len() / 4).copied().unwrap_or(2.0).clamp(1.2, 4.5)
@@ -361,7 +376,7 @@ impl RoadNetwork {
     /// Whether the roads are a motorway's or a bypass's: two carriageways in open country.
     #[must_use]
     pub fn is_motorway(&self) -> bool {
-        self.is_rural() && self.lanes.iter().any(|l| l.kind == LaneKind::Median)
+        self.is_rural() && self.of_kind(LaneKind::Median).next().is_some()
     }
 
     /// Whether a lane leads through a roundabout.
@@ -376,13 +391,28 @@ impl RoadNetwork {
         lane.successors.iter().any(|next| self.is_in_roundabout(self.lane(*next)))
     }
 
+    /// The junction that a lane outside of junctions leads to.
+    pub(crate) fn junction_after(&self, lane: &Lane) -> Option<u32> {
+        lane.successors.iter().find_map(|next| self.lane(*next).junction)
+    }
+
+    /// Whether a lane leads into a junction from outside.
+    pub(crate) fn leads_into(&self, lane: &Lane, junction: u32) -> bool {
+        lane.junction.is_none() && lane.successors.iter().any(|next| self.lane(*next).junction == Some(junction))
+    }
+
+    /// The lanes of a kind.
+    pub fn of_kind(&self, kind: LaneKind) -> impl Iterator<Item = &Lane> {
+        self.lanes.iter().filter(move |l| l.kind == kind)
+    }
+
     /// The lanes that trams run on.
     pub fn tracks(&self) -> impl Iterator<Item = &Lane> {
-        self.lanes.iter().filter(|l| l.kind == LaneKind::Tram)
+        self.of_kind(LaneKind::Tram)
     }
 
     /// The lanes that cars drive on.
     pub fn driving(&self) -> impl Iterator<Item = &Lane> {
-        self.lanes.iter().filter(|l| l.kind == LaneKind::Driving)
+        self.of_kind(LaneKind::Driving)
     }
 }

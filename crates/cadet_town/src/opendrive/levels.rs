@@ -3,9 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::network::overpass::{CLEARANCE_M, Crossing, Overpass, crossings};
-use crate::network::road_network::Lane;
-use crate::opendrive::warnings::Said;
+use crate::network::{CLEARANCE_M, Crossing, Lane, Overpass, crossings};
+use crate::opendrive::Said;
 
 /// Roads of one level differ by less where they lie over each other.
 const ONE_LEVEL_M: f64 = 1.5;

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::network::road_network::{Lane, LaneId, LaneKind, MapLight, RightOfWay};
-use crate::opendrive::warnings::Said;
+use crate::network::{Lane, LaneId, LaneKind, MapLight, RightOfWay};
+use crate::opendrive::Said;
 use cadet_base::math::DVec2;
 
 /// Traffic lights for vehicles in the catalogs that maps use.

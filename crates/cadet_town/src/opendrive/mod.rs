@@ -3,25 +3,21 @@
 //! `xodr` bakes lanes in single precision along the road's own direction; here they become double-precision polylines
 //! in **driving** direction, rounded to 0.1 mm so that the last bit of a platform's `sin` leaves no trace.
 
-pub(crate) mod document;
-pub(crate) mod levels;
-pub(crate) mod map_signals;
-pub(crate) mod numbers;
-pub(crate) mod offset;
-pub(crate) mod warnings;
+mod document;
+mod levels;
+mod map_signals;
+mod numbers;
+mod offset;
+mod warnings;
 
 use std::collections::BTreeMap;
 
-use crate::network::road_network::{
-    GeoReference, Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork,
+use crate::network::{
+    DEFAULT_SPEED_MPS, GeoReference, Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork,
 };
-use crate::opendrive::numbers::PassedOver;
-use crate::opendrive::warnings::{Said, in_one_line};
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DVec2, DVec3, hypot, lerp};
 
-/// Lanes without a speed limit get the one of German towns: 50 km/h.
-const DEFAULT_SPEED_MPS: f64 = 50.0 / 3.6;
 /// Points of a lane are at most this far apart on curves.
 const CURVE_STEP_M: f64 = 1.0;
 /// A segment counts as curved when its ends' directions differ by more than this.
@@ -94,19 +90,15 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         let surface = map.lane_material_at(lane.id, middle).map_or("", |m| m.surface.as_str());
         let mut successors = Vec::new();
         follow(lane, &by_xodr_id, &ids, 8, &mut successors);
+        let road_number = place.map_or(u32::MAX, |p| p.road.0 as u32);
         lanes.push(Lane {
-            id: LaneId(lanes.len()),
             kind: kind_of(lane.kind, LaneSurface::from_name(surface)),
             surface: LaneSurface::from_name(surface),
-            s_m: line.distances(),
-            center: line.points.clone(),
-            width_m: line.widths.clone(),
             successors,
-            predecessors: Vec::new(),
             junction: road.and_then(|r| r.junction()).map(|id| junctions[id]),
-            road: place.map_or(u32::MAX, |p| p.road.0 as u32),
             speed_limit_mps,
             keeps_left: place.is_some_and(|p| (p.od_id > 0) == (lane.direction != xodr::Direction::Backward)),
+            ..Lane::new(LaneId(lanes.len()), road_number, line.points.clone(), line.widths.clone())
         });
     }
     drop_links_between_kinds(&mut lanes);
@@ -277,16 +269,6 @@ struct LaneLine {
     widths: Vec<f64>,
 }
 
-impl LaneLine {
-    fn distances(&self) -> Vec<f64> {
-        let mut s = vec![0.0];
-        for pair in self.points.windows(2) {
-            s.push(s[s.len() - 1] + (pair[1] - pair[0]).length());
-        }
-        s
-    }
-}
-
 /// The lane's points, denser on curves; `None` where it is too short to have two.
 fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<LaneLine>, String> {
     let points: Vec<DVec3> =
@@ -352,3 +334,7 @@ fn hermite(a: DVec3, slope_a: DVec3, b: DVec3, slope_b: DVec3, t: f64) -> DVec3 
 
 #[cfg(test)]
 mod tests;
+
+use document::{line_of, number, road_of};
+use numbers::PassedOver;
+use warnings::{Said, in_one_line};

@@ -3,8 +3,7 @@
 
 use roxmltree::{Document, Node};
 
-use crate::opendrive::document::{line_of, number, road_of};
-use crate::opendrive::warnings::{Said, in_one_line};
+use crate::opendrive::{Said, in_one_line, line_of, number, road_of};
 
 /// Numbers of coefficients and places are at most this large.
 const MAX_NUMBER: f64 = 1e9;

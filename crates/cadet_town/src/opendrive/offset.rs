@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use roxmltree::{Document, Node};
 
-use crate::opendrive::document::number;
+use crate::opendrive::number;
 use cadet_base::math::DVec2;
 use cadet_base::plane::bounds;
 

@@ -2,7 +2,7 @@
 
 use roxmltree::{Document, Node};
 
-use crate::opendrive::document::number;
+use crate::opendrive::number;
 use cadet_base::math::DVec2;
 
 /// Further roads that a line names.
@@ -74,67 +74,46 @@ pub(crate) fn in_one_line(text: &str) -> String {
     text.chars().map(shown).collect()
 }
 
-/// Warnings of one kind: the first in its own words, the others by their roads.
-struct WarningKind {
-    key: String,
-    line: Option<usize>,
-    first: String,
-    first_road: String,
-    num_others: usize,
-    other_roads: Vec<String>,
-}
-
 /// Lines that name a map, one for each kind of warning.
 pub(crate) fn lines(map_name: &str, warnings: Vec<Said>) -> Vec<String> {
-    let mut kinds: Vec<WarningKind> = Vec::new();
-    for Said { kind: key, line, road, text } in warnings {
-        let Some(kind) = kinds.iter_mut().find(|kind| kind.key == key) else {
-            kinds.push(WarningKind {
-                key,
-                line,
-                first: text,
-                first_road: road,
-                num_others: 0,
-                other_roads: Vec::new(),
-            });
-            continue;
-        };
-        kind.num_others += 1;
-        let is_new = !road.is_empty() && road != kind.first_road && !kind.other_roads.contains(&road);
-        if is_new && kind.other_roads.len() <= MAX_NAMED {
-            kind.other_roads.push(road);
+    let mut kinds: Vec<Vec<Said>> = Vec::new();
+    for said in warnings {
+        match kinds.iter_mut().find(|kind| kind[0].kind == said.kind) {
+            Some(kind) => kind.push(said),
+            None => kinds.push(vec![said]),
         }
     }
-    let num_kinds = kinds.len();
-    let mut lines: Vec<String> = kinds
-        .iter()
-        .map(|kind| {
-            let place = kind.line.map_or(String::new(), |line| format!(":{line}"));
-            format!("{map_name}{place}: {}", in_one_line(&kind.text()))
-        })
-        .collect();
-    if num_kinds > MAX_LINES {
+    let line = |kind: &Vec<Said>| {
+        let place = kind[0].line.map_or(String::new(), |line| format!(":{line}"));
+        format!("{map_name}{place}: {}", in_one_line(&text_of(&kind[0], &kind[1..])))
+    };
+    let mut lines: Vec<String> = kinds.iter().map(line).collect();
+    if kinds.len() > MAX_LINES {
         lines.truncate(MAX_LINES - 1);
-        lines.push(format!("{map_name}: {} more kinds of warnings", num_kinds - lines.len()));
+        lines.push(format!("{map_name}: {} more kinds of warnings", kinds.len() - lines.len()));
     }
     lines
 }
 
-impl WarningKind {
-    fn text(&self) -> String {
-        if self.num_others == 0 {
-            return self.first.clone();
-        }
-        let named = self.other_roads.len().min(MAX_NAMED);
-        let roads: Vec<String> = self.other_roads[..named].iter().map(|road| format!("{road:?}")).collect();
-        let at = match (named, self.other_roads.len() > MAX_NAMED) {
-            (0, _) => String::new(),
-            (1, _) => format!(", road {}", roads[0]),
-            (_, false) => format!(", roads {}", roads.join(", ")),
-            (_, true) => format!(", roads {} and others", roads.join(", ")),
-        };
-        format!("{} (and {} more such{at})", self.first, self.num_others)
+/// Warnings of one kind: the first in its own words, the others by their roads.
+fn text_of(first: &Said, others: &[Said]) -> String {
+    if others.is_empty() {
+        return first.text.clone();
     }
+    let mut roads: Vec<&str> = Vec::new();
+    for Said { road, .. } in others.iter().filter(|said| !said.road.is_empty() && said.road != first.road) {
+        if roads.len() <= MAX_NAMED && !roads.contains(&road.as_str()) {
+            roads.push(road);
+        }
+    }
+    let named: Vec<String> = roads.iter().take(MAX_NAMED).map(|road| format!("{road:?}")).collect();
+    let at = match (named.len(), roads.len() > MAX_NAMED) {
+        (0, _) => String::new(),
+        (1, _) => format!(", road {}", named[0]),
+        (_, false) => format!(", roads {}", named.join(", ")),
+        (_, true) => format!(", roads {} and others", named.join(", ")),
+    };
+    format!("{} (and {} more such{at})", first.text, others.len())
 }
 
 /// A warning's words, without names in quotes and numbers.

@@ -1,6 +1,6 @@
 //! Paint on lanes for bicycles: a bicycle every so often, and a red coat over junctions.
 
-use crate::network::road_network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
+use crate::network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use crate::paint::Paint;
 use cadet_base::math::{DVec2, DVec3, TAU};
 use cadet_base::plane::unit;
@@ -23,7 +23,7 @@ const LINES: u32 = 3 << 28;
 
 /// Paints all lanes for bicycles of a network.
 pub(crate) fn draw(network: &RoadNetwork, paint: &mut Paint) {
-    for lane in network.lanes.iter().filter(|l| l.kind == LaneKind::Biking) {
+    for lane in network.of_kind(LaneKind::Biking) {
         match lane.junction {
             Some(_) if lane.surface == LaneSurface::Red => coat(lane, paint),
             Some(_) => {}

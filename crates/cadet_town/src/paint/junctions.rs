@@ -1,6 +1,6 @@
 //! Paint where streets meet: stop lines, fords, zebra crossings, and the arrows of lanes.
 
-use crate::network::road_network::{Lane, LaneId, PaintColor, PaintedQuad, RoadNetwork};
+use crate::network::{Lane, LaneId, PaintColor, PaintedQuad, RoadNetwork};
 use crate::paint::{Paint, STOP_LINE_DEPTH_M};
 use crate::signals::{FORD_M, JunctionArm, STOP_LINE_M, Signals};
 use cadet_base::math::{DVec2, DVec3};
@@ -48,7 +48,7 @@ pub(crate) fn draw(network: &RoadNetwork, signals: &Signals, paint: &mut Paint) 
 }
 
 fn stop_line(arm: &JunctionArm, lane: &Lane, line: u32, paint: &mut Paint) {
-    let end = lane.center[lane.center.len() - 1];
+    let end = lane.end();
     let half_m = lane.width_at(lane.length_m()) / 2.0;
     let left_m = (end.truncate() - arm.at).dot(arm.along.perp());
     let at = arm.place(STOP_LINE_M.0, left_m).extend(end.z);
@@ -59,33 +59,16 @@ fn stop_line(arm: &JunctionArm, lane: &Lane, line: u32, paint: &mut Paint) {
 fn ford(arm: &JunctionArm, line: u32, paint: &mut Paint) {
     let (dash_m, gap_m, width_m) = FORD_DASH_M;
     for before_m in [FORD_M.0, FORD_M.1 - width_m] {
-        let mut left_m = arm.right_m + OFF_CURB_M;
-        while left_m + dash_m < arm.left_m - OFF_CURB_M {
-            paint.across(
-                arm.place(before_m, 0.0).extend(arm.z_m),
-                arm.along.perp(),
-                (left_m, left_m + dash_m),
-                width_m,
-                line,
-            );
-            left_m += dash_m + gap_m;
-        }
+        let at = arm.place(before_m, 0.0).extend(arm.z_m);
+        let reach_m = (arm.right_m + OFF_CURB_M, arm.left_m - OFF_CURB_M);
+        paint.dashes(at, arm.along.perp(), reach_m, (dash_m, gap_m), width_m, line);
     }
 }
 
 /// Bars along the street.
 fn zebra(arm: &JunctionArm, line: u32, paint: &mut Paint) {
-    let mut left_m = arm.right_m + 0.3;
-    while left_m + ZEBRA_M.0 < arm.left_m - 0.2 {
-        paint.across(
-            arm.place(FORD_M.0, 0.0).extend(arm.z_m),
-            arm.along.perp(),
-            (left_m, left_m + ZEBRA_M.0),
-            FORD_M.1 - FORD_M.0,
-            line,
-        );
-        left_m += ZEBRA_M.0 + ZEBRA_M.1;
-    }
+    let at = arm.place(FORD_M.0, 0.0).extend(arm.z_m);
+    paint.dashes(at, arm.along.perp(), (arm.right_m + 0.3, arm.left_m - 0.2), ZEBRA_M, FORD_M.1 - FORD_M.0, line);
 }
 
 /// Which ways a lane leads: left, straight on, right.
@@ -94,13 +77,8 @@ pub(crate) fn ways(network: &RoadNetwork, id: LaneId) -> [bool; 3] {
     let from = network.lane(id);
     for next in from.successors.iter().map(|next| network.lane(*next)).filter(|next| next.kind == from.kind) {
         let bend = next.turn_rad();
-        ways[if bend > STRAIGHT_RAD {
-            0
-        } else if bend < -STRAIGHT_RAD {
-            2
-        } else {
-            1
-        }] = true;
+        let leads = [bend > STRAIGHT_RAD, bend.abs() <= STRAIGHT_RAD, bend < -STRAIGHT_RAD];
+        ways.iter_mut().zip(leads).for_each(|(way, leads)| *way |= leads);
     }
     ways
 }

@@ -1,13 +1,15 @@
 //! Paint that is laid on a ground: thin quadrilaterals that hug it.
 
 pub(crate) mod cycle_markings;
-pub(crate) mod junctions;
+mod junctions;
 pub(crate) mod rails;
 pub(crate) mod repairs;
 pub(crate) mod road_marking;
-pub(crate) mod wear;
+mod wear;
 
-use crate::network::road_network::{PaintColor, PaintedQuad};
+pub(crate) use wear::{LEFT, Wear};
+
+use crate::network::{PaintColor, PaintedQuad};
 use cadet_base::math::{DVec2, DVec3};
 
 pub(crate) const PAINT_LIFT_M: f64 = 0.0055;
@@ -78,6 +80,23 @@ impl<'a> Paint<'a> {
         let (a, b, back) = (at.truncate() + left * from, at.truncate() + left * to, left.perp() * depth_m);
         let corners = [a, b, b + back, a + back].map(|p| p.extend(at.z));
         self.along(&PaintedQuad { corners, color: PaintColor::White, line });
+    }
+
+    /// A broken line across a lane, as [`Self::across`]: dashes and gaps of a length, as many as have room.
+    pub fn dashes(
+        &mut self,
+        at: DVec3,
+        left: DVec2,
+        (from, to): (f64, f64),
+        (dash_m, gap_m): (f64, f64),
+        depth_m: f64,
+        line: u32,
+    ) {
+        let mut t = from;
+        while t + dash_m < to {
+            self.across(at, left, (t, t + dash_m), depth_m, line);
+            t += dash_m + gap_m;
+        }
     }
 
     fn quad(&mut self, corners: [DVec3; 4], mark: &PaintedQuad) {

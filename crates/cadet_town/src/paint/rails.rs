@@ -1,6 +1,6 @@
 //! The rails of tracks: grooved rails in streets and grass, others on sleepers, as thin quadrilaterals.
 
-use crate::network::road_network::{Lane, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
+use crate::network::{Lane, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use cadet_base::math::{DVec2, DVec3};
 
 /// Between the inner edges of the heads of both rails.
@@ -102,7 +102,7 @@ fn sleepers(lane: &Lane, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::road_network::LaneKind;
+    use crate::network::LaneKind;
 
     fn tracks(surface: LaneSurface) -> Vec<PaintedQuad> {
         let mut network = RoadNetwork::straight(60.0, 3.2);

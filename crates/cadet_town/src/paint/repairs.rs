@@ -3,9 +3,8 @@
 //!
 //! How much there is of it is drawn street by street.
 
-use crate::network::road_network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
-use crate::paint::Paint;
-use crate::paint::wear::Wear;
+use crate::network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
+use crate::paint::{Paint, Wear};
 use cadet_base::math::{DVec2, DVec3, TAU};
 use cadet_base::plane::unit;
 use cadet_base::rng::Stream;
@@ -149,11 +148,11 @@ impl Works<'_, '_> {
     /// A cut or patch of a length and a width between two; what is wider than the lane reaches from border to border.
     fn repair(&mut self, stream: &mut Stream, length_m: (f64, f64), width_m: (f64, f64)) {
         let color = if stream.chance(NEW_SHARE) { PaintColor::NewAsphalt } else { PaintColor::OldAsphalt };
-        let half_length_m = stream.range(length_m.0, length_m.1).min(self.lane.length_m()) / 2.0;
+        let half_length_m = stream.within(length_m).min(self.lane.length_m()) / 2.0;
         let s_m = stream.range(half_length_m, (self.lane.length_m() - half_length_m).max(half_length_m));
         let room_m =
             [-1.0, 0.0, 1.0].map(|k| self.half_width_m(s_m + k * half_length_m)).into_iter().fold(9.0, f64::min);
-        let wanted_m = stream.range(width_m.0, width_m.1) / 2.0;
+        let wanted_m = stream.within(width_m) / 2.0;
         let half_width_m = wanted_m.min(room_m + MARGIN_M);
         let free_m = (room_m - half_width_m).max(0.0);
         let middle = DVec2::new(s_m, stream.range(-free_m, free_m));
@@ -200,7 +199,7 @@ impl Works<'_, '_> {
         let half_m = stream.range(least_m, most_m) / 2.0;
         let (mut here, mut gone_m, mut drift_m) = (start, 0.0, 0.0);
         while gone_m < length_m {
-            let piece_m = stream.range(CRACK_PIECE_M.0, CRACK_PIECE_M.1);
+            let piece_m = stream.within(CRACK_PIECE_M);
             drift_m = 0.5 * drift_m + WANDERS_M * stream.normal();
             let next = here + way * piece_m + way.perp() * drift_m;
             if next.x < 0.0 || next.x > self.lane.length_m() || next.y.abs() > self.half_width_m(next.x) + MARGIN_M {
@@ -216,24 +215,14 @@ impl Works<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LaneId;
+    use crate::network::LaneId;
     use cadet_base::rng::StreamKey;
 
     /// Streets of one straight lane each, 100 m long and 3.5 m wide, side by side.
     fn streets(count: usize) -> RoadNetwork {
-        let lanes = (0..count).map(|i| Lane {
-            id: LaneId(i),
-            kind: LaneKind::Driving,
-            surface: LaneSurface::Usual,
-            center: (0..=50).map(|k| DVec3::new(2.0 * f64::from(k), 10.0 * i as f64, 0.0)).collect(),
-            width_m: vec![3.5; 51],
-            s_m: (0..=50).map(|k| 2.0 * f64::from(k)).collect(),
-            successors: Vec::new(),
-            predecessors: Vec::new(),
-            junction: None,
-            road: i as u32,
-            speed_limit_mps: 13.9,
-            keeps_left: false,
+        let lanes = (0..count).map(|i| {
+            let center = (0..=50).map(|k| DVec3::new(2.0 * f64::from(k), 10.0 * i as f64, 0.0)).collect();
+            Lane::new(LaneId(i), i as u32, center, vec![3.5; 51])
         });
         RoadNetwork { lanes: lanes.collect(), ..RoadNetwork::default() }
     }

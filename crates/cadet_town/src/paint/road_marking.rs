@@ -1,10 +1,8 @@
 //! Paint on the carriageway: the lines of the map, stop lines and give-way lines where nothing else rules, as thin
 //! quadrilaterals.
 
-use crate::network::road_network::RightOfWay;
-use crate::network::road_network::{PaintedQuad, RoadNetwork};
-use crate::paint::{Paint, STOP_LINE_DEPTH_M};
-use crate::paint::{cycle_markings, junctions};
+use crate::network::{PaintedQuad, RightOfWay, RoadNetwork};
+use crate::paint::{Paint, STOP_LINE_DEPTH_M, cycle_markings, junctions};
 use crate::signals::Signals;
 use cadet_base::math::DVec3;
 
@@ -34,11 +32,8 @@ pub(crate) fn draw(
         match RightOfWay::of(lane, network, signals) {
             Some(RightOfWay::Stop) => paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_DEPTH_M, line),
             Some(RightOfWay::Yield) => {
-                let mut t = -half + 0.1;
-                while t + GIVE_WAY_M.0 < half {
-                    paint.across(at, side, (t, t + GIVE_WAY_M.0), GIVE_WAY_M.2, line);
-                    t += GIVE_WAY_M.0 + GIVE_WAY_M.1;
-                }
+                let (dash_m, gap_m, depth_m) = GIVE_WAY_M;
+                paint.dashes(at, side, (-half + 0.1, half), (dash_m, gap_m), depth_m, line);
             }
             _ => {}
         }
@@ -52,24 +47,14 @@ pub(crate) fn draw(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Lane, LaneId, LaneKind, LaneSurface};
+    use crate::network::{Lane, LaneId};
     use cadet_base::math;
 
     /// Lanes that end at the origin, one beside the other if they are of one road, and a lane that leads on.
     fn junction_of(arriving: &[(u32, f64)]) -> RoadNetwork {
         let lane = |id: usize, road: u32, center: Vec<DVec3>, speed_limit_mps: f64| Lane {
-            id: LaneId(id),
-            kind: LaneKind::Driving,
-            surface: LaneSurface::Usual,
-            s_m: vec![0.0, 10.0],
-            width_m: vec![3.0; 2],
-            center,
-            successors: Vec::new(),
-            predecessors: Vec::new(),
-            junction: None,
-            road,
             speed_limit_mps,
-            keeps_left: false,
+            ..Lane::new(LaneId(id), road, center, vec![3.0; 2])
         };
         let beyond = arriving.len();
         let mut lanes: Vec<Lane> = arriving

@@ -1,7 +1,11 @@
 //! What stands between a garden and the sidewalk.
 
+use std::sync::Arc;
+
 use cadet_assets::props::{PICKET, RAILING, SCREEN, Shipped, WALL, WIRE};
-use cadet_assets::scenery::num_variants;
+use cadet_assets::scenery::materials::plant_palette;
+use cadet_assets::scenery::{hedge, num_variants};
+use cadet_base::material::Palette;
 use cadet_base::rng::Stream;
 
 /// What stands between a garden and the sidewalk.
@@ -16,18 +20,37 @@ pub(crate) enum Boundary {
 }
 
 impl Boundary {
-    /// By the shares of a South German suburb; `low` ones do not hide the garden.
+    /// By the shares of a South German suburb.
     pub fn draw(stream: &mut Stream) -> Self {
         let [.., hedges] = num_variants();
         let variant = stream.below(PICKET.num_variants());
         match stream.weighted(&[0.35, 0.12, 0.18, 0.15, 0.05, 0.05, 0.10]) {
             0 => Self::Hedge(stream.below(hedges)),
-            1 => Self::Fence(PICKET, variant),
-            2 => Self::Fence(RAILING, variant),
-            3 => Self::Fence(WALL, variant),
-            4 => Self::Fence(SCREEN, variant),
-            5 => Self::Fence(WIRE, variant),
+            k @ 1..=5 => Self::Fence([PICKET, RAILING, WALL, SCREEN, WIRE][k - 1], variant),
             _ => Self::Open,
+        }
+    }
+
+    /// A fence or wall of a kind, of any variant.
+    pub fn fence(kind: Shipped, s: &mut Stream) -> Self {
+        Self::Fence(kind, s.below(kind.num_variants()))
+    }
+
+    /// A palette for it.
+    pub fn palette(self, s: &mut Stream) -> Arc<Palette> {
+        match self {
+            Self::Hedge(variant) => plant_palette(s, variant % 2 == 0),
+            Self::Fence(kind, variant) => kind.palette(variant, s),
+            Self::Open => WALL.palette(0, s),
+        }
+    }
+
+    /// Depth across its run.
+    pub fn depth_m(self) -> f64 {
+        match self {
+            Self::Hedge(variant) => hedge(variant, 0).footprint_size().y,
+            Self::Fence(..) => 0.34,
+            Self::Open => 0.0,
         }
     }
 }

@@ -1,7 +1,13 @@
 //! Puts things on the ground, and knows what is taken.
 
-pub(crate) mod boundary;
-pub(crate) mod clearance;
-pub(crate) mod occupancy;
-pub(crate) mod placer;
-pub(crate) mod prop_config;
+mod boundary;
+mod clearance;
+mod occupancy;
+mod placer;
+mod prop_config;
+
+pub(crate) use boundary::Boundary;
+pub(crate) use clearance::{ClearanceGrid, MAX_MARGIN_M};
+pub(crate) use occupancy::{Occupancy, Site};
+pub(crate) use placer::{Placer, PropFootprint, draw_plant, footprint};
+pub use prop_config::PropConfig;

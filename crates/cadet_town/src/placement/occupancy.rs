@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::ground::land::fields::Crop;
+use crate::ground::land::Crop;
 use crate::ground::region::Ring;
-use crate::placement::clearance::{ClearanceGrid, MAX_MARGIN_M};
-use crate::{Ground, GroundKind};
+use crate::ground::{Ground, GroundKind};
+use crate::placement::{ClearanceGrid, MAX_MARGIN_M};
 use cadet_base::math::{DVec2, DVec3};
-use cadet_base::plane::OrientedRect;
-use cadet_base::plane::bounds;
+use cadet_base::plane::{OrientedRect, bounds};
 
 const CELL_M: f64 = 16.0;
 
@@ -26,14 +25,16 @@ pub(crate) struct Occupancy {
 }
 
 impl Occupancy {
-    fn reach(rect: &OrientedRect) -> (DVec2, DVec2) {
-        let corners = rect.corners();
-        corners.iter().fold((corners[0], corners[0]), |(lo, hi), c| (lo.min(*c), hi.max(*c)))
+    /// Ground of which some rectangles are taken.
+    pub fn of(rects: impl IntoIterator<Item = OrientedRect>) -> Self {
+        let mut taken = Self::default();
+        rects.into_iter().for_each(|rect| taken.take(rect));
+        taken
     }
 
     /// True where no rectangle is met.
     pub fn is_free(&self, rect: &OrientedRect) -> bool {
-        let (lo, hi) = Self::reach(rect);
+        let (lo, hi) = bounds(rect.corners());
         cells(lo, hi)
             .all(|c| self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect))))
     }
@@ -46,7 +47,7 @@ impl Occupancy {
 
     /// Takes a rectangle.
     pub fn take(&mut self, rect: OrientedRect) {
-        let (lo, hi) = Self::reach(&rect);
+        let (lo, hi) = bounds(rect.corners());
         for c in cells(lo, hi) {
             self.grid.entry(c).or_default().push(self.rects.len());
         }

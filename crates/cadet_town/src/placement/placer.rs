@@ -2,16 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::placement::boundary::Boundary;
-use crate::placement::occupancy::Site;
-use cadet_assets::props::WALL;
+use crate::placement::{Boundary, Site};
 use cadet_assets::scenery::materials::plant_palette;
 use cadet_assets::scenery::{PIECE_LENGTHS_M, SceneryModel, TreeKind, hedge, num_variants, tree};
 use cadet_base::frames;
 use cadet_base::instance::Instance;
 use cadet_base::material::Palette;
-use cadet_base::math::{DVec2, DVec3, TAU, atan2};
-use cadet_base::plane::OrientedRect;
+use cadet_base::math::{DPose3, DVec2, DVec3, TAU};
+use cadet_base::plane::{OrientedRect, heading_rad};
 use cadet_base::rng::Stream;
 
 /// What stands on the ground: for the tests, and for what is placed later.
@@ -22,6 +20,20 @@ pub(crate) struct PropFootprint {
     /// The prototype's name.
     #[cfg_attr(not(test), allow(dead_code))]
     pub name: String,
+}
+
+/// The ground that a model covers whose x axis is along `facing`.
+pub(crate) fn footprint(model: &SceneryModel, at: DVec2, facing: DVec2) -> OrientedRect {
+    let axis = facing.normalize_or(DVec2::X);
+    let middle = (model.footprint_min + model.footprint_max) / 2.0;
+    let center = at + axis * middle.x + axis.perp() * middle.y;
+    OrientedRect { center, axis, half: model.footprint_size() / 2.0 }
+}
+
+/// A tree or shrub of a kind, of any variant.
+pub(crate) fn draw_plant(kind: TreeKind, s: &mut Stream) -> SceneryModel {
+    let [_, variants, ..] = num_variants();
+    tree(kind, s.below(variants))
 }
 
 /// The instances so far.
@@ -57,16 +69,22 @@ impl<'a> Placer<'a> {
     /// Puts a model upright, its x axis along `facing`; houses go to the mean height of their corners, but never so
     /// high that their foot shows.
     pub fn put(&mut self, model: &SceneryModel, palette: Arc<Palette>, at: DVec2, facing: DVec2) {
-        let axis = facing.normalize();
-        let middle = (model.footprint_min + model.footprint_max) / 2.0;
-        let center = at + axis * middle.x + axis.perp() * middle.y;
-        let rect = OrientedRect { center, axis, half: model.footprint_size() / 2.0 };
+        let rect = footprint(model, at, facing);
         let heights = rect.corners().map(|c| self.site.on_ground(c).z);
         let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
         let mean = heights.iter().sum::<f64>() / 4.0;
         let position = at.extend(mean.min(lowest + 1.0));
-        let yaw_rad = atan2(axis.y, axis.x);
-        self.instances.push(model.with_palette(palette, frames::upright(position, yaw_rad)));
+        self.set(model, palette, frames::upright(position, heading_rad(rect.axis)), rect);
+    }
+
+    /// Puts a model in its own colors, as [`Self::put`].
+    pub fn put_plain(&mut self, model: &SceneryModel, at: DVec2, facing: DVec2) {
+        self.put(model, Arc::clone(&model.palette), at, facing);
+    }
+
+    /// Puts a model at a pose, where it covers a rectangle.
+    fn set(&mut self, model: &SceneryModel, palette: Arc<Palette>, pose: DPose3, rect: OrientedRect) {
+        self.instances.push(model.with_palette(palette, pose));
         self.standing.push(PropFootprint { rect, name: model.name.clone() });
     }
 
@@ -78,8 +96,7 @@ impl<'a> Placer<'a> {
 
     /// Puts a tree or a shrub, turned anyhow, if it keeps its distance from other plants.
     pub fn plant(&mut self, kind: TreeKind, s: &mut Stream, at: DVec2) -> bool {
-        let [_, variants, ..] = num_variants();
-        let model = tree(kind, s.below(variants));
+        let model = draw_plant(kind, s);
         self.plant_model(kind, &model, s, at)
     }
 
@@ -95,11 +112,10 @@ impl<'a> Placer<'a> {
         let palette = plant_palette(s, kind.is_evergreen());
         let yaw_rad = s.range(0.0, TAU);
         let position = self.site.on_ground(at) - DVec3::Z * 0.03;
-        self.instances.push(model.with_palette(palette, frames::upright(position, yaw_rad)));
         // The square inside a round crown.
         let half = if matches!(kind, TreeKind::Shrub | TreeKind::Conifer) { radius * 0.7 } else { 0.3 };
         let rect = OrientedRect { center: at, axis: DVec2::X, half: DVec2::splat(half) };
-        self.standing.push(PropFootprint { rect, name: model.name.clone() });
+        self.set(model, palette, frames::upright(position, yaw_rad), rect);
         true
     }
 
@@ -114,13 +130,22 @@ impl<'a> Placer<'a> {
         self.standing.iter().rev().take(1500).any(|s| s.rect.half.x > 2.5 && s.rect.contains(at, margin_m))
     }
 
+    /// The pose of what lies along +x on the ground from one place to another.
+    pub fn lying(&self, from: DVec2, to: DVec2) -> DPose3 {
+        let (a, b) = (self.site.on_ground(from), self.site.on_ground(to));
+        frames::facing(a, b - a, DVec3::Z)
+    }
+
     /// Puts a piece that lies along +x on the ground between two places.
     pub fn lay(&mut self, model: &SceneryModel, palette: Arc<Palette>, from: DVec2, to: DVec2) {
-        let (a, b) = (self.site.on_ground(from), self.site.on_ground(to));
-        self.instances.push(model.with_palette(palette, frames::facing(a, b - a, DVec3::Z)));
         let (axis, half) = ((to - from).normalize_or(DVec2::X), model.footprint_size() / 2.0);
         let rect = OrientedRect { center: from + axis * half.x, axis, half };
-        self.standing.push(PropFootprint { rect, name: model.name.clone() });
+        self.set(model, palette, self.lying(from, to), rect);
+    }
+
+    /// Lays a piece in its own colors, as [`Self::lay`].
+    pub fn lay_plain(&mut self, model: &SceneryModel, from: DVec2, to: DVec2) {
+        self.lay(model, Arc::clone(&model.palette), from, to);
     }
 
     /// Runs a boundary from one place to another, in one color.
@@ -140,32 +165,11 @@ impl<'a> Placer<'a> {
                 Boundary::Fence(kind, variant) => kind.piece(variant, piece),
                 Boundary::Open => return,
             };
-            let (a, b) =
-                (self.site.on_ground(from + along * start), self.site.on_ground(from + along * (start + step)));
-            self.instances.push(model.with_palette(Arc::clone(palette), frames::facing(a, b - a, DVec3::Z)));
+            let pose = self.lying(from + along * start, from + along * (start + step));
             let center = from + along * (start + step / 2.0);
             let half = DVec2::new(step / 2.0, model.footprint_max.y);
-            self.standing
-                .push(PropFootprint { rect: OrientedRect { center, axis: along, half }, name: model.name.clone() });
+            self.set(&model, Arc::clone(palette), pose, OrientedRect { center, axis: along, half });
             done = start + step;
         }
-    }
-}
-
-/// A palette for a boundary.
-pub(crate) fn boundary_palette(boundary: Boundary, s: &mut Stream) -> Arc<Palette> {
-    match boundary {
-        Boundary::Hedge(variant) => plant_palette(s, variant % 2 == 0),
-        Boundary::Fence(kind, variant) => kind.palette(variant, s),
-        Boundary::Open => WALL.palette(0, s),
-    }
-}
-
-/// Depth of a boundary across its run.
-pub(crate) fn boundary_depth_m(boundary: Boundary) -> f64 {
-    match boundary {
-        Boundary::Hedge(variant) => hedge(variant, 0).footprint_size().y,
-        Boundary::Fence(..) => 0.34,
-        Boundary::Open => 0.0,
     }
 }

@@ -1,7 +1,6 @@
 //! Roads in open country: their lanes, lines and verges, and how they wind.
 
-use crate::plan::plan_curve::{PlanCurve, PlanPose};
-use crate::plan::street_grid::{CountryRoad, LineStyle, StreetKind};
+use crate::plan::{CountryRoad, LineStyle, PlanCurve, PlanPose};
 use cadet_base::rng::Stream;
 
 /// Share of the roads that are major: wider, faster, with edge lines.
@@ -29,25 +28,15 @@ const SHORTEST_M: f64 = 90.0;
 /// Makes country roads of all streets, or of none.
 pub(crate) fn draw(stream: &mut Stream, share: f64, styles: &mut [LineStyle]) {
     let is_country = stream.chance(share);
-    let verge_m = round_to(stream.range(VERGE_M.0, VERGE_M.1), 0.1);
+    let verge_m = round_to(stream.within(VERGE_M), 0.1);
     for style in styles {
         let (is_major, is_faster) = (stream.chance(MAJOR_SHARE), stream.chance(0.5));
-        let (major_m, minor_m) =
-            (stream.range(MAJOR_LANE_M.0, MAJOR_LANE_M.1), stream.range(MINOR_LANE_M.0, MINOR_LANE_M.1));
+        let (major_m, minor_m) = (stream.within(MAJOR_LANE_M), stream.within(MINOR_LANE_M));
         let has_edge_lines = is_major || stream.chance(0.3);
         if is_country {
-            let speeds_kmh = if is_major { MAJOR_SPEEDS_KMH } else { MINOR_SPEEDS_KMH };
-            *style = LineStyle {
-                lane_width_m: round_to(if is_major { major_m } else { minor_m }, 0.05),
-                lanes_per_side: 1,
-                median_width_m: 0.0,
-                tracks: None,
-                sidewalk_width_m: verge_m,
-                speed_kmh: speeds_kmh[usize::from(is_faster)],
-                kind: StreetKind::Usual,
-                country: Some(CountryRoad { has_edge_lines }),
-                cycle_lane: None,
-            };
+            let (lane_m, speeds_kmh) = if is_major { (major_m, MAJOR_SPEEDS_KMH) } else { (minor_m, MINOR_SPEEDS_KMH) };
+            let usual = LineStyle::new(round_to(lane_m, 0.05), verge_m, speeds_kmh[usize::from(is_faster)]);
+            *style = LineStyle { country: Some(CountryRoad { has_edge_lines }), ..usual };
         }
     }
 }
@@ -68,7 +57,7 @@ pub(crate) fn wind(curve: &PlanCurve, stream: &mut Stream) -> PlanCurve {
     let mut at = curve.pose_at(0.0);
     for k in 0..count {
         let on = curve.pose_at(length_m * (k as f64 + stream.range(0.4, 0.6)) / count as f64);
-        let aside_m = side * SWING_M * stream.range(SWING_SHARE.0, SWING_SHARE.1);
+        let aside_m = side * SWING_M * stream.within(SWING_SHARE);
         let next = PlanPose::new(on.at + on.direction().perp() * aside_m, on.heading_rad);
         wound.extend_to(at, next);
         at = next;

@@ -1,6 +1,6 @@
 //! Which streets have a lane for bicycles on the carriageway, and of which kind.
 
-use crate::plan::street_grid::{CycleLane, LineStyle, StreetKind};
+use crate::plan::{CycleLane, LineStyle, StreetKind};
 use cadet_base::rng::Stream;
 
 /// Share of those that cars may use, of streets that are no main roads and of main roads.
@@ -17,7 +17,7 @@ const WIDEST_LANE_M: f64 = 3.25;
 pub(crate) fn draw(stream: &mut Stream, share: f64, styles: &mut [LineStyle]) {
     for style in styles {
         let (has_one, kind, red) = (stream.chance(share), stream.unit(), stream.chance(RED_SHARE));
-        let advisory_m = (stream.range(ADVISORY_M.0, ADVISORY_M.1) * 20.0).round() / 20.0;
+        let advisory_m = (stream.within(ADVISORY_M) * 20.0).round() / 20.0;
         let is_fit = style.speed_kmh > 30 && style.country.is_none() && style.kind == StreetKind::Usual;
         if has_one && is_fit {
             let is_advisory = kind < if style.is_main_road() { ADVISORY_SHARE.1 } else { ADVISORY_SHARE.0 };
@@ -30,12 +30,10 @@ pub(crate) fn draw(stream: &mut Stream, share: f64, styles: &mut [LineStyle]) {
 
 #[cfg(test)]
 mod tests {
-    use crate::ground::Ground;
-    use crate::ground::kind::GroundKind;
-    use crate::network::road_network::{Lane, LaneKind, PaintColor, RoadNetwork};
+    use crate::ground::{Ground, GroundKind};
+    use crate::network::{Lane, LaneKind, PaintColor, RoadNetwork};
     use crate::paint::{Paint, cycle_markings};
-    use crate::plan::suburb::generate;
-    use crate::plan::suburb_config::SuburbConfig;
+    use crate::plan::{SuburbConfig, generate};
     use crate::roadside::parking_spots;
     use cadet_base::math::DVec3;
     use cadet_base::rng::StreamKey;
@@ -64,8 +62,8 @@ mod tests {
         for seed in 0..8 {
             let network = network(seed);
             let ground = Ground::new(&network).unwrap();
-            let spots = parking_spots::parking_spots(&network, &ground, &StreamKey::scene(seed));
-            for lane in network.lanes.iter().filter(|l| l.kind == LaneKind::Biking && l.junction.is_none()) {
+            let spots = parking_spots(&network, &ground, &StreamKey::scene(seed));
+            for lane in network.of_kind(LaneKind::Biking).filter(|l| l.junction.is_none()) {
                 assert!(lane.speed_limit_mps > 10.0, "seed {seed}");
                 let (s_m, width_m) = (lane.length_m() / 2.0, lane.width_at(lane.length_m() / 2.0));
                 let is_advisory = (1.249..1.501).contains(&width_m);
@@ -113,7 +111,7 @@ mod tests {
         let (mut onto_lanes, mut onto_streets) = (0, 0);
         for seed in 0..6 {
             let network = network(seed);
-            for lane in network.lanes.iter().filter(|l| l.kind == LaneKind::Biking) {
+            for lane in network.of_kind(LaneKind::Biking) {
                 assert!(
                     !lane.successors.is_empty() && !lane.predecessors.is_empty(),
                     "seed {seed}: {}",
@@ -150,7 +148,7 @@ mod tests {
                     let (s_m, off_m) = l.project(middle);
                     off_m < l.width_at(s_m) / 2.0 && l.junction.is_some() == (quad.color == PaintColor::Red)
                 };
-                assert!(network.lanes.iter().filter(|l| l.kind == LaneKind::Biking).any(|l| is_on(&l)), "seed {seed}");
+                assert!(network.of_kind(LaneKind::Biking).any(|l| is_on(&l)), "seed {seed}");
                 let [a, b, c, _] = quad.corners;
                 assert!((b - a).cross(c - b).z > 0.0, "seed {seed}: faces down");
                 white += usize::from(quad.color == PaintColor::White);

@@ -1,15 +1,29 @@
 //! How a generated place is laid out, before it is written as OpenDRIVE.
 
-pub(crate) mod country_roads;
-pub(crate) mod cycle_lanes;
-pub(crate) mod junction;
-pub(crate) mod motorway;
-pub(crate) mod place_streets;
-pub(crate) mod plan_curve;
-pub(crate) mod relief;
-pub(crate) mod street_bays;
-pub(crate) mod street_grid;
-pub(crate) mod street_plan;
-pub(crate) mod suburb;
-pub(crate) mod suburb_config;
-pub(crate) mod xodr;
+mod country_roads;
+mod cycle_lanes;
+mod junction;
+mod motorway;
+mod place_streets;
+mod plan_curve;
+mod relief;
+mod street_bays;
+mod street_grid;
+mod street_plan;
+mod suburb;
+mod suburb_config;
+mod xodr;
+
+pub(crate) use country_roads::EDGE_LINE_INSET_M;
+pub(crate) use motorway::{CrossSection, Motorway};
+pub(crate) use place_streets::AISLE_BAY_M;
+pub(crate) use plan_curve::{PlanCurve, PlanPose, Segment, heading_of};
+pub(crate) use relief::Relief;
+pub(crate) use street_bays::StreetBays;
+pub(crate) use street_grid::{
+    Chain, CountryRoad, CycleLane, LineStyle, StreetGrid, StreetKind, WhichEnd, draw_grid, draw_styles, lay_tracks,
+    thin, trace, widen_main_roads,
+};
+pub(crate) use street_plan::{Street, StreetPlan};
+pub use suburb::{Suburb, generate};
+pub use suburb_config::SuburbConfig;

@@ -1,6 +1,6 @@
 //! Motorways and bypasses: a course that closes on itself, and what lies across it from the median to the verge.
 
-use crate::plan::plan_curve::{PlanCurve, PlanPose, heading_of};
+use crate::plan::{PlanCurve, PlanPose, heading_of};
 use cadet_base::math::{self, TAU};
 use cadet_base::plane::unit;
 use cadet_base::rng::Stream;

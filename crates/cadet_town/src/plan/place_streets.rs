@@ -1,8 +1,7 @@
 //! The streets of car parks, commercial areas, and campuses: how wide, how fast, and what covers them.
 
-use crate::network::limits::AISLE_KMH;
-use crate::plan::street_grid::{LineStyle, StreetKind};
-use crate::plan::suburb_config::SuburbConfig;
+use crate::network::AISLE_KMH;
+use crate::plan::{LineStyle, StreetKind, SuburbConfig};
 use cadet_base::rng::{Stream, StreamKey};
 
 /// Aisles between rows of bays: width of a lane, and of the strip behind the bays.
@@ -27,7 +26,7 @@ pub(crate) fn draw(key: &StreamKey, config: &SuburbConfig, styles: &mut [LineSty
     let mut s = key.stream("suburb/commercial");
     for style in styles.iter_mut() {
         let (is_wide, lane_m, walk_m) =
-            (s.chance(config.industrial_share), s.range(WIDE_LANE_M.0, WIDE_LANE_M.1), tenths(&mut s, WIDE_WALK_M));
+            (s.chance(config.industrial_share), s.within(WIDE_LANE_M), tenths(&mut s, WIDE_WALK_M));
         if is_wide && style.country.is_none() && !style.is_main_road() {
             (style.lane_width_m, style.sidewalk_width_m) = ((lane_m * 20.0).round() / 20.0, walk_m);
             style.speed_kmh = 50;
@@ -45,19 +44,10 @@ pub(crate) fn draw(key: &StreamKey, config: &SuburbConfig, styles: &mut [LineSty
     let (is_campus, walk_m) = (s.chance(config.campus_share), tenths(&mut s, CAMPUS_WALK_M));
     let kmh = CAMPUS_KMH[s.below(2)];
     for style in styles.iter_mut() {
-        let lane_m = s.range(CAMPUS_LANE_M.0, CAMPUS_LANE_M.1);
+        let lane_m = s.within(CAMPUS_LANE_M);
         if is_campus && style.country.is_none() {
-            *style = LineStyle {
-                lane_width_m: (lane_m * 20.0).round() / 20.0,
-                lanes_per_side: 1,
-                median_width_m: 0.0,
-                tracks: None,
-                sidewalk_width_m: walk_m,
-                speed_kmh: kmh,
-                kind: StreetKind::Campus,
-                country: None,
-                cycle_lane: None,
-            };
+            let usual = LineStyle::new((lane_m * 20.0).round() / 20.0, walk_m, kmh);
+            *style = LineStyle { kind: StreetKind::Campus, ..usual };
         }
     }
 }

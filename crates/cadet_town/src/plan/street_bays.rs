@@ -1,8 +1,6 @@
 //! The parking bays along one street: on which sides, how wide, and from where to where.
 
-use crate::plan::place_streets::AISLE_BAY_M;
-use crate::plan::street_grid::{LineStyle, StreetKind};
-use crate::plan::suburb_config::SuburbConfig;
+use crate::plan::{AISLE_BAY_M, LineStyle, StreetKind, SuburbConfig};
 use cadet_base::rng::Stream;
 
 /// Width of a parallel parking bay, gutter included.
@@ -41,9 +39,9 @@ pub(crate) struct StreetBays {
 impl StreetBays {
     /// Draws the bays of a street of a style and a length.
     pub fn draw(style: &LineStyle, length_m: f64, config: &SuburbConfig, stream: &mut Stream) -> Self {
-        let mut margins_m = [(); 2].map(|()| stream.range(MARGIN_M.0, MARGIN_M.1));
+        let mut margins_m = [(); 2].map(|()| stream.within(MARGIN_M));
         let mut has_bays = [(); 2].map(|()| stream.chance(config.parking_share));
-        let on_sidewalk_m = stream.range(ON_SIDEWALK_M.0, ON_SIDEWALK_M.1);
+        let on_sidewalk_m = stream.within(ON_SIDEWALK_M);
         let (half_all_the_same, is_right) = (stream.chance(HALF_BAYS_SHARE), stream.chance(0.5));
         let (is_deep, both_deep) = (stream.chance(config.angled_share), stream.chance(BOTH_DEEP_SHARE));
         let preferred = [is_right, !is_right];

@@ -1,8 +1,7 @@
 //! The irregular grid that a suburb's streets follow, thinned to T-junctions, with bends at its corners.
 
-use crate::network::road_network::LaneSurface;
-use crate::plan::plan_curve::heading_of;
-use crate::plan::suburb_config::SuburbConfig;
+use crate::network::LaneSurface;
+use crate::plan::{SuburbConfig, heading_of};
 use cadet_base::math::{self, DVec2, TAU};
 use cadet_base::plane::unit;
 use cadet_base::rng::Stream;
@@ -67,6 +66,21 @@ pub(crate) struct CycleLane {
 }
 
 impl LineStyle {
+    /// A street with one lane a direction, and nothing else than sidewalks beside them.
+    pub fn new(lane_width_m: f64, sidewalk_width_m: f64, speed_kmh: u32) -> Self {
+        Self {
+            lane_width_m,
+            lanes_per_side: 1,
+            median_width_m: 0.0,
+            tracks: None,
+            sidewalk_width_m,
+            speed_kmh,
+            kind: StreetKind::Usual,
+            country: None,
+            cycle_lane: None,
+        }
+    }
+
     /// From the middle to the curb, parking bays left out.
     pub fn half_width_m(&self) -> f64 {
         self.driven_half_width_m() + self.cycle_lane.map_or(0.0, |c| c.width_m)
@@ -143,7 +157,7 @@ pub(crate) fn draw_grid(stream: &mut Stream, config: &SuburbConfig) -> StreetGri
     let mut spread = |n: usize| {
         let mut at = vec![0.0];
         for i in 1..n {
-            at.push(at[i - 1] + stream.range(config.block_m.0, config.block_m.1));
+            at.push(at[i - 1] + stream.within(config.block_m));
         }
         let middle = at[n - 1] / 2.0;
         at.into_iter().map(|v| v - middle).collect::<Vec<f64>>()
@@ -231,17 +245,8 @@ pub(crate) fn draw_styles(
             let (is_wide, wide_m) = (stream.chance(WIDE_SHARE), stream.range(6.8, 9.5));
             let usual_m = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.6) };
             let carriageway = if is_wide { wide_m } else { usual_m };
-            LineStyle {
-                lane_width_m: (carriageway * 10.0).round() / 20.0,
-                lanes_per_side: 1,
-                median_width_m: 0.0,
-                tracks: None,
-                sidewalk_width_m: (stream.range(sidewalk_m.0, sidewalk_m.1) * 10.0).round() / 10.0,
-                speed_kmh: if collector { 50 } else { 30 },
-                kind: StreetKind::Usual,
-                country: None,
-                cycle_lane: None,
-            }
+            let sidewalk_m = (stream.within(sidewalk_m) * 10.0).round() / 10.0;
+            LineStyle::new((carriageway * 10.0).round() / 20.0, sidewalk_m, if collector { 50 } else { 30 })
         })
         .collect()
 }
@@ -265,7 +270,7 @@ pub(crate) fn widen_main_roads(stream: &mut Stream, share: f64, styles: &mut [Li
 /// Lays the two tracks of a tram in some of the main roads that cross the suburb from one side to the other.
 pub(crate) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut [LineStyle], grid: &mut StreetGrid) {
     for (line, style) in styles.iter_mut().enumerate() {
-        let (has_tracks, bed_m) = (stream.chance(share), stream.range(TRACK_BED_M.0, TRACK_BED_M.1));
+        let (has_tracks, bed_m) = (stream.chance(share), stream.within(TRACK_BED_M));
         let bed = TRACK_BEDS[stream.weighted(&TRACK_BEDS.map(|b| b.1))].0;
         let is_border = [0, grid.rows - 1, grid.rows, grid.rows + grid.columns - 1].contains(&line);
         // Trams don't take the bends at the corners of a suburb.
@@ -278,7 +283,7 @@ pub(crate) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut [LineStyl
     }
 }
 
-/// Which end of a street.
+/// Which end of a street; an index of what it has at both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum WhichEnd {
     Start,

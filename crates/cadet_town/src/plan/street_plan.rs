@@ -1,18 +1,10 @@
 //! Lays out a suburb: streets, junctions, and the ways through them, along a grid.
 
-use crate::plan::junction::cycle_turns::{CycleTurn, cycle_turns};
-use crate::plan::junction::roundabout::Roundabout;
-use crate::plan::junction::street_arm::{StreetArm, StreetEnd};
-use crate::plan::junction::turns::{PlannedTurn, turns};
-use crate::plan::place_streets;
-use crate::plan::plan_curve::{PlanCurve, PlanPose, heading_of};
-use crate::plan::street_bays::StreetBays;
-use crate::plan::street_grid::WhichEnd;
-use crate::plan::street_grid::{
-    Chain, LineStyle, StreetGrid, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads,
+use crate::plan::junction::{CycleTurn, PlannedTurn, Roundabout, StreetArm, StreetEnd, cycle_turns, turns};
+use crate::plan::{
+    Chain, LineStyle, PlanCurve, PlanPose, StreetBays, StreetGrid, SuburbConfig, WhichEnd, country_roads, cycle_lanes,
+    draw_grid, draw_styles, heading_of, lay_tracks, place_streets, thin, trace, widen_main_roads,
 };
-use crate::plan::suburb_config::SuburbConfig;
-use crate::plan::{country_roads, cycle_lanes};
 use cadet_base::math::{self, DVec2, PI, TAU, wrap_angle};
 use cadet_base::plane::unit;
 use cadet_base::rng::{Stream, StreamKey};
@@ -122,7 +114,7 @@ fn shape_junctions(
 ) -> Vec<Option<Roundabout>> {
     let mut rings = key.stream("suburb/roundabouts");
     let shape = |arms: &mut Vec<StreetArm>| {
-        cut_back(arms, stream.range(CORNER_RADIUS_M.0, CORNER_RADIUS_M.1));
+        cut_back(arms, stream.within(CORNER_RADIUS_M));
         let roundabout = Roundabout::draw(arms, config.roundabout_share, &mut rings);
         if let Some(ring) = &roundabout {
             arms.iter_mut().for_each(|arm| arm.cut_m = arm.cut_m.max(ring.approach_m()));
@@ -144,7 +136,7 @@ fn draw_streets(
 ) -> Vec<Street> {
     let mut ends = vec![[PlanPose::new(DVec2::ZERO, 0.0); 2]; chains.len()];
     for arm in arms.iter().flatten() {
-        ends[arm.from.street][usize::from(arm.from.end == WhichEnd::Finish)] = arm.pose();
+        ends[arm.from.street][arm.from.end as usize] = arm.pose();
     }
     let mut winding = key.stream("suburb/winding");
     let draw = |(chain, [start, finish]): (&Chain, &[PlanPose; 2])| {
@@ -210,7 +202,7 @@ fn street_curve(
         let (before, after) = (heading_of(*bend - at.at), heading_of(next - *bend));
         let turn = wrap_angle(after - before);
         let shorter = (*bend - at.at).length().min((next - *bend).length());
-        let drawn = stream.range(bend_radius_m.0, bend_radius_m.1);
+        let drawn = stream.within(bend_radius_m);
         if turn.abs() < 0.4 {
             let pose = PlanPose::new(*bend, before + turn / 2.0);
             curve.extend_to(at, pose);

@@ -1,12 +1,9 @@
 //! Makes a suburb: its streets as OpenDRIVE, read back by the same door as any other map.
 
-use crate::network::road_network::RoadNetwork;
+use crate::network::RoadNetwork;
 use crate::opendrive;
-use crate::plan::motorway::Motorway;
-use crate::plan::relief::Relief;
-use crate::plan::street_plan;
-use crate::plan::suburb_config::SuburbConfig;
 use crate::plan::xodr::{motorway_writer, writer};
+use crate::plan::{Motorway, Relief, SuburbConfig, street_plan};
 use cadet_base::error::Result;
 use cadet_base::rng::{Stream, StreamKey};
 

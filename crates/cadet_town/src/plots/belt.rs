@@ -2,10 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::placement::clearance::MAX_MARGIN_M;
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::Placer;
-use crate::plots::frontage::Frontage;
+use crate::placement::{MAX_MARGIN_M, Occupancy, Placer};
+use crate::plots::Frontage;
 use cadet_assets::scenery::TreeKind;
 use cadet_base::math::DVec2;
 use cadet_base::rng::Stream;

@@ -1,9 +1,7 @@
 //! Paves what is left between the sidewalks and closed rows: before cut corners, and where streets meet at an angle.
 
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::Placer;
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::plot::Plot;
+use crate::placement::{Occupancy, Placer};
+use crate::plots::{Frontage, Plot};
 use cadet_assets::props::FLAGSTONES;
 use cadet_base::frames;
 use cadet_base::math::{DVec2, DVec3};
@@ -28,15 +26,9 @@ pub(crate) struct Paving {
 impl Paving {
     /// Nothing is paved yet; plots and walls stay as they are, but for the ground before cut corners.
     pub fn new<'a>(plots: impl Iterator<Item = &'a Plot>) -> Self {
-        let mut kept = Occupancy::default();
-        for plot in plots {
-            if plot.house.as_ref().is_some_and(|h| h.house.corner().is_some()) {
-                plot.house_parts().into_iter().for_each(|part| kept.take(part));
-            } else {
-                kept.take(plot.whole());
-            }
-        }
-        Self { kept, paved: Occupancy::default() }
+        let is_cut = |plot: &Plot| plot.house.as_ref().is_some_and(|h| h.house.corner().is_some());
+        let kept = plots.flat_map(|plot| if is_cut(plot) { plot.house_parts() } else { vec![plot.whole()] });
+        Self { kept: Occupancy::of(kept), paved: Occupancy::default() }
     }
 
     /// Paves at both ends of a frontage.
@@ -45,9 +37,7 @@ impl Paving {
         let side_m = stone.footprint_size().x;
         let length_m = frontage.length_m();
         for (end, way) in [(0.0, -1.0), (length_m, 1.0)] {
-            let ahead = frontage.along(end) * way;
-            let out = right_of(frontage.along(end));
-            let origin = frontage.at(end);
+            let (origin, ahead, out) = (frontage.at(end), frontage.along(end) * way, frontage.out(end));
             let mut along_m = -ALONG_M.min(length_m / 2.0);
             while along_m < BEYOND_M {
                 let mut deep_m = 0.0;

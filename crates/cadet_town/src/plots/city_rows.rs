@@ -1,8 +1,7 @@
 //! Closed rows of houses along the streets of an inner city: corner houses, then what fits between them.
 
-use crate::placement::occupancy::{Occupancy, Site};
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::plot::{PlacedHouse, Plot};
+use crate::placement::{Occupancy, Site};
+use crate::plots::{Frontage, PlacedHouse, Plot, right_of};
 use cadet_assets::scenery::{CityKind, House, NUM_CITY_HOUSES, city_house};
 use cadet_base::math::DVec2;
 use cadet_base::plane::OrientedRect;
@@ -241,10 +240,15 @@ fn yard(plot: &Plot) -> OrientedRect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generate_suburb;
+    use crate::ground::{Ground, GroundKind};
+    use crate::network::RoadNetwork;
+    use crate::placement::PropConfig;
+    use crate::plan::SuburbConfig;
     use crate::plots::frontage;
     use crate::props::{Props, place_props};
-    use crate::{Ground, GroundKind, PropConfig, RoadNetwork, Signals, SuburbConfig};
-    use crate::{generate_suburb, parking_spots, walkways};
+    use crate::roadside::{parking_spots, walkways};
+    use crate::signals::Signals;
     use cadet_base::rng::StreamKey;
 
     fn city(seed: u64, suburb: &SuburbConfig) -> (RoadNetwork, Ground, Props) {
@@ -320,8 +324,7 @@ mod tests {
                 // As they were laid out: nothing else is drawn from these streams.
                 for plot in lay_out(frontage, &site, &mut taken, &mut key.indexed("plots", i as u64)) {
                     let Some(house) = &plot.house else { continue };
-                    let is_there =
-                        |s: &&crate::placement::placer::PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
+                    let is_there = |s: &&crate::placement::PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
                     assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.house.model.name));
                     for [y0, y1] in house.house.doorways_m() {
                         num_doors += 1;
@@ -357,7 +360,7 @@ mod tests {
                 for end in [bounds.min.y, bounds.max.y] {
                     let at =
                         lamp.world_from_local.transform_point(cadet_base::math::DVec3::new(0.0, f64::from(end), 0.0));
-                    let in_wall = |s: &crate::placement::placer::PropFootprint| {
+                    let in_wall = |s: &crate::placement::PropFootprint| {
                         s.name.starts_with("city-") && s.rect.contains(at.truncate(), 0.0)
                     };
                     assert!(props.standing.iter().any(in_wall), "seed {seed}: a wire ends in the air at {at}");

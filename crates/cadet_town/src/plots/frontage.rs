@@ -1,7 +1,7 @@
 //! Frontages: the outer edges of the streets, along which plots lie.
 
-use crate::placement::occupancy::Site;
-use crate::{Lane, LaneId, LaneKind, RoadNetwork};
+use crate::network::{Lane, LaneId, LaneKind, RoadNetwork};
+use crate::placement::Site;
 use cadet_base::math::DVec2;
 use cadet_base::plane::{Polyline, piece_at};
 
@@ -50,6 +50,16 @@ impl Frontage {
     /// The direction of travel at a distance along the edge.
     pub fn along(&self, s_m: f64) -> DVec2 {
         self.line.tangent(s_m)
+    }
+
+    /// Away from the street at a distance along the edge.
+    pub fn out(&self, s_m: f64) -> DVec2 {
+        right_of(self.along(s_m))
+    }
+
+    /// The place so far behind the edge at a distance along it, or before it where negative.
+    pub fn behind(&self, s_m: f64, behind_m: f64) -> DVec2 {
+        self.at(s_m) + self.out(s_m) * behind_m
     }
 
     /// Width from the carriageway's edge to this edge.

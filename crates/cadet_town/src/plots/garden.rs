@@ -1,12 +1,8 @@
 //! Fills a plot: the house and its garage, the boundary with its gates, drive, trees, shrubs and bins.
 
-use std::sync::Arc;
-
-use crate::placement::boundary::Boundary;
-use crate::placement::placer::{Placer, boundary_depth_m, boundary_palette};
-use crate::plots::plot::{PlacedHouse, Plot};
-use crate::plots::street_style::StreetStyle;
-use crate::{ParkingSpot, SpotKind};
+use crate::network::{ParkingSpot, SpotKind};
+use crate::placement::{Boundary, Placer};
+use crate::plots::{PlacedHouse, Plot, StreetStyle};
 use cadet_assets::props::{DRIVE_PAVING, PATH_PAVING, SCREEN, WALL, WHEELED_BIN};
 use cadet_assets::scenery::materials::house_palette;
 use cadet_assets::scenery::{HouseKind, TreeKind, garage, num_variants, tree};
@@ -53,8 +49,8 @@ pub(crate) fn fill(
     ways.sort_by(|p, q| p[0].total_cmp(&q[0]));
     let fronted = plot.house.as_ref().is_none_or(|h| h.setback_m > 1.5);
     if fronted {
-        let d = boundary_depth_m(boundary) / 2.0 + 0.05;
-        let palette = boundary_palette(boundary, s);
+        let d = boundary.depth_m() / 2.0 + 0.05;
+        let palette = boundary.palette(s);
         let mut from = -half;
         for way in ways.iter().chain([&[half, half]]) {
             if way[0] > from + 0.3 {
@@ -69,19 +65,19 @@ pub(crate) fn fill(
     let side = if s.chance(0.5) { boundary } else { Boundary::draw(s) };
     let first = if fronted { 1.2 } else { behind };
     if plot.depth_m > first + 3.0 && side != Boundary::Open {
-        let a = -half + boundary_depth_m(side) / 2.0 + 0.02;
-        let palette = boundary_palette(side, s);
+        let a = -half + side.depth_m() / 2.0 + 0.02;
+        let palette = side.palette(s);
         placer.run(side, &palette, plot.at(a, first), plot.at(a, plot.depth_m * s.range(0.75, 0.97)));
     }
     plants(plot, &ways, boundary, style, s, placer);
     if plot.house.is_some() && s.chance(style.bin_share) {
         let a = ways.first().map_or(0.0, |w| w[0]) - 0.9;
-        let d = if fronted { boundary_depth_m(boundary) + 0.6 } else { behind + 0.5 };
+        let d = if fronted { boundary.depth_m() + 0.6 } else { behind + 0.5 };
         for k in 0..1 + s.below(3) {
             let model = WHEELED_BIN.model(s.below(WHEELED_BIN.num_variants()));
             let at = a - 0.68 * k as f64;
             if at > -half + 1.2 {
-                placer.put(&model, Arc::clone(&model.palette), plot.at(at, d), -plot.out());
+                placer.put_plain(&model, plot.at(at, d), -plot.out());
             }
         }
     }
@@ -152,7 +148,7 @@ fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[GardenWay], s: &mut Stre
     let (half, width) = (plot.length_m / 2.0, house.size_m().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);
     let boundary = Boundary::Fence(if s.chance(0.6) { WALL } else { SCREEN }, s.below(2));
-    let palette = boundary_palette(boundary, s);
+    let palette = boundary.palette(s);
     let end = ways.first().map_or(half, |w| w[0]);
     for (from, to) in [(-half, left), (right, end)] {
         if to - from > 0.7 {
@@ -175,7 +171,7 @@ fn plants(
     let house_area = built.map_or(0.0, |r| 4.0 * r.half.x * r.half.y);
     let area = (plot.length_m * plot.depth_m - house_area).max(0.0);
     let wild = if built.is_none() { 1.6 } else { 1.0 };
-    let behind = boundary_depth_m(boundary) + 0.15;
+    let behind = boundary.depth_m() + 0.15;
     let trees = s.poisson((style.trees_per_100_m2 * wild * area / 100.0).min(9.0));
     let shrubs = s.poisson((style.trees_per_100_m2 * wild * (plot.length_m / 7.0).min(6.0)).min(7.0));
     let garage = plot.house.as_ref().filter(|h| h.garage_bays > 0).map(|_| half - 0.15 - 6.5);

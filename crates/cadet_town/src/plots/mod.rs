@@ -1,22 +1,25 @@
 //! Lays plots along the frontages: which house goes where, without overlaps.
 
 pub(crate) mod belt;
-pub(crate) mod city_paving;
-pub(crate) mod city_rows;
-pub(crate) mod frontage;
+mod city_paving;
+mod city_rows;
+mod frontage;
 pub(crate) mod garden;
-pub(crate) mod lot_use;
-pub(crate) mod plot;
-pub(crate) mod street_style;
+mod lot_use;
+mod plot;
+mod street_style;
 
-use crate::plots::street_style::StreetStyle;
+pub(crate) use belt::StreetPoints;
+pub(crate) use city_paving::Paving;
+pub(crate) use frontage::{Frontage, frontages, right_of};
+pub(crate) use lot_use::LotUse;
+pub(crate) use plot::{PlacedHouse, Plot};
+pub(crate) use street_style::{CityStyle, StreetStyle};
+
+use crate::placement::{Occupancy, Site};
 use cadet_assets::scenery::{HouseKind, house, num_variants};
 use cadet_base::math::DVec2;
 use cadet_base::rng::Stream;
-
-use crate::placement::occupancy::{Occupancy, Site};
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::plot::{PlacedHouse, Plot};
 
 /// Between the sidewalk's edge and the plot.
 const FRONT_GAP_M: f64 = 0.12;

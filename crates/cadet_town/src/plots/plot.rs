@@ -1,6 +1,6 @@
 //! A plot beside a street, and its house.
 
-use crate::plots::frontage::right_of;
+use crate::plots::right_of;
 use cadet_assets::scenery::House;
 use cadet_base::math::DVec2;
 use cadet_base::plane::OrientedRect;

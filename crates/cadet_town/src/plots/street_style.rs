@@ -2,10 +2,8 @@
 
 use strum::VariantArray;
 
-use crate::placement::boundary::Boundary;
-use crate::placement::prop_config::PropConfig;
-use crate::plots::frontage::Frontage;
-use crate::plots::lot_use::LotUse;
+use crate::placement::{Boundary, PropConfig};
+use crate::plots::{Frontage, LotUse};
 use cadet_assets::props::{ARM_LAMP, LAMP, Shipped, WALL, WIRE};
 use cadet_assets::scenery::{HouseKind, StreetLight, num_variants};
 use cadet_base::rng::{Stream, StreamKey};
@@ -93,8 +91,8 @@ impl StreetStyle {
         let is_built = s.chance(0.5);
         let boundary = match s.weighted(&[0.45, 0.15, 0.1, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
-            1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
-            2 => Boundary::Fence(WALL, s.below(WALL.num_variants())),
+            1 => Boundary::fence(WIRE, s),
+            2 => Boundary::fence(WALL, s),
             _ => Boundary::Open,
         };
         let has_trees = s.chance((0.9 * greenery).min(1.0));
@@ -122,7 +120,7 @@ impl StreetStyle {
         };
         let boundary = match s.weighted(&[0.4, 0.3, 0.3]) {
             0 => Boundary::Hedge(s.below(hedges)),
-            1 => Boundary::Fence(WIRE, s.below(WIRE.num_variants())),
+            1 => Boundary::fence(WIRE, s),
             _ => Boundary::Open,
         };
         Self {
@@ -144,7 +142,7 @@ impl StreetStyle {
         Self {
             houses: [HouseKind::Block; 2],
             setback_m: 0.0,
-            boundary: Boundary::Fence(WALL, s.below(WALL.num_variants())),
+            boundary: Boundary::fence(WALL, s),
             trees_per_100_m2: 0.6 * self.trees_per_100_m2,
             street_trees: None,
             vacant_share: 0.0,

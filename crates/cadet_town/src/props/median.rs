@@ -1,9 +1,8 @@
 //! What stands on the green between the two directions of a main road: trees, hedges, lamps, or nothing.
 
-use crate::network::road_network::{Lane, LaneKind, RoadNetwork};
-use crate::placement::boundary::Boundary;
-use crate::placement::placer::{Placer, boundary_palette};
-use crate::props::roundabout_island::is_island;
+use crate::network::{Lane, LaneKind, RoadNetwork};
+use crate::placement::{Boundary, Placer};
+use crate::props::is_island;
 use cadet_assets::props::ARM_LAMP;
 use cadet_assets::scenery::{StreetLight, TreeKind, num_variants, tree};
 use cadet_base::math::{DVec2, DVec3};
@@ -56,7 +55,7 @@ fn furnish_one(key: &StreamKey, lane: &Lane, other: Option<&Lane>, greenery: f64
     }
     if wants_hedge && width_m >= HEDGE_FROM_M {
         let boundary = Boundary::Hedge(s.below(hedges));
-        let palette = boundary_palette(boundary, s);
+        let palette = boundary.palette(s);
         let mut at_m = CLEAR_OF_ENDS_M;
         while at_m + HEDGE_PIECE_M < end_m {
             placer.run(boundary, &palette, middle(at_m).0, middle(at_m + HEDGE_PIECE_M).0);

@@ -1,27 +1,24 @@
 //! Prop placement: houses, gardens, hedges, trees, lamps and signs along a network; a function of network and seed.
 
-pub(crate) mod median;
-pub(crate) mod overhead_line;
-pub(crate) mod roundabout_island;
-pub(crate) mod sidewalk_edge;
-pub(crate) mod signal_heads;
+mod median;
+mod overhead_line;
+mod roundabout_island;
+mod sidewalk_edge;
+mod signal_heads;
 
-use crate::ground::land::fields::Land;
+pub(crate) use roundabout_island::is_island;
+
+use crate::ground::Ground;
+use crate::ground::land::Land;
 use crate::lots::Lots;
-use crate::network::road_network::RightOfWay;
-use crate::placement::occupancy::Site;
-use crate::placement::placer::{Placer, PropFootprint};
-use crate::placement::prop_config::PropConfig;
-use crate::plots::city_paving::Paving;
-use crate::plots::frontage::frontages;
-use crate::plots::street_style::StreetStyle;
-use crate::plots::{belt, garden};
+use crate::network::{ParkingSpot, RightOfWay, RoadNetwork, Walkway};
+use crate::placement::{Placer, PropConfig, PropFootprint, Site};
+use crate::plots::{Paving, StreetStyle, belt, frontages, garden};
+use crate::signals::Signals;
+use crate::street_things::{PlotOnStreet, StreetThings};
+use crate::{countryside, plots, street_things};
 use cadet_base::instance::Instance;
 use cadet_base::rng::StreamKey;
-
-use crate::street_things;
-use crate::street_things::{PlotOnStreet, StreetThings};
-use crate::{Ground, ParkingSpot, RoadNetwork, Signals, Walkway, countryside, plots};
 
 /// What stands along the streets of a town.
 #[derive(Debug)]
@@ -110,8 +107,10 @@ mod tests {
     use strum::VariantArray;
 
     use super::*;
+    use crate::ground::GroundKind;
+    use crate::network::Lane;
     use crate::street_things::tests::kind_of;
-    use crate::{GroundKind, Lane, SuburbConfig, generate_suburb, parking_spots, walkways};
+    use crate::{SuburbConfig, generate_suburb, parking_spots, walkways};
     use cadet_assets::scenery::HouseKind;
     use cadet_base::math::DVec3;
     use cadet_sensors::sense::PosedScene;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::network::road_network::{Lane, RoadNetwork};
-use crate::placement::placer::Placer;
+use crate::network::{Lane, RoadNetwork};
+use crate::placement::Placer;
 use cadet_assets::scenery::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 use cadet_base::material::Palette;
 use cadet_base::math::{DVec2, DVec3};
@@ -43,7 +43,7 @@ pub(crate) fn string(key: &StreamKey, network: &RoadNetwork, placer: &mut Placer
             continue;
         }
         let mut s = key.indexed("masts", u64::from(track.road));
-        let spacing_m = s.range(SPACING_M.0, SPACING_M.1);
+        let spacing_m = s.within(SPACING_M);
         let room_m = track.length_m() - 2.0 * FROM_END_M;
         let count = (room_m / spacing_m).ceil().max(1.0);
         for k in 0..=count as usize {
@@ -59,7 +59,7 @@ pub(crate) fn string(key: &StreamKey, network: &RoadNetwork, placer: &mut Placer
                 // A single track has its mast beside it.
                 let foot = if other.is_some() { middle } else { here + left * (track.width_at(at_m) / 2.0) };
                 let mast = tram_mast(variant, if other.is_some() { arm_m } else { (foot - here).length() });
-                placer.put(&mast, Arc::clone(&mast.palette), foot, left);
+                placer.put_plain(&mast, foot, left);
             }
         }
     }
@@ -91,7 +91,7 @@ fn span_street(middle: DVec2, left: DVec2, palette: &Arc<Palette>, variant: usiz
     let (Some(a), Some(b)) = (edge(left), edge(-left)) else { return false };
     for (foot, inwards) in [(a, -left), (b, left)] {
         let mast = tram_mast(variant, 0.0);
-        placer.put(&mast, Arc::clone(&mast.palette), foot, inwards);
+        placer.put_plain(&mast, foot, inwards);
     }
     let [a, b] = [a, b].map(|p| placer.site.on_ground(p) + DVec3::Z * SPAN_WIRE_M.0);
     placer.instances.push(span_wire(a, b, SPAN_WIRE_M.1, Arc::clone(palette)));

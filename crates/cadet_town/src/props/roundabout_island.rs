@@ -1,8 +1,8 @@
 //! What stands on the islands of roundabouts and before them: a lawn with trees or shrubs, boards that point to the
 //! right, and the signs of those who give way.
 
-use crate::network::road_network::{Lane, LaneKind, RoadNetwork};
-use crate::placement::placer::Placer;
+use crate::network::{Lane, LaneKind, RoadNetwork};
+use crate::placement::Placer;
 use cadet_assets::props::{ARROW_BOARD, ROUNDABOUT_SIGN, Shipped};
 use cadet_assets::scenery::TreeKind;
 use cadet_base::math::{DVec2, DVec3, TAU};
@@ -82,7 +82,7 @@ fn announce(lane: &Lane, islands: &[Island], placer: &mut Placer) {
     let sign = at - along.perp() * (lane.width_at(length_m) / 2.0 + SIGN_BESIDE_M);
     let mut put = |kind: Shipped, place: DVec2| {
         let model = kind.model(0);
-        placer.put(&model, model.palette.clone(), place, -along);
+        placer.put_plain(&model, place, -along);
     };
     put(ROUNDABOUT_SIGN, sign);
     let distance = |i: &&Island| (i.center - at).length();

@@ -1,11 +1,8 @@
 //! What stands along the sidewalk's edge: lamps, signs, street trees, cabinets.
 
-use std::sync::Arc;
-
-use crate::network::road_network::RightOfWay;
-use crate::placement::placer::Placer;
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::street_style::StreetStyle;
+use crate::network::RightOfWay;
+use crate::placement::Placer;
+use crate::plots::{Frontage, StreetStyle, right_of};
 use cadet_assets::props::{
     BOLLARD, DIAMOND_SIGN, DISTRIBUTION_CABINET, NAME_SIGN, PARKING_SIGN, POST_BOX, ROUND_SIGN, Shipped, TRIANGLE_SIGN,
     ZONE_SIGN,
@@ -88,7 +85,7 @@ pub(crate) fn furnish(
             let on_road =
                 corners.into_iter().any(|(a, d)| placer.site.is_road(place + frontage.along(at) * a + out * d));
             if frontage.sidewalk_at(at) > 1.4 && !on_road && !is_before_door(placer, style, place, 0.9) {
-                placer.put(&model, Arc::clone(&model.palette), place, -out);
+                placer.put_plain(&model, place, -out);
             }
         }
     }

@@ -1,16 +1,13 @@
 //! Where the lights stand: on posts beside the stop lines, over main roads on masts, at both ends of fords.
 
-use std::sync::Arc;
-
-use crate::placement::placer::Placer;
-use crate::signals::{ArmId, FORD_M, JunctionArm};
-use crate::signals::{SignalHead, Signals};
+use crate::placement::Placer;
+use crate::signals::{ArmId, FORD_M, JunctionArm, SignalHead, Signals};
 use cadet_assets::scenery::{
     HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_post,
 };
 use cadet_base::frames;
-use cadet_base::math::{DVec2, DVec3, atan2};
-use cadet_base::plane::OrientedRect;
+use cadet_base::math::{DVec2, DVec3};
+use cadet_base::plane::{OrientedRect, heading_rad};
 use cadet_base::rng::StreamKey;
 
 /// Posts stand so far before the junction, and so far behind the curb; farther where that is still a road.
@@ -82,13 +79,13 @@ impl Posts<'_, '_> {
 
     fn post(&mut self, kind: SignalPost, at: DVec2, facing: DVec2) {
         let model = signal_post(kind);
-        self.placer.put(&model, Arc::clone(&model.palette), at, facing);
+        self.placer.put_plain(&model, at, facing);
         self.obstacles.push(OrientedRect { center: at, axis: facing, half: DVec2::splat(POST_HALF_M) });
     }
 
     fn head(&mut self, kind: HeadKind, at: DVec2, facing: DVec2, height_m: f64) {
         let foot = self.placer.site.on_ground(at);
-        let world_from_head = frames::upright(foot + DVec3::Z * height_m, atan2(facing.y, facing.x));
+        let world_from_head = frames::upright(foot + DVec3::Z * height_m, heading_rad(facing));
         self.heads.push(SignalHead { kind, arm: self.arm, world_from_head });
     }
 }

@@ -1,11 +1,8 @@
 //! Places to park: bays of the map, half on the sidewalk where bays are too narrow for a car, and stretches of curb
 //! beside lanes wide enough.
 
-use crate::ground::Ground;
-use crate::ground::kind::GroundKind;
-use crate::network::limits::AISLE_KMH;
-use crate::network::road_network::{Lane, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
-use crate::{ParkingSpot, SpotKind};
+use crate::ground::{Ground, GroundKind};
+use crate::network::{AISLE_KMH, Lane, LaneKind, PaintColor, PaintedQuad, ParkingSpot, RoadNetwork, SpotKind};
 use cadet_base::frames;
 use cadet_base::math::{self, DPose3, DVec2, DVec3};
 use cadet_base::rng::{Stream, StreamKey};
@@ -74,7 +71,7 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
 /// The spacing of parallel places along a lane, and the stream that all else of them is drawn from.
 fn pitch_and_stream(key: &StreamKey, lane: &Lane) -> (f64, Stream) {
     let mut stream = key.indexed("town/parking", lane.id.0 as u64);
-    (stream.range(PITCH_M.0, PITCH_M.1), stream)
+    (stream.within(PITCH_M), stream)
 }
 
 /// Whether a lane for bicycles lies beside a lane.

@@ -1,7 +1,7 @@
 //! Lines along the sidewalks' middles, for people to walk on.
 
-use crate::Walkway;
 use crate::ground::Ground;
+use crate::network::Walkway;
 use cadet_base::math::DVec3;
 
 /// Loops shorter than this lead nowhere.

@@ -1,6 +1,6 @@
 //! The arms of a junction: where their lanes end, how wide they are, and where people cross them.
 
-use crate::network::road_network::{Lane, LaneId, LaneKind, RoadNetwork};
+use crate::network::{Lane, LaneId, LaneKind, RoadNetwork};
 use cadet_base::math::{self, DVec2, PI};
 
 /// Where the ford begins and ends before the junction.
@@ -136,11 +136,9 @@ impl JunctionArm {
 
 /// The arms of a junction, by road.
 pub(crate) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<JunctionArm> {
-    let leads_in =
-        |l: &&Lane| l.junction.is_none() && l.successors.iter().any(|n| network.lane(*n).junction == Some(junction));
     let mut arms: Vec<(u32, JunctionArm)> = Vec::new();
-    for lane in network.driving().filter(leads_in) {
-        let (at, along) = end_of(lane);
+    for lane in network.driving().filter(|l| network.leads_into(l, junction)) {
+        let (at, along) = (lane.end().truncate(), lane.end_tangent());
         let is_same = |(road, arm): &&mut (u32, JunctionArm)| {
             *road == lane.road && (arm.at - at).length() < ONE_END_M && arm.along.dot(along) > 0.5
         };
@@ -159,7 +157,7 @@ pub(crate) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<JunctionArm> 
             cycle_lanes: Vec::new(),
             stage: 0,
             at,
-            z_m: lane.center[lane.center.len() - 1].z,
+            z_m: lane.end().z,
             along,
             left_m: 0.0,
             right_m: 0.0,
@@ -171,20 +169,13 @@ pub(crate) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<JunctionArm> 
     arms.into_iter()
         .map(|(road, mut arm)| {
             (arm.right_m, arm.left_m) = extent(network, road, &arm);
-            let is_beside =
-                |l: &&Lane| l.kind == LaneKind::Biking && l.road == road && (end_of(l).0 - arm.at).length() < ONE_END_M;
-            let cycle_lanes = network.lanes.iter().filter(leads_in).filter(is_beside);
+            let is_beside = |l: &&Lane| l.road == road && (l.end().truncate() - arm.at).length() < ONE_END_M;
+            let cycle_lanes =
+                network.of_kind(LaneKind::Biking).filter(|l| network.leads_into(l, junction)).filter(is_beside);
             arm.cycle_lanes = cycle_lanes.map(|l| l.id).collect();
             arm
         })
         .collect()
-}
-
-/// Where a lane ends in the plane, and which way it leads there.
-fn end_of(lane: &Lane) -> (DVec2, DVec2) {
-    let n = lane.center.len();
-    let (a, b) = (lane.center[n - 2].truncate(), lane.center[n - 1].truncate());
-    (b, (b - a).normalize_or(DVec2::X))
 }
 
 /// The carriageway's edges, right and left of an arm's first lane: of all lanes of its road that end or begin there.
@@ -198,8 +189,8 @@ fn extent(network: &RoadNetwork, road: u32, arm: &JunctionArm) -> (f64, f64) {
     };
     let mut edges = (0.0_f64, 0.0_f64);
     for lane in network.lanes.iter().filter(is_paved) {
-        let last = lane.center.len() - 1;
-        for (end, width_m) in [(lane.center[0], lane.width_m[0]), (lane.center[last], lane.width_m[last])] {
+        let widths_m = [lane.width_m[0], lane.width_m[lane.width_m.len() - 1]];
+        for (end, width_m) in [lane.center[0], lane.end()].into_iter().zip(widths_m) {
             let to = end.truncate() - arm.at;
             let (before, left) = (-to.dot(arm.along), to.dot(arm.along.perp()));
             if before.abs() < 3.0 && left.abs() < ONE_END_M {

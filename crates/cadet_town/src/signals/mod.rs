@@ -1,7 +1,7 @@
 //! Traffic lights and zebra crossings: which lanes they hold, when lights are green, where people cross, and what is seen.
 
 mod arm;
-pub(crate) mod right_of_way;
+mod right_of_way;
 mod signal_head;
 mod signal_plan;
 
@@ -10,12 +10,11 @@ pub use signal_head::SignalHead;
 pub use signal_plan::{Aspect, SignalPlan};
 
 pub(super) use arm::FORD_M;
-
 use arm::arms_of;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::network::road_network::{LaneId, LaneKind, RoadNetwork};
+use crate::network::{LaneId, LaneKind, RoadNetwork};
 use cadet_base::instance::Instance;
 use cadet_base::math::DVec2;
 use cadet_base::rng::StreamKey;
@@ -56,10 +55,10 @@ impl Signals {
         let mut junctions = Vec::new();
         for (junction, lights) in lights_by_junction(network) {
             let mut arms = arms_of(network, junction);
-            let light_of = |arm: &JunctionArm| lights.iter().find(|light| arm.lanes.contains(&light.lane));
+            let light_of = |arm: &JunctionArm| lights.iter().find(|(lane, _)| arm.lanes.contains(lane));
             arms.retain(|arm| light_of(arm).is_some());
             let controllers: Vec<Option<usize>> =
-                arms.iter().map(|arm| light_of(arm).and_then(|light| light.controller)).collect();
+                arms.iter().map(|arm| light_of(arm).and_then(|(_, controller)| *controller)).collect();
             let num_stages = assign_stages(&mut arms, &controllers);
             if arms.is_empty() {
                 continue;
@@ -146,8 +145,7 @@ impl Signals {
 
 /// Zebra crossings at some of the arms without lights: of streets with one lane a direction and sidewalks.
 fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey) -> Vec<JunctionArm> {
-    let has_sidewalk: BTreeSet<u32> =
-        network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk).map(|l| l.road).collect();
+    let has_sidewalk: BTreeSet<u32> = network.of_kind(LaneKind::Sidewalk).map(|l| l.road).collect();
     let junctions: BTreeSet<u32> = network.driving().filter_map(|l| l.junction).collect();
     let mut zebras = Vec::new();
     for junction in junctions.into_iter().filter(|j| lit.iter().all(|l| l.junction != *j)) {
@@ -164,20 +162,13 @@ fn draw_zebras(network: &RoadNetwork, lit: &[SignalledJunction], key: &StreamKey
     zebras
 }
 
-/// A lane that a light holds, and the light's controller.
-struct HeldLane {
-    lane: LaneId,
-    controller: Option<usize>,
-}
-
-/// By junction the lanes that lights hold.
-fn lights_by_junction(network: &RoadNetwork) -> BTreeMap<u32, Vec<HeldLane>> {
-    let mut found: BTreeMap<u32, Vec<HeldLane>> = BTreeMap::new();
+/// By junction the lanes that lights hold, each with its light's controller.
+fn lights_by_junction(network: &RoadNetwork) -> BTreeMap<u32, Vec<(LaneId, Option<usize>)>> {
+    let mut found: BTreeMap<u32, Vec<(LaneId, Option<usize>)>> = BTreeMap::new();
     for light in &network.lights {
         for lane in &light.lanes {
-            let junction = network.lane(*lane).successors.iter().find_map(|next| network.lane(*next).junction);
-            if let Some(junction) = junction {
-                found.entry(junction).or_default().push(HeldLane { lane: *lane, controller: light.controller });
+            if let Some(junction) = network.junction_after(network.lane(*lane)) {
+                found.entry(junction).or_default().push((*lane, light.controller));
             }
         }
     }

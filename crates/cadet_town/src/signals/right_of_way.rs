@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::network::road_network::{Lane, RightOfWay, RoadNetwork};
+use crate::network::{Lane, RightOfWay, RoadNetwork};
 use crate::signals::Signals;
 
 /// Streets at most this fast have no priority over others in towns.
@@ -11,7 +11,7 @@ const ZONE_30_MPS: f64 = 8.5;
 impl RightOfWay {
     /// That of a lane; `None` where it ends at no junction.
     pub fn of(lane: &Lane, network: &RoadNetwork, signals: &Signals) -> Option<Self> {
-        let junction = lane.successors.iter().find_map(|n| network.lane(*n).junction)?;
+        let junction = network.junction_after(lane)?;
         if signals.arm_of(lane.id).is_some() {
             return Some(Self::Signal);
         }
@@ -21,10 +21,7 @@ impl RightOfWay {
         if let Some(says) = network.signs.get(&lane.id) {
             return Some(*says);
         }
-        let arrives = |o: &&Lane| {
-            o.junction.is_none() && o.successors.iter().any(|n| network.lane(*n).junction == Some(junction))
-        };
-        let arriving = || network.driving().filter(arrives);
+        let arriving = || network.driving().filter(|o| network.leads_into(o, junction));
         // Beside approaches with signs one without has what theirs leave it.
         let mut signs = arriving().filter_map(|o| network.signs.get(&o.id)).peekable();
         if signs.peek().is_some() {
@@ -62,9 +59,9 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::paint::road_marking;
-    use crate::paint::road_marking::ACROSS;
-    use crate::{SuburbConfig, generate_suburb};
+    use crate::generate_suburb;
+    use crate::paint::road_marking::{self, ACROSS};
+    use crate::plan::SuburbConfig;
     use cadet_base::rng::StreamKey;
 
     #[test]
@@ -84,7 +81,7 @@ mod tests {
             let mut by_junction: BTreeMap<u32, Vec<RightOfWay>> = BTreeMap::new();
             for lane in network.driving().filter(|l| l.junction.is_none()) {
                 let right_of_way = RightOfWay::of(lane, &network, &signals);
-                let junction = lane.successors.iter().find_map(|n| network.lane(*n).junction);
+                let junction = network.junction_after(lane);
                 assert_eq!(right_of_way.is_some(), junction.is_some());
                 let has_line = matches!(right_of_way, Some(RightOfWay::Yield | RightOfWay::Stop));
                 let is_painted = painted.contains(&(lane.id.0 as u32));

@@ -1,7 +1,6 @@
 //! A light of a traffic signal: which lenses are lit when.
 
-use crate::signals::arm::ArmId;
-use crate::signals::{Aspect, Signals};
+use crate::signals::{ArmId, Aspect, Signals};
 use cadet_assets::scenery::{HeadKind, signal_head};
 use cadet_base::instance::Instance;
 use cadet_base::math::DPose3;

@@ -1,9 +1,11 @@
 //! Lights of generated suburbs, of hand-written maps, and of the shared ones.
 
-use crate::RightOfWay;
-use crate::network::road_network::Lane;
+use crate::ground::GroundKind;
+use crate::network::{Lane, RightOfWay};
+use crate::placement::PropConfig;
+use crate::plan::SuburbConfig;
 use crate::signals::*;
-use crate::{GroundKind, PropConfig, SuburbConfig, Town, generate_suburb, load_map};
+use crate::{Town, generate_suburb, load_map};
 use cadet_base::math::DVec3;
 
 fn config() -> SuburbConfig {

@@ -1,7 +1,8 @@
 //! What stands in parking places instead of cars.
 
-use crate::street_things::{Furnisher, footprint, rect_of};
-use crate::{ParkingSpot, SpotKind};
+use crate::network::{ParkingSpot, SpotKind};
+use crate::placement::footprint;
+use crate::street_things::Furnisher;
 use cadet_assets::props::{BARRIER, BICYCLE, Place, Prop};
 use cadet_base::math::DVec2;
 use cadet_base::rng::Stream;
@@ -37,7 +38,7 @@ pub(super) fn fill(f: &mut Furnisher, spot: &ParkingSpot, clutter: f64, s: &mut 
 /// Puts one into the place, `offset` from its middle in its own frame; the first size that fits. Its long side is along the
 /// curb, or it stands as a car would.
 fn put(f: &mut Furnisher, spot: &ParkingSpot, prop: &Prop, s: &mut Stream, is_across: bool, offset: DVec2) {
-    let place = rect_of(spot);
+    let place = spot.rect();
     let first = s.below(prop.num_variants());
     let mut colors = Stream::from_seed("bay", s.next_u64());
     let facing = if is_across { -place.axis.perp() } else { place.axis };
@@ -52,8 +53,7 @@ fn put(f: &mut Furnisher, spot: &ParkingSpot, prop: &Prop, s: &mut Stream, is_ac
         let fits =
             reach.x + offset.x.abs() <= place.half.x + 0.1 && reach.y + offset.y.abs() <= place.half.y + OVER_WIDTH_M;
         if fits && f.taken.is_free(&rect) && f.ways.is_free(&rect) {
-            f.stand(&prop.draw_variant(first + k, &mut colors), at, facing, rect);
-            f.out.obstacles.push(rect);
+            f.stand_in_the_way(&prop.draw_variant(first + k, &mut colors), at, facing, rect);
             return;
         }
     }

@@ -1,8 +1,7 @@
 //! Tables before houses, what closes them in, and what shops put out: the things that stand together in front of a wall.
 
-use crate::plots::frontage::Frontage;
-use crate::street_things::Furnisher;
-use crate::street_things::edge::{CORNER_M, INSET_M, along_edge, at_edge};
+use crate::plots::Frontage;
+use crate::street_things::{CORNER_M, Furnisher, INSET_M, along_edge, at_edge};
 use cadet_assets::props::{ADVERT_STAND, CAFE_CHAIR, CAFE_TABLE, Drawn, PARASOL, Shipped, TALL_PLANT, TUB};
 use cadet_base::rng::Stream;
 

@@ -1,14 +1,13 @@
 //! What closed rows have on and over their sidewalks: lamps on wires, trees in pits, rows of bicycles, cafes and shops.
 
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::plot::Plot;
-use crate::plots::street_style::CityStyle;
-use crate::street_things::{Furnisher, cafes, footprint};
+use crate::placement::footprint;
+use crate::plots::{CityStyle, Frontage, Plot};
+use crate::street_things::{Furnisher, cafes};
 use cadet_assets::props::{BICYCLE, CYCLE_HOOP, TREE_PIT};
 use cadet_assets::scenery::{SPAN_LENS_M, StreetLight, TreeKind, num_variants, span_lamp, tree};
 use cadet_base::frames;
-use cadet_base::math::{DVec2, atan2};
-use cadet_base::plane::OrientedRect;
+use cadet_base::math::DVec2;
+use cadet_base::plane::{OrientedRect, heading_rad};
 use cadet_base::rng::Stream;
 
 /// Nothing stands so near to the ends of a frontage.
@@ -67,7 +66,7 @@ pub(super) fn furnish(
 
 /// A lamp on a wire to the opposite wall, if both walls are there.
 fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64, light: StreetLight) {
-    let (edge, out) = (frontage.at(at_m), right_of(frontage.along(at_m)));
+    let (edge, out) = (frontage.at(at_m), frontage.out(at_m));
     let is_wall = |p: DVec2| f.placer.row_walls.iter().any(|wall| wall.contains(p, 0.0));
     let here = edge + out * 0.5;
     if !is_wall(here) {
@@ -84,16 +83,14 @@ fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64, light: StreetLig
     if !is_wall(middle + out * half_m) || !is_wall(middle - out * half_m) {
         return;
     }
-    let position = f.placer.site.on_ground(middle);
-    let along = out.perp();
-    let pose = frames::upright(position, atan2(along.y, along.x));
+    let pose = frames::upright(f.placer.site.on_ground(middle), heading_rad(out.perp()));
     f.placer.instances.push(model.with_palette(light.on_wire(SPAN_LENS_M, &model.palette), pose));
 }
 
 /// A tree at the curb, if people and doors of cars have room beside it.
 fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &mut Stream) {
-    let (out, sidewalk_m) = (right_of(frontage.along(at_m)), frontage.sidewalk_at(at_m));
-    let at = frontage.at(at_m) - out * (sidewalk_m - TRUNK_M);
+    let (out, sidewalk_m) = (frontage.out(at_m), frontage.sidewalk_at(at_m));
+    let at = frontage.behind(at_m, TRUNK_M - sidewalk_m);
     let room_m = sidewalk_m - TRUNK_M + PRUNED_M;
     let models = (0..num_variants()[1]).map(|k| tree(TreeKind::Street, variant + k));
     let Some(model) = models.into_iter().find(|m| m.footprint_max.x <= room_m) else { return };
@@ -103,7 +100,7 @@ fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &
     }
     let pit = TREE_PIT.model(0);
     if f.placer.plant_model(TreeKind::Street, &model, s, at) {
-        let pose = frames::upright(f.placer.site.on_ground(at), atan2(out.y, out.x));
+        let pose = frames::upright(f.placer.site.on_ground(at), heading_rad(out));
         f.placer.instances.push(pit.at(pose));
         f.taken.take(trunk);
         f.out.obstacles.push(trunk);
@@ -119,12 +116,11 @@ fn cycles(f: &mut Furnisher, frontage: &Frontage, from_m: f64, s: &mut Stream) {
         if !(CORNER_M..frontage.length_m() - CORNER_M).contains(&at_m) {
             continue;
         }
-        let (along, sidewalk_m) = (frontage.along(at_m), frontage.sidewalk_at(at_m));
+        let (along, out, sidewalk_m) = (frontage.along(at_m), frontage.out(at_m), frontage.sidewalk_at(at_m));
         if sidewalk_m < SIDEWALK_FOR_CYCLES_M {
             return;
         }
-        let out = right_of(along);
-        let curb = frontage.at(at_m) - out * sidewalk_m;
+        let curb = frontage.behind(at_m, -sidewalk_m);
         for (prop, is_hoop) in [(CYCLE_HOOP, true), (BICYCLE, false)] {
             if !is_hoop && !has_cycle {
                 continue;
@@ -137,8 +133,7 @@ fn cycles(f: &mut Furnisher, frontage: &Frontage, from_m: f64, s: &mut Stream) {
             let at = curb + out * (CYCLES_M + deep_m.max(1.6) / 2.0) + along * aside_m;
             let rect = footprint(&drawn.model, at, facing);
             if f.is_free(&rect) && f.parked.is_free(&rect.grown(0.3)) && f.is_passable(&rect) {
-                f.stand(&drawn, at, facing, rect);
-                f.out.obstacles.push(rect);
+                f.stand_in_the_way(&drawn, at, facing, rect);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Places along the outer edges of sidewalks.
 
-use crate::plots::frontage::{Frontage, right_of};
+use crate::plots::Frontage;
 use cadet_assets::scenery::SceneryModel;
 use cadet_base::math::DVec2;
 
@@ -22,8 +22,7 @@ pub(super) struct EdgePlace {
 
 /// A model with its back to the outer edge, looking at the street.
 pub(super) fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
-    let out = right_of(frontage.along(at_m));
-    let edge = frontage.at(at_m);
+    let (edge, out) = (frontage.at(at_m), frontage.out(at_m));
     let at = edge - out * (INSET_M - model.footprint_min.x);
     EdgePlace { at, facing: -out, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }
 }
@@ -37,8 +36,7 @@ pub(super) fn to_traffic(frontage: &Frontage, model: &SceneryModel, at_m: f64) -
 
 /// A model whose x axis runs along the edge, its origin in the middle of its width.
 pub(super) fn along_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64, is_forth: bool) -> EdgePlace {
-    let along = frontage.along(at_m);
-    let (out, edge) = (right_of(along), frontage.at(at_m));
+    let (edge, along, out) = (frontage.at(at_m), frontage.along(at_m), frontage.out(at_m));
     let half = model.footprint_size().y / 2.0;
     let facing = if is_forth { along } else { -along };
     EdgePlace { at: edge - out * (INSET_M + half), facing, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }

@@ -1,12 +1,14 @@
 //! What stands in front gardens and drives.
 
-use crate::ParkingSpot;
-use crate::plots::plot::Plot;
+use crate::network::ParkingSpot;
+use crate::placement::footprint;
+use crate::plots::Plot;
 use crate::street_things::Furnisher;
 use cadet_assets::props::{CARPORT, Drawn, Facing, Homes, Place};
 use cadet_assets::scenery::HouseKind;
 use cadet_base::frames;
-use cadet_base::math::{DVec2, DVec3};
+use cadet_base::math::DVec2;
+use cadet_base::plane::OrientedRect;
 use cadet_base::rng::Stream;
 
 /// Share of the gardens that have something in front.
@@ -60,24 +62,21 @@ pub(super) fn roof_over(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
         return;
     }
     let Drawn { model, palette, .. } = CARPORT.draw(s);
-    let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
     let size = model.footprint_size();
     if size.x > spot.length_m + 0.1 || size.y < spot.width_m + 0.2 {
         return;
     }
-    let at = spot.world_from_spot.translation.truncate();
-    let rect = crate::street_things::footprint(&model, at, axis);
+    let OrientedRect { center: at, axis, .. } = spot.rect();
+    let rect = footprint(&model, at, axis);
     // It stands on its posts, beside the car: only they must be free.
     let feet = [(-1.0, -1.0), (-1.0, 1.0), (0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(x, y)| {
         let center = at + axis * (x * (rect.half.x - 0.06)) + axis.perp() * (y * (rect.half.y - 0.06));
-        crate::street_things::OrientedRect { center, axis, half: DVec2::splat(0.06) }
+        OrientedRect { center, axis, half: DVec2::splat(0.06) }
     });
     let is_free = feet.iter().all(|foot| f.taken.is_free(foot) && !f.placer.site.is_street(foot.center));
-    if is_free && f.taken.is_free(&crate::street_things::OrientedRect { half: rect.half - DVec2::splat(0.3), ..rect }) {
-        let position = spot.world_from_spot.translation;
-        f.placer
-            .instances
-            .push(model.with_palette(palette, frames::upright(position, frames::yaw_of(&spot.world_from_spot))));
+    if is_free && f.taken.is_free(&rect.grown(-0.3)) {
+        let pose = frames::upright(spot.world_from_spot.translation, frames::yaw_of(&spot.world_from_spot));
+        f.placer.instances.push(model.with_palette(palette, pose));
         feet.iter().for_each(|foot| f.taken.take(*foot));
     }
 }

@@ -1,7 +1,6 @@
 //! What stands on plots without a house: bottle banks, transformers, posters, sites, bus stops, mounds, bicycles.
 
-use crate::plots::plot::Plot;
-use crate::plots::street_style::StreetStyle;
+use crate::plots::{Plot, StreetStyle};
 use crate::street_things::Furnisher;
 use cadet_assets::props::{
     ADVERT_COLUMN, BARRIER, BENCH, BICYCLE, BILLBOARD, BUS_SHELTER, CLIPPED_BUSH, CLOTHES_BANK, CYCLE_HOOP, Drawn,

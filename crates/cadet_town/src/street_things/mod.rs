@@ -10,22 +10,18 @@ mod sidewalk;
 
 pub(super) use lots::is_cleared;
 
+use edge::{CORNER_M, EdgePlace, INSET_M, along_edge, at_edge, to_traffic};
+
 use std::sync::Arc;
 
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::Placer;
-use crate::placement::prop_config::PropConfig;
-use crate::plots::frontage::Frontage;
-use crate::plots::plot::Plot;
-use crate::plots::street_style::StreetStyle;
-use crate::{ParkingSpot, SpotKind, Walkway};
+use crate::network::{ParkingSpot, SpotKind, Walkway};
+use crate::placement::{Occupancy, Placer, PropConfig, footprint};
+use crate::plots::{Frontage, Plot, StreetStyle};
 use cadet_assets::props::{Drawn, OwnProps, Shipped};
-use cadet_assets::scenery::SceneryModel;
 use cadet_base::frames;
-use cadet_base::math::{DPose3, DVec2, DVec3};
+use cadet_base::math::{DPose3, DVec2};
 use cadet_base::plane::{OrientedRect, bounds};
 use cadet_base::rng::{Stream, StreamKey};
-use edge::EdgePlace;
 
 /// Where somebody may sit.
 #[derive(Debug, Clone, Copy)]
@@ -96,10 +92,6 @@ struct Furnisher<'a, 'b> {
     out: StreetThings,
 }
 
-fn bounds_of(walkway: &Walkway) -> (DVec2, DVec2) {
-    bounds(walkway.center.iter().map(|p| p.truncate()))
-}
-
 /// Places the things of a town; parking places are those along streets and those in drives.
 pub(super) fn place(
     key: &StreamKey,
@@ -113,12 +105,9 @@ pub(super) fn place(
     if clutter <= 0.0 {
         return StreetThings::default();
     }
-    let mut taken = Occupancy::default();
-    placer.standing.iter().for_each(|s| taken.take(s.rect));
-    let mut parked = Occupancy::default();
-    parking.iter().chain(drives).for_each(|spot| parked.take(rect_of(spot)));
-    let mut ways = Occupancy::default();
-    placer.ways.iter().for_each(|way| ways.take(*way));
+    let taken = Occupancy::of(placer.standing.iter().map(|s| s.rect));
+    let parked = Occupancy::of(parking.iter().chain(drives).map(ParkingSpot::rect));
+    let mut ways = Occupancy::of(placer.ways.iter().copied());
     for plots_on_streets in streets.plots_on_streets {
         let plot = &plots_on_streets.plot;
         let Some(house) = &plot.house else { continue };
@@ -126,7 +115,7 @@ pub(super) fn place(
         let doors = plot.before_doors(DOOR_WIDTH_M, [before_m, house.setback_m]);
         doors.into_iter().for_each(|door| ways.take(door));
     }
-    let walkway_bounds = walkways.iter().map(bounds_of).collect();
+    let walkway_bounds = walkways.iter().map(|w| bounds(w.center.iter().map(|p| p.truncate()))).collect();
     let out = StreetThings::default();
     let own = &config.own;
     let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, walkway_bounds, own, out };
@@ -168,21 +157,6 @@ fn place_key(spot: &ParkingSpot) -> u64 {
     ((p.x * 10.0).round() as i64 as u64) << 32 | ((p.y * 10.0).round() as i64 as u64 & 0xffff_ffff)
 }
 
-/// The ground of a parking place.
-fn rect_of(spot: &ParkingSpot) -> OrientedRect {
-    let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
-    let half = DVec2::new(spot.length_m, spot.width_m) / 2.0;
-    OrientedRect { center: spot.world_from_spot.translation.truncate(), axis, half }
-}
-
-/// The ground that a model covers.
-fn footprint(model: &SceneryModel, at: DVec2, facing: DVec2) -> OrientedRect {
-    let axis = facing.normalize_or(DVec2::X);
-    let middle = (model.footprint_min + model.footprint_max) / 2.0;
-    let center = at + axis * middle.x + axis.perp() * middle.y;
-    OrientedRect { center, axis, half: model.footprint_size() / 2.0 }
-}
-
 impl Furnisher<'_, '_> {
     /// Whether a rectangle is free of everything, of ways to doors, of carriageways and parked cars.
     fn is_free(&self, rect: &OrientedRect) -> bool {
@@ -215,6 +189,12 @@ impl Furnisher<'_, '_> {
         self.out.seats.extend(Seat::of_last(drawn, self.placer));
     }
 
+    /// Puts a prop where people walk or park.
+    fn stand_in_the_way(&mut self, drawn: &Drawn, at: DVec2, facing: DVec2, rect: OrientedRect) {
+        self.stand(drawn, at, facing, rect);
+        self.out.obstacles.push(rect);
+    }
+
     /// Puts a prop on the sidewalk's outer edge, if people still get past.
     fn put_at_edge(&mut self, drawn: &Drawn, place: &EdgePlace) -> bool {
         let rect = footprint(&drawn.model, place.at, place.facing);
@@ -226,8 +206,7 @@ impl Furnisher<'_, '_> {
         if !(has_room && self.is_free(&rect) && self.parked.is_free(&rect.grown(0.8)) && self.is_passable(&rect)) {
             return false;
         }
-        self.stand(drawn, place.at, place.facing, rect);
-        self.out.obstacles.push(rect);
+        self.stand_in_the_way(drawn, place.at, place.facing, rect);
         true
     }
 

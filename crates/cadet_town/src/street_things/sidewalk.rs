@@ -1,16 +1,11 @@
 //! What stands on sidewalks, along their outer edges, where people still get past.
 
-use std::sync::Arc;
-
-use crate::placement::boundary::Boundary;
-use crate::plots::frontage::{Frontage, right_of};
-use crate::plots::plot::Plot;
-use crate::plots::street_style::StreetStyle;
-use crate::street_things::edge::{CORNER_M, along_edge, at_edge, to_traffic};
-use crate::street_things::{Furnisher, cafes};
+use crate::placement::{Boundary, footprint};
+use crate::plots::{Frontage, Plot, StreetStyle};
+use crate::street_things::{CORNER_M, Furnisher, along_edge, at_edge, cafes, to_traffic};
 use cadet_assets::props::{BICYCLE, BOLLARD, DELINEATOR, GUARD_RAIL, LARGE_CONTAINER, Place, Streets, WHEELED_BIN};
-use cadet_assets::scenery::{HouseKind, SceneryModel};
-use cadet_base::math::DVec2;
+use cadet_assets::scenery::HouseKind;
+use cadet_base::plane::OrientedRect;
 use cadet_base::rng::Stream;
 
 /// Share of the streets where the bins are out for collection, and of their houses that have put some out.
@@ -130,12 +125,11 @@ fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
         if at_m > frontage.length_m() - CORNER_M {
             break;
         }
-        let out = right_of(frontage.along(at_m));
-        let sidewalk_m = frontage.sidewalk_at(at_m);
-        let at = frontage.at(at_m) - out * (sidewalk_m - 0.32);
-        let rect = crate::street_things::footprint(&model, at, -out);
+        let (out, sidewalk_m) = (frontage.out(at_m), frontage.sidewalk_at(at_m));
+        let at = frontage.behind(at_m, 0.32 - sidewalk_m);
+        let rect = footprint(&model, at, -out);
         if sidewalk_m > 1.6 && f.is_free(&rect) && f.parked.is_free(&rect.grown(0.4)) {
-            f.placer.put(&model, Arc::clone(&model.palette), at, -out);
+            f.placer.put_plain(&model, at, -out);
             f.taken.take(rect);
         }
     }
@@ -144,20 +138,17 @@ fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
 /// Delineators and a guard rail where nobody lives.
 fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut Stream) {
     let length_m = frontage.length_m();
-    let put = |f: &mut Furnisher, model: &SceneryModel, at_m: f64, facing: DVec2| {
-        let at = frontage.at(at_m) - right_of(frontage.along(at_m)) * 0.24;
-        let rect = crate::street_things::footprint(model, at, facing);
-        if f.is_free(&rect) {
-            f.placer.put(model, Arc::clone(&model.palette), at, facing);
-            f.taken.take(rect);
-        }
-    };
     let is_built = plots.iter().any(|p| p.house.is_some());
     if !is_built && s.chance(0.4) {
         let post = DELINEATOR.model(0);
         let mut at_m = s.range(3.0, 20.0);
         while at_m < length_m - 3.0 {
-            put(f, &post, at_m, -frontage.along(at_m));
+            let (at, facing) = (frontage.behind(at_m, -0.24), -frontage.along(at_m));
+            let rect = footprint(&post, at, facing);
+            if f.is_free(&rect) {
+                f.placer.put_plain(&post, at, facing);
+                f.taken.take(rect);
+            }
             at_m += 25.0;
         }
     }
@@ -172,14 +163,8 @@ fn guard_rail(f: &mut Furnisher, frontage: &Frontage, s: &mut Stream) {
     let end_m = frontage.length_m() - s.range(6.0, 14.0);
     let mut at_m = s.range(6.0, 14.0);
     while at_m + 4.8 < end_m {
-        let inside = |m: f64| frontage.at(m) - right_of(frontage.along(m)) * 0.1;
-        let (from, to) = (inside(at_m), inside(at_m + 4.8));
-        let middle = (from + to) / 2.0;
-        let rect = crate::street_things::OrientedRect {
-            center: middle,
-            axis: (to - from).normalize_or(DVec2::X),
-            half: DVec2::new((to - from).length() / 2.0, 0.12),
-        };
+        let [from, to] = [at_m, at_m + 4.8].map(|m| frontage.behind(m, -0.1));
+        let rect = OrientedRect::about_line(from, to, 0.12);
         if f.is_free(&rect) {
             f.placer.run(Boundary::Fence(GUARD_RAIL, 0), &palette, from, to);
             f.taken.take(rect);

@@ -1,11 +1,15 @@
 //! Things stand apart, off the lanes, before no door, and people get past.
 
-use crate::placement::occupancy::Site;
-use crate::plots::frontage::frontages;
+use crate::generate_suburb;
+use crate::ground::{Ground, GroundKind};
+use crate::network::RoadNetwork;
+use crate::placement::{PropConfig, Site};
+use crate::plan::SuburbConfig;
+use crate::plots::frontages;
 use crate::props::place_props;
+use crate::roadside::{parking_spots, walkways};
 use crate::signals::Signals;
 use crate::street_things::*;
-use crate::{Ground, GroundKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, parking_spots, walkways};
 use cadet_assets::props::{OwnProps, Prop, shipped};
 use cadet_base::plane::OrientedRect;
 
@@ -69,7 +73,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
         let Placed { network, ground, parking, props } = placed(seed, 1.5);
         let things: Vec<_> = props.standing.iter().filter(|s| kind_of(&s.name).is_some()).collect();
         assert!(things.len() > 100, "seed {seed}: {}", things.len());
-        let bays: Vec<OrientedRect> = parking.iter().map(|spot| rect_of(spot).grown(0.12)).collect();
+        let bays: Vec<OrientedRect> = parking.iter().map(|spot| spot.rect().grown(0.12)).collect();
         for thing in &things {
             let is_parked = |p: DVec2| bays.iter().any(|bay| bay.contains(p, 0.0));
             for p in thing.rect.samples(0.3) {
@@ -83,7 +87,7 @@ fn things_overlap_nothing_and_keep_off_lanes() {
                 }
             }
         }
-        let solid = |s: &&crate::placement::placer::PropFootprint| s.rect.half.x > 0.01;
+        let solid = |s: &&crate::placement::PropFootprint| s.rect.half.x > 0.01;
         for (i, a) in props.standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
             for (j, b) in props.standing.iter().enumerate().filter(|(_, s)| solid(s)) {
                 let is_far = (a.rect.center - b.rect.center).length() > 16.0;

@@ -1,12 +1,9 @@
 //! On the median: a barrier, shrubs beside it, and the piers of bridges between.
 
-use std::sync::Arc;
-
-use crate::countryside::motorway::road_plan::RoadPlan;
-use crate::placement::placer::Placer;
+use crate::countryside::motorway::RoadPlan;
+use crate::placement::{Placer, draw_plant};
 use cadet_assets::props::{CONCRETE_BARRIER, DOUBLE_RAIL, MOTORWAY_RAIL};
-use cadet_assets::scenery::{MOTORWAY_PIECE_M, TreeKind, num_variants, tree};
-use cadet_base::math::DVec2;
+use cadet_assets::scenery::{MOTORWAY_PIECE_M, TreeKind};
 use cadet_base::rng::StreamKey;
 
 /// Two rows of rails stand so far from the middle where shrubs grow between them; else one row of two beams does.
@@ -36,28 +33,24 @@ pub(super) fn furnish(key: &StreamKey, road: &RoadPlan, greenery: f64, placer: &
         for offset_m in offsets {
             let (from, to) = (a + a_along.perp() * *offset_m, b + b_along.perp() * *offset_m);
             // Fronts face -y: those to the right of the middle as they are, the others turned round.
-            if *offset_m > 0.0 {
-                placer.lay(&model, Arc::clone(&model.palette), to, from);
-            } else {
-                placer.lay(&model, Arc::clone(&model.palette), from, to);
-            }
+            let [from, to] = if *offset_m > 0.0 { [to, from] } else { [from, to] };
+            placer.lay_plain(&model, from, to);
         }
     }
     if !has_shrubs || greenery <= 0.0 {
         return;
     }
-    let [_, variants, ..] = num_variants();
     let mut at_m = s.range(0.0, 30.0);
     while at_m < road.length_m() {
-        let end_m = at_m + s.range(STRETCH_M.0, STRETCH_M.1);
+        let end_m = at_m + s.within(STRETCH_M);
         while at_m < end_m.min(road.length_m()) {
             let (middle, along) = road.middle(at_m);
-            let place: DVec2 = middle + along.perp() * s.range(-0.25, 0.25);
-            let model = tree(TreeKind::Shrub, s.below(variants));
+            let place = middle + along.perp() * s.range(-0.25, 0.25);
+            let model = draw_plant(TreeKind::Shrub, s);
             if model.footprint_max.x < WIDEST_SHRUB_M && road.is_clear_of_bridge(at_m, CLEAR_OF_PIER_M) {
                 let _ = placer.plant_model(TreeKind::Shrub, &model, s, place);
             }
-            at_m += s.range(SHRUB_EVERY_M.0, SHRUB_EVERY_M.1);
+            at_m += s.within(SHRUB_EVERY_M);
         }
         at_m += s.range(5.0, 60.0);
     }

@@ -7,84 +7,81 @@ mod road_signs;
 mod shoulder_edge;
 mod slope_plants;
 
-use std::sync::Arc;
+use road_plan::{GANTRY_SHARE, RoadPlan};
 
-use crate::RoadNetwork;
-use crate::countryside::motorway::road_plan::RoadPlan;
-use crate::ground::land::fields::Land;
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::{Placer, PropFootprint};
-use crate::plots::frontage::{Frontage, right_of};
+use crate::countryside::Country;
+use crate::network::RoadNetwork;
+use crate::placement::{Placer, PropFootprint};
+use crate::plots::Frontage;
 use cadet_assets::scenery::{BRIDGE_DECK_M, RAMP_M, SceneryModel, overpass};
 use cadet_base::frames;
-use cadet_base::math::{self, DVec2, DVec3};
-use cadet_base::plane::OrientedRect;
+use cadet_base::math::{DVec2, DVec3};
+use cadet_base::plane::{OrientedRect, heading_rad};
 use cadet_base::rng::StreamKey;
 
 /// An abutment stands so far from the asphalt; plants keep so far from the middle of a bridge.
 const ABUTMENT_OFF_M: f64 = 7.5;
 const CLEAR_OF_BRIDGE_M: f64 = 21.0;
 
-/// One side of a road: its edge, and what the land is beside it.
+/// One side of a road: its edge, and how far that is from the asphalt.
 struct CarriagewaySide<'a> {
     frontage: &'a Frontage,
-    land: &'a Land,
+    verge_m: f64,
     plan: &'a RoadPlan,
 }
 
 impl CarriagewaySide<'_> {
     /// The place so far from the asphalt at a distance along the edge.
     fn beside(&self, at_m: f64, off_m: f64) -> DVec2 {
-        let f = self.frontage;
-        f.at(at_m) + right_of(f.along(at_m)) * (off_m - self.land.roadside.verge_m)
+        self.frontage.behind(at_m, off_m - self.verge_m)
+    }
+
+    /// How many pieces of about such a length it has, and how long they are.
+    fn pieces(&self, about_m: f64) -> (usize, f64) {
+        let count = (self.frontage.length_m() / about_m).round().max(1.0);
+        (count as usize, self.frontage.length_m() / count)
     }
 }
 
 /// Furnishes all of a motorway.
-pub(super) fn furnish(
-    key: &StreamKey,
-    network: &RoadNetwork,
-    land: &Land,
-    frontages: &[Frontage],
-    greenery: f64,
-    taken: &mut Occupancy,
-    placer: &mut Placer,
-) {
+pub(super) fn furnish(key: &StreamKey, network: &RoadNetwork, frontages: &[Frontage], country: &mut Country) {
     let plans = road_plan::draw(key, network);
     for road in &plans {
         if let Some(at_m) = road.bridge_m {
-            build_bridge(road, at_m, land, taken, placer);
+            build_bridge(road, at_m, country);
         }
-        median_barrier::furnish(key, road, greenery, placer);
+        median_barrier::furnish(key, road, country.greenery, country.placer);
     }
     for (i, frontage) in frontages.iter().enumerate() {
         let Some(plan) = plans.iter().find(|p| p.road == frontage.road) else { continue };
-        let side = CarriagewaySide { frontage, land, plan };
+        let side = CarriagewaySide { frontage, verge_m: country.land.roadside.verge_m, plan };
         let s = &mut key.indexed("motorway/side", i as u64);
-        let posts = road_signs::place(s, &side, placer);
-        shoulder_edge::furnish(s, &side, &posts, taken, placer);
-        slope_plants::grow(&mut key.indexed("motorway/green", i as u64), &side, greenery, taken, placer);
+        let posts = road_signs::place(s, &side, country.placer);
+        shoulder_edge::furnish(s, &side, &posts, country);
+        slope_plants::grow(&mut key.indexed("motorway/green", i as u64), &side, country);
     }
 }
 
 /// Stands a model at a place and height of its own.
 fn stand(model: &SceneryModel, at: DVec3, facing: DVec2, placer: &mut Placer) {
-    let pose = frames::upright(at, math::atan2(facing.y, facing.x));
-    placer.instances.push(model.with_palette(Arc::clone(&model.palette), pose));
+    placer.instances.push(model.at(frames::upright(at, heading_rad(facing))));
 }
 
-fn build_bridge(road: &RoadPlan, at_m: f64, land: &Land, taken: &mut Occupancy, placer: &mut Placer) {
+fn build_bridge(road: &RoadPlan, at_m: f64, country: &mut Country) {
+    let Country { land, taken, placer, .. } = country;
     let (middle, along) = road.middle(at_m);
     let half_span_m = road.half_paved_m + ABUTMENT_OFF_M;
     let model = overpass(road.variant, half_span_m);
     stand(&model, placer.site.on_ground(middle), along, placer);
     let reach_m = RAMP_M + 10.0;
     for side in [1.0, -1.0] {
-        let center = middle + along.perp() * (side * (half_span_m + reach_m / 2.0));
-        taken.take(OrientedRect { center, axis: along, half: DVec2::new(CLEAR_OF_BRIDGE_M, reach_m / 2.0) });
-        let center = middle + along.perp() * (side * (half_span_m + 0.7));
-        let rect = OrientedRect { center, axis: along, half: DVec2::new(4.6, 0.7) };
-        placer.standing.push(PropFootprint { rect, name: model.name.clone() });
+        let rect = |off_m: f64, half: DVec2| OrientedRect {
+            center: middle + along.perp() * (side * (half_span_m + off_m)),
+            axis: along,
+            half,
+        };
+        taken.take(rect(reach_m / 2.0, DVec2::new(CLEAR_OF_BRIDGE_M, reach_m / 2.0)));
+        placer.standing.push(PropFootprint { rect: rect(0.7, DVec2::new(4.6, 0.7)), name: model.name.clone() });
     }
     debug_assert!(BRIDGE_DECK_M.0 > 4.7 && land.roadside.verge_m < ABUTMENT_OFF_M);
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Lane, LaneKind, RoadNetwork};
+use crate::network::{Lane, LaneKind, RoadNetwork};
 use cadet_base::math::{DVec2, DVec3};
 use cadet_base::plane::Polyline;
 use cadet_base::rng::StreamKey;
@@ -75,7 +75,7 @@ pub(super) fn draw(key: &StreamKey, network: &RoadNetwork) -> Vec<RoadPlan> {
             [LaneKind::Driving, LaneKind::Shoulder].into_iter().flat_map(of).map(|l| l.width_at(0.0)).sum();
         let widest_m = of(LaneKind::Shoulder).map(|l| l.width_at(0.0)).fold(0.0, f64::max);
         let mut s = key.indexed("motorway/road", number as u64);
-        let (has_bridge, at, variant) = (s.chance(BRIDGE_SHARE), s.range(BRIDGE_AT.0, BRIDGE_AT.1), s.below(2));
+        let (has_bridge, at, variant) = (s.chance(BRIDGE_SHARE), s.within(BRIDGE_AT), s.below(2));
         let driving = of(LaneKind::Driving).next()?;
         Some(RoadPlan {
             road,

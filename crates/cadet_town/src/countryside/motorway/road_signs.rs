@@ -1,15 +1,11 @@
 //! Boards, gantries, speed limits, kilometer plates and telephones, and where rails have to shield them.
 
 use std::ops::Range;
-use std::sync::Arc;
 
-use crate::countryside::motorway::road_plan::GANTRY_SHARE;
-use crate::countryside::motorway::{CarriagewaySide, stand};
-use crate::placement::placer::Placer;
-use crate::plots::frontage::right_of;
+use crate::countryside::motorway::{CarriagewaySide, GANTRY_SHARE, stand};
+use crate::placement::Placer;
 use cadet_assets::props::{EMERGENCY_TELEPHONE, KILOMETER_PLATE, MOTORWAY_BOARD, SPEED_SIGN, Shipped};
 use cadet_assets::scenery::gantry;
-use cadet_base::math::DVec2;
 use cadet_base::rng::Stream;
 
 /// Middles of posts stand so far from the asphalt.
@@ -45,8 +41,7 @@ pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer)
         (30.0..length_m - 30.0).contains(&at_m) && bridge_m.is_none_or(|b| (b - at_m).abs() > before_m)
     };
     let put = |kind: Shipped, variant: usize, at_m: f64, off_m: f64, placer: &mut Placer| {
-        let model = kind.model(variant);
-        placer.put(&model, Arc::clone(&model.palette), side.beside(at_m, off_m), -frontage.along(at_m));
+        placer.put_plain(&kind.model(variant), side.beside(at_m, off_m), -frontage.along(at_m));
     };
     let (has_gantry, gantry_m, gantry_variant) = (s.chance(GANTRY_SHARE), s.range(0.15, 0.85) * length_m, s.below(4));
     if has_gantry && is_open(gantry_m, 60.0) {
@@ -54,7 +49,7 @@ pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer)
         let reach_m = plan.half_paved_m + LEG_OFF_M;
         let outer = side.beside(gantry_m, LEG_OFF_M);
         let along = frontage.along(gantry_m);
-        let center = outer - right_of(along) * (reach_m / 2.0);
+        let center = outer - frontage.out(gantry_m) * (reach_m / 2.0);
         let model = gantry(gantry_variant, reach_m / 2.0, plan.num_lanes);
         stand(&model, placer.site.on_ground(center), -along, placer);
         shield(gantry_m);
@@ -66,19 +61,14 @@ pub(super) fn place(s: &mut Stream, side: &CarriagewaySide, placer: &mut Placer)
     }
     let (has_limit, limit_m) = (s.chance(LIMIT_SHARE), s.range(0.1, 0.9) * length_m);
     if has_limit && plan.speed_kmh < UNLIMITED_KMH && is_open(limit_m, 30.0) {
-        let model = SPEED_SIGN.model((plan.speed_kmh / 10).max(1) as usize - 1);
-        let along = frontage.along(limit_m);
-        let places: [DVec2; 2] =
-            [side.beside(limit_m, SMALL_OFF_M), side.beside(limit_m, -(plan.half_paved_m - plan.half_median_m) - 0.5)];
-        for place in places {
-            placer.put(&model, Arc::clone(&model.palette), place, -along);
+        for off_m in [SMALL_OFF_M, -(plan.half_paved_m - plan.half_median_m) - 0.5] {
+            put(SPEED_SIGN, (plan.speed_kmh / 10).max(1) as usize - 1, limit_m, off_m, placer);
         }
     }
     let (has_telephone, telephone_m) = (s.chance(TELEPHONE_SHARE), s.range(0.2, 0.8) * length_m);
     if has_telephone && plan.has_hard_shoulder && is_open(telephone_m, 15.0) {
-        let model = EMERGENCY_TELEPHONE.model(0);
-        let facing = -right_of(frontage.along(telephone_m));
-        placer.put(&model, Arc::clone(&model.palette), side.beside(telephone_m, SMALL_OFF_M + 0.4), facing);
+        let place = side.beside(telephone_m, SMALL_OFF_M + 0.4);
+        placer.put_plain(&EMERGENCY_TELEPHONE.model(0), place, -frontage.out(telephone_m));
     }
     let mut at_m = 40.0;
     while at_m < length_m {

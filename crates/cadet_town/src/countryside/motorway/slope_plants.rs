@@ -1,9 +1,9 @@
 //! What grows on the slopes beside a motorway, stretch by stretch: grass, shrubs, or woods.
 
+use crate::countryside::Country;
 use crate::countryside::motorway::CarriagewaySide;
-use crate::placement::occupancy::Occupancy;
-use crate::placement::placer::Placer;
-use cadet_assets::scenery::{TreeKind, num_variants, tree};
+use crate::placement::draw_plant;
+use cadet_assets::scenery::TreeKind;
 use cadet_base::rng::Stream;
 
 /// Stretches of one kind of growth.
@@ -12,24 +12,31 @@ const STRETCH_M: (f64, f64) = (50.0, 260.0);
 const SHRUBS_FROM_M: f64 = 4.2;
 const TREES_FROM_M: f64 = 6.5;
 
-/// What grows along one stretch.
-#[derive(Clone, Copy)]
-enum SlopeGrowth {
-    Grass,
-    Scattered,
-    Shrubs,
-    Wooded,
+/// What grows along one stretch, in rows: in all but the first taller kinds where a stretch has some.
+struct SlopeGrowth {
+    rows: u32,
+    step_m: (f64, f64),
+    kinds: &'static [(TreeKind, f64)],
+    kinds_behind: &'static [(TreeKind, f64)],
 }
 
-pub(super) fn grow(s: &mut Stream, side: &CarriagewaySide, greenery: f64, taken: &Occupancy, placer: &mut Placer) {
+const MOSTLY_SHRUBS: &[(TreeKind, f64)] = &[(TreeKind::Shrub, 0.86), (TreeKind::Garden, 0.14)];
+const SINGLE: &[(TreeKind, f64)] = &[(TreeKind::Shrub, 0.6), (TreeKind::Garden, 0.2), (TreeKind::Street, 0.2)];
+const WOODS: &[(TreeKind, f64)] = &[(TreeKind::Wood, 0.6), (TreeKind::Garden, 0.3), (TreeKind::Conifer, 0.1)];
+const GRASS: SlopeGrowth = SlopeGrowth { rows: 0, step_m: (1.0, 1.0), kinds: &[], kinds_behind: &[] };
+const SCATTERED: SlopeGrowth = SlopeGrowth { rows: 1, step_m: (8.0, 34.0), kinds: SINGLE, kinds_behind: SINGLE };
+const SHRUBS: SlopeGrowth =
+    SlopeGrowth { rows: 3, step_m: (1.6, 3.6), kinds: MOSTLY_SHRUBS, kinds_behind: MOSTLY_SHRUBS };
+const WOODED: SlopeGrowth = SlopeGrowth { rows: 3, step_m: (2.2, 4.2), kinds: MOSTLY_SHRUBS, kinds_behind: WOODS };
+
+pub(super) fn grow(s: &mut Stream, side: &CarriagewaySide, country: &mut Country) {
     let length_m = side.frontage.length_m();
-    let shares = [0.34 / greenery.max(0.2), 0.2, 0.2, 0.26];
+    let growths = [(&GRASS, 0.34 / country.greenery.max(0.2)), (&SCATTERED, 0.2), (&SHRUBS, 0.2), (&WOODED, 0.26)];
     let mut from_m = 0.0;
-    while greenery > 0.0 && from_m < length_m {
-        let to_m = (from_m + s.range(STRETCH_M.0, STRETCH_M.1)).min(length_m);
-        let growth =
-            [SlopeGrowth::Grass, SlopeGrowth::Scattered, SlopeGrowth::Shrubs, SlopeGrowth::Wooded][s.weighted(&shares)];
-        stretch(s, side, growth, (from_m, to_m), taken, placer);
+    while country.greenery > 0.0 && from_m < length_m {
+        let to_m = (from_m + s.within(STRETCH_M)).min(length_m);
+        let growth = s.pick(&growths);
+        stretch(s, side, growth, (from_m, to_m), country);
         from_m = to_m;
     }
 }
@@ -37,42 +44,27 @@ pub(super) fn grow(s: &mut Stream, side: &CarriagewaySide, greenery: f64, taken:
 fn stretch(
     s: &mut Stream,
     side: &CarriagewaySide,
-    growth: SlopeGrowth,
+    growth: &SlopeGrowth,
     (from_m, to_m): (f64, f64),
-    taken: &Occupancy,
-    placer: &mut Placer,
+    country: &mut Country,
 ) {
-    let [_, variants, ..] = num_variants();
-    let reach_m = side.land.roadside.reach_m();
-    // (rows, steps along them)
-    let (rows, step_m) = match growth {
-        SlopeGrowth::Grass => return,
-        SlopeGrowth::Scattered => (1, (8.0, 34.0)),
-        SlopeGrowth::Shrubs => (3, (1.6, 3.6)),
-        SlopeGrowth::Wooded => (3, (2.2, 4.2)),
-    };
-    for row in 0..rows {
-        let mut at_m = from_m + s.range(0.0, step_m.1);
+    let reach_m = country.land.roadside.reach_m();
+    for row in 0..growth.rows {
+        let mut at_m = from_m + s.range(0.0, growth.step_m.1);
         while at_m < to_m {
-            let share = (f64::from(row) + s.unit()) / f64::from(rows);
-            let kind = match growth {
-                SlopeGrowth::Wooded if row > 0 => {
-                    [TreeKind::Wood, TreeKind::Garden, TreeKind::Conifer][s.weighted(&[0.6, 0.3, 0.1])]
-                }
-                SlopeGrowth::Scattered => {
-                    [TreeKind::Shrub, TreeKind::Garden, TreeKind::Street][s.weighted(&[0.6, 0.2, 0.2])]
-                }
-                _ => [TreeKind::Shrub, TreeKind::Garden][s.weighted(&[0.86, 0.14])],
+            let share = (f64::from(row) + s.unit()) / f64::from(growth.rows);
+            let kind = s.pick(if row > 0 { growth.kinds_behind } else { growth.kinds });
+            let model = draw_plant(kind, s);
+            let nearest_m = match kind {
+                TreeKind::Shrub => SHRUBS_FROM_M.max(model.footprint_max.x + 2.2),
+                _ => TREES_FROM_M,
             };
-            let model = tree(kind, s.below(variants));
-            let nearest_m = if kind == TreeKind::Shrub { SHRUBS_FROM_M } else { TREES_FROM_M };
             let off_m = (SHRUBS_FROM_M + share * (reach_m - SHRUBS_FROM_M)).max(nearest_m);
-            let off_m = off_m.max(if kind == TreeKind::Shrub { model.footprint_max.x + 2.2 } else { 0.0 });
             let place = side.beside(at_m, off_m);
-            if taken.is_free_at(place, 1.5) {
-                let _ = placer.plant_model(kind, &model, s, place);
+            if country.taken.is_free_at(place, 1.5) {
+                let _ = country.placer.plant_model(kind, &model, s, place);
             }
-            at_m += s.range(step_m.0, step_m.1);
+            at_m += s.within(growth.step_m);
         }
     }
 }

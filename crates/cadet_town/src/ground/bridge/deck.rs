@@ -3,11 +3,10 @@
 use super::span::Span;
 use super::structure::structure;
 use super::{DECK_DEPTH_M, edges_of};
-use crate::ground::height_field::{FINEST_CELL_AT_BRIDGES_M, HeightField, road_heights};
-use crate::ground::mesh::{self, Fineness, PlanMesh};
+use crate::ground::mesh;
 use crate::ground::region::{Inside, Regions, with_steps};
-use crate::ground::surface::{Heights, Surface};
-use crate::network::road_network::{Lane, RoadNetwork};
+use crate::ground::{FINEST_CELL_AT_BRIDGES_M, Fineness, HeightField, Heights, PlanMesh, Surface, road_heights};
+use crate::network::{Lane, RoadNetwork};
 use cadet_base::error::Result;
 use cadet_base::instance::Instance;
 use cadet_base::math::DVec2;

@@ -10,8 +10,7 @@ pub(crate) use deck::{Deck, pieces_of_rings};
 use span::Span;
 
 use crate::ground::region::Ring;
-use crate::network::overpass::Overpass;
-use crate::network::road_network::{Lane, RoadNetwork};
+use crate::network::{Lane, Overpass, RoadNetwork};
 use cadet_base::error::Result;
 use cadet_base::math::{DVec2, DVec3};
 

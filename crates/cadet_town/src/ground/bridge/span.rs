@@ -1,9 +1,7 @@
 //! What a bridge spans, in plan.
 
-use crate::ground::region::shapes::{Frame, Ring, Shapes, grow, union};
-use crate::ground::region::{Contour, Inside};
-use crate::network::overpass::Overpass;
-use crate::network::road_network::RoadNetwork;
+use crate::ground::region::{Contour, Frame, Inside, Ring, Shapes, grow, union};
+use crate::network::{Overpass, RoadNetwork};
 use cadet_base::math::{DVec2, DVec3};
 use cadet_base::plane::bounds;
 

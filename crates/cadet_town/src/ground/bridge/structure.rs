@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::DECK_DEPTH_M;
-use crate::ground::mesh::PlanMesh;
-use crate::ground::surface::Surface;
+use crate::ground::{PlanMesh, Surface};
 use cadet_base::geometry::{LodSet, MeshBuilder};
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Palette, Pattern, Semantic};

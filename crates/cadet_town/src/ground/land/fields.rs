@@ -1,7 +1,7 @@
 //! What the land between country roads is used for: parcels of meadows, fields and woods.
 
-use crate::ground::road_section::Roadside;
-use crate::network::road_network::RoadNetwork;
+use crate::ground::Roadside;
+use crate::network::RoadNetwork;
 use cadet_base::math::{self, DVec2};
 use cadet_base::plane::unit;
 use cadet_base::rng::{Stream, StreamKey};
@@ -99,7 +99,7 @@ fn area_m2(outline: &[DVec2]) -> f64 {
 /// Cuts a convex outline across its longest edge until the pieces are small enough.
 fn split(outline: Vec<DVec2>, parcel_m2: (f64, f64), s: &mut Stream, out: &mut Vec<Vec<DVec2>>) {
     let enough_m2 = s.range(parcel_m2.0, parcel_m2.1);
-    let (at, skew) = (s.range(CUT_AT.0, CUT_AT.1), s.range(-CUT_SKEW, CUT_SKEW));
+    let (at, skew) = (s.within(CUT_AT), s.range(-CUT_SKEW, CUT_SKEW));
     if area_m2(&outline) <= enough_m2 {
         out.push(outline);
         return;

@@ -1,5 +1,8 @@
 //! What the land between streets is used for, and the paved yards beside them.
 
-pub(crate) mod fields;
+mod fields;
 pub(crate) mod yard_region;
-pub(crate) mod yards;
+mod yards;
+
+pub(crate) use fields::{Crop, Land};
+pub(crate) use yards::{YardSurface, Yards};

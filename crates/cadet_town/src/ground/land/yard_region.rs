@@ -1,7 +1,7 @@
 //! Where yards lie in plan: what streets leave of them.
 
-use crate::ground::land::yards::{YardSurface, Yards};
-use crate::ground::region::shapes::{Contour, Frame, Ring, difference, grow, union};
+use crate::ground::land::{YardSurface, Yards};
+use crate::ground::region::{Contour, Frame, Ring, difference, grow, union};
 use cadet_base::math::DVec2;
 
 /// A strip so wide is left to grass between a yard and what is paved otherwise: outlines must not meet.

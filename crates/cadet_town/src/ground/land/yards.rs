@@ -1,6 +1,6 @@
 //! Paved ground beside streets: what covers it, where it lies in plan, and what is painted on it.
 
-use crate::network::road_network::PaintedQuad;
+use crate::network::PaintedQuad;
 use crate::paint::Paint;
 use cadet_base::math::{DVec2, DVec3};
 

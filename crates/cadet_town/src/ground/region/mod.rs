@@ -1,15 +1,14 @@
 //! Where carriageway, curb and sidewalk lie in plan: clean rings made from the strips of lanes.
 
-pub(crate) mod inside;
-pub(crate) mod shapes;
+mod inside;
+mod shapes;
 
 pub(crate) use inside::Inside;
-pub(crate) use shapes::{Contour, Frame, Ring, Shapes, grow, union, with_crossings, with_steps};
-use shapes::{WIDEN_M, area_m2, clean, difference};
+pub(crate) use shapes::{Contour, Frame, Ring, Shapes, difference, grow, union, with_crossings, with_steps};
+use shapes::{WIDEN_M, area_m2, clean};
 
-use crate::ground::land::fields::{Crop, Land};
-use crate::ground::land::yards::YardSurface;
-use crate::network::road_network::{Lane, LaneKind, LaneSurface, RoadNetwork};
+use crate::ground::land::{Crop, Land, YardSurface};
+use crate::network::{Lane, LaneKind, LaneSurface, RoadNetwork};
 use cadet_base::error::{Error, Result};
 use cadet_base::math::DVec2;
 use cadet_base::plane::bounds;
@@ -32,7 +31,7 @@ const BALK_M: f64 = 0.5;
 const LEAST_FIELD_M2: f64 = 250.0;
 
 /// The regions of a road network in plan.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Regions {
     /// Outline of the carriageway: the foot of the curb.
     pub(crate) carriageway: Vec<Ring>,
@@ -117,10 +116,7 @@ impl Regions {
             carriageway: rings(&carriageway),
             sidewalk: rings(&sidewalk),
             sidewalk_width_m,
-            shoulder: Vec::new(),
-            roadside: Vec::new(),
-            fields: Vec::new(),
-            yards: Vec::new(),
+            ..Self::default()
         })
     }
 
@@ -135,20 +131,13 @@ impl Regions {
     /// Without curbs and sidewalks: everything ends where the asphalt does.
     fn in_open_country(frame: &Frame, carriageway: &Shapes, land: Option<&Land>) -> Self {
         let edge = frame.rings(carriageway);
-        let bends_m = land.map_or_else(Vec::new, |l| l.roadside.bends_m().to_vec());
+        let outlines = Self { curb: edge.clone(), sidewalk: edge.clone(), carriageway: edge, ..Self::default() };
+        let Some(land) = land else { return outlines };
         Self {
-            curb: edge.clone(),
-            sidewalk: edge.clone(),
-            walks: Vec::new(),
-            beds: Vec::new(),
-            bed_edges: Vec::new(),
-            green: Vec::new(),
-            sidewalk_width_m: 0.0,
-            shoulder: land.map_or_else(Vec::new, |_| frame.rings(&grow(carriageway, SHOULDER_M))),
-            roadside: bends_m.iter().flat_map(|m| frame.rings(&grow(carriageway, *m))).collect(),
-            fields: land.map_or_else(Vec::new, |l| fields(frame, carriageway, l)),
-            carriageway: edge,
-            yards: Vec::new(),
+            shoulder: frame.rings(&grow(carriageway, SHOULDER_M)),
+            roadside: land.roadside.bends_m().iter().flat_map(|m| frame.rings(&grow(carriageway, *m))).collect(),
+            fields: fields(frame, carriageway, land),
+            ..outlines
         }
     }
 }

@@ -13,7 +13,7 @@ use i_overlay::mesh::int::arc::ArcOptions;
 use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
 use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
-use crate::network::road_network::Lane;
+use crate::network::Lane;
 use cadet_base::math::DVec2;
 use cadet_base::plane::bounds;
 

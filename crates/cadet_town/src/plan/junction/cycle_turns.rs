@@ -1,9 +1,7 @@
 //! The ways of bicycles through a junction that a street with cycle lanes leads to: from every arm to every other one.
 
-use crate::plan::junction::street_arm::{StreetArm, StreetEnd};
-use crate::plan::junction::turns::STRAIGHT_RAD;
-use crate::plan::plan_curve::PlanCurve;
-use crate::plan::street_grid::LineStyle;
+use crate::plan::junction::{STRAIGHT_RAD, StreetArm, StreetEnd};
+use crate::plan::{LineStyle, PlanCurve};
 use cadet_base::math::{PI, wrap_angle};
 
 /// Where a street has no cycle lane, cyclists ride in the middle of a strip of such a width, so far from the right edge of

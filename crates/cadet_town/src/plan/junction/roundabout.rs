@@ -1,8 +1,7 @@
 //! Roundabouts: one lane about an island, in place of the ways across a junction.
 
-use crate::plan::junction::street_arm::StreetArm;
-use crate::plan::plan_curve::{PlanCurve, PlanPose, Segment};
-use crate::plan::street_grid::StreetKind;
+use crate::plan::junction::StreetArm;
+use crate::plan::{PlanCurve, PlanPose, Segment, StreetKind};
 use cadet_base::math::{self, DVec2, PI, TAU};
 use cadet_base::plane::unit;
 use cadet_base::rng::Stream;
@@ -38,8 +37,7 @@ impl Roundabout {
     /// Draws whether a junction is one: of streets in town with one lane a direction and none for bicycles. Arms go round
     /// counter-clockwise.
     pub(crate) fn draw(arms: &[StreetArm], share: f64, stream: &mut Stream) -> Option<Self> {
-        let (is_drawn, island_m, lane_m) =
-            (stream.chance(share), stream.range(ISLAND_M.0, ISLAND_M.1), stream.range(LANE_M.0, LANE_M.1));
+        let (is_drawn, island_m, lane_m) = (stream.chance(share), stream.within(ISLAND_M), stream.within(LANE_M));
         let is_plain = |arm: &StreetArm| {
             let style = &arm.style;
             !style.is_main_road()
@@ -114,7 +112,7 @@ mod tests {
     fn ways_lead_without_a_kink_around_the_island_and_never_over_it() {
         let mut stream = Stream::from_seed("roundabout", 1);
         for _ in 0..300 {
-            let island_m = stream.range(ISLAND_M.0, ISLAND_M.1);
+            let island_m = stream.within(ISLAND_M);
             let ring = Roundabout { center: DVec2::new(3.0, -7.0), island_m, lane_m: 4.6 };
             let into_rad = stream.range(-3.0, 3.0);
             let between_rad = stream.range(LEAST_BETWEEN_RAD, TAU - LEAST_BETWEEN_RAD);

@@ -1,7 +1,6 @@
 //! The arms of a junction: the ends of the streets that meet there.
 
-use crate::plan::plan_curve::PlanPose;
-use crate::plan::street_grid::{LineStyle, WhichEnd};
+use crate::plan::{LineStyle, PlanPose, WhichEnd};
 use cadet_base::math::DVec2;
 use cadet_base::plane::unit;
 

@@ -1,8 +1,7 @@
 //! The ways through a junction: which lane leads to which.
 
-use crate::plan::junction::roundabout::{OnRing, Roundabout};
-use crate::plan::junction::street_arm::{StreetArm, StreetEnd};
-use crate::plan::plan_curve::{PlanCurve, PlanPose};
+use crate::plan::junction::{OnRing, Roundabout, StreetArm, StreetEnd};
+use crate::plan::{PlanCurve, PlanPose};
 use cadet_base::math::{PI, wrap_angle};
 
 /// Ways that bend less than this go straight on.

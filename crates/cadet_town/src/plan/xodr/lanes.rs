@@ -1,12 +1,8 @@
 //! The lanes of a street as OpenDRIVE: median, driving lanes, parking bays, sidewalk, and the lines between them.
 
-use crate::network::limits::CURB_HEIGHT_M;
-use crate::network::road_network::LaneSurface;
-use crate::plan::country_roads;
-use crate::plan::country_roads::EDGE_LINE_INSET_M;
-use crate::plan::street_grid::{LineStyle, StreetKind};
-use crate::plan::street_plan::Street;
-use crate::plan::xodr::text::{Cubic, put};
+use crate::network::{CURB_HEIGHT_M, LaneSurface};
+use crate::plan::xodr::{Cubic, put};
+use crate::plan::{EDGE_LINE_INSET_M, LineStyle, Street, StreetKind, country_roads};
 
 /// The curb swings out into the bay over this length.
 const BAY_TAPER_M: f64 = 2.5;

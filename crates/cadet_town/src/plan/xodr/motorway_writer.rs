@@ -1,31 +1,22 @@
 //! Writes a motorway as OpenDRIVE 1.7: roads that follow each other, without a junction.
 
-use crate::network::road_network::LaneSurface;
-use crate::plan::motorway::{CrossSection, Motorway};
-use crate::plan::relief::Relief;
-use crate::plan::xodr::lanes::{LaneRecord, OuterLine, Section, write_lanes};
-use crate::plan::xodr::text::{Cubic, put};
-use crate::plan::xodr::writer::{HEADER, write_shape};
+use crate::network::LaneSurface;
+use crate::plan::xodr::{
+    Cubic, LaneRecord, Link, OuterLine, Section, begin_document, begin_road, write_lanes, write_shape, write_type,
+};
+use crate::plan::{CrossSection, Motorway, Relief, WhichEnd};
 
 /// The whole document; roads have ids from 1 on.
 pub(crate) fn write(name: &str, motorway: &Motorway, relief: &Relief) -> String {
-    let mut out = String::with_capacity(1 << 20);
-    out.push_str(HEADER);
-    put!(&mut out, "<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n");
+    let mut out = begin_document(name);
     let num_roads = motorway.roads.len();
     let mut from_m = 0.0;
     for (i, curve) in motorway.roads.iter().enumerate() {
         let length = curve.length_m();
         let (before, after) = ((i + num_roads - 1) % num_roads + 1, (i + 1) % num_roads + 1);
-        put!(
-            &mut out,
-            "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
-                 <predecessor elementType=\"road\" elementId=\"{before}\" contactPoint=\"end\"/>\
-                 <successor elementType=\"road\" elementId=\"{after}\" contactPoint=\"start\"/></link>\n\
-                 <type s=\"0.0\" type=\"motorway\"><speed max=\"{}\" unit=\"km/h\"/></type>\n",
-            i + 1,
-            motorway.section.speed_kmh
-        );
+        let links = [Link::Road(before, WhichEnd::Finish), Link::Road(after, WhichEnd::Start)];
+        begin_road(&mut out, i + 1, length, None, links);
+        write_type(&mut out, "motorway", motorway.section.speed_kmh);
         write_shape(&mut out, curve, relief, &|s| motorway.tilt(from_m + s));
         write_lanes(&mut out, &[across(&motorway.section)]);
         out.push_str("</road>\n");

@@ -1,8 +1,7 @@
 //! The traffic lights of a street plan as OpenDRIVE: signals along the streets, and the controllers of junctions.
 
-use crate::plan::street_grid::WhichEnd;
-use crate::plan::street_plan::{Street, StreetPlan};
-use crate::plan::xodr::text::put;
+use crate::plan::xodr::put;
+use crate::plan::{StreetPlan, WhichEnd};
 use cadet_base::math::{PI, wrap_angle};
 
 /// Lights stand so far before the end of a street.
@@ -13,17 +12,13 @@ const ENDS: [WhichEnd; 2] = [WhichEnd::Start, WhichEnd::Finish];
 
 /// Number of a light: streets have two ends.
 fn signal_id(street: usize, end: WhichEnd) -> usize {
-    2 * street + usize::from(end == WhichEnd::Finish) + 1
-}
-
-fn junction_at(street: &Street, end: WhichEnd) -> usize {
-    street.junctions[usize::from(end == WhichEnd::Finish)]
+    2 * street + end as usize + 1
 }
 
 /// The lights at the ends of a street.
 pub(crate) fn write_signals(out: &mut String, plan: &StreetPlan, index: usize) {
     let street = &plan.streets[index];
-    let lit: Vec<WhichEnd> = ENDS.into_iter().filter(|end| plan.has_signals[junction_at(street, *end)]).collect();
+    let lit: Vec<WhichEnd> = ENDS.into_iter().filter(|end| plan.has_signals[street.junctions[*end as usize]]).collect();
     if lit.is_empty() {
         return;
     }
@@ -51,7 +46,7 @@ pub(crate) fn write_signals(out: &mut String, plan: &StreetPlan, index: usize) {
 fn arms(plan: &StreetPlan, junction: usize) -> Vec<(usize, f64)> {
     let mut arms = Vec::new();
     for (index, street) in plan.streets.iter().enumerate() {
-        for end in ENDS.into_iter().filter(|end| junction_at(street, *end) == junction) {
+        for end in ENDS.into_iter().filter(|end| street.junctions[*end as usize] == junction) {
             let heading_rad = match end {
                 WhichEnd::Start => street.curve.pose_at(0.0).heading_rad,
                 WhichEnd::Finish => street.curve.pose_at(street.curve.length_m()).heading_rad + PI,

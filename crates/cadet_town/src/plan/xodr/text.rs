@@ -1,4 +1,15 @@
-//! Pieces of OpenDRIVE text: numbers and cubics.
+//! Pieces of OpenDRIVE text: cubics, and the heads of documents and roads.
+
+use crate::plan::WhichEnd;
+
+/// Writes formatted text to a `String`, which can't fail.
+macro_rules! put {
+    ($out:expr, $($text:tt)*) => {{
+        let _ = std::fmt::Write::write_fmt(&mut *$out, format_args!($($text)*));
+    }};
+}
+
+pub(crate) use put;
 
 /// A cubic a + b s + c s^2 + d s^3 from `s_m` on.
 pub(crate) struct Cubic {
@@ -28,11 +39,42 @@ impl Cubic {
     }
 }
 
-/// Writes formatted text to a `String`, which can't fail.
-macro_rules! put {
-    ($out:expr, $($text:tt)*) => {{
-        let _ = std::fmt::Write::write_fmt(&mut *$out, format_args!($($text)*));
-    }};
+/// What a road leads on to at one of its ends.
+#[derive(Clone, Copy)]
+pub(crate) enum Link {
+    None,
+    /// A junction, by its index.
+    Junction(usize),
+    /// An end of a road, by the road's id.
+    Road(usize, WhichEnd),
 }
 
-pub(crate) use put;
+/// A document up to its first road.
+pub(crate) fn begin_document(name: &str) -> String {
+    let mut out = String::with_capacity(1 << 20);
+    out.push_str("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n");
+    put!(&mut out, "<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n");
+    out
+}
+
+/// The head of a road: its id and length, the index of the junction that it lies in, and what it leads on to.
+pub(crate) fn begin_road(out: &mut String, id: usize, length_m: f64, junction: Option<usize>, links: [Link; 2]) {
+    let junction = junction.map_or("-1".to_owned(), |junction| (junction + 1).to_string());
+    put!(out, "<road name=\"\" length=\"{length_m:.6}\" id=\"{id}\" junction=\"{junction}\" rule=\"RHT\">\n<link>");
+    for (element, link) in ["predecessor", "successor"].into_iter().zip(links) {
+        match link {
+            Link::None => {}
+            Link::Junction(index) => put!(out, "<{element} elementType=\"junction\" elementId=\"{}\"/>", index + 1),
+            Link::Road(id, end) => {
+                let contact = if end == WhichEnd::Start { "start" } else { "end" };
+                put!(out, "<{element} elementType=\"road\" elementId=\"{id}\" contactPoint=\"{contact}\"/>");
+            }
+        }
+    }
+    out.push_str("</link>\n");
+}
+
+/// The type of a whole road, and its speed limit.
+pub(crate) fn write_type(out: &mut String, kind: &str, speed_kmh: u32) {
+    put!(out, "<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n");
+}

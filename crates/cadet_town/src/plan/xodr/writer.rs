@@ -1,25 +1,14 @@
 //! Writes a street plan and its relief as OpenDRIVE 1.7.
 
-use crate::network::road_network::LaneSurface;
-use crate::plan::junction::cycle_turns::CycleTurn;
-use crate::plan::junction::roundabout::Roundabout;
-use crate::plan::junction::street_arm::StreetEnd;
-use crate::plan::junction::turns::PlannedTurn;
-use crate::plan::plan_curve::PlanCurve;
-use crate::plan::relief::Relief;
-use crate::plan::street_grid::WhichEnd;
-use crate::plan::street_grid::{LineStyle, StreetKind};
-use crate::plan::street_plan::{Street, StreetPlan};
-use crate::plan::xodr::lanes::{
-    CYCLE_FORD_M, LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
-    street_sections, write_lanes,
+use crate::network::LaneSurface;
+use crate::plan::junction::{CycleTurn, PlannedTurn, Roundabout, StreetEnd};
+use crate::plan::xodr::{
+    CYCLE_FORD_M, Cubic, LaneRecord, Link, OuterLine, Section, begin_document, begin_road, driven_surface, driving_id,
+    outermost_lane, put, ridden_id, sidewalk_id, street_sections, write_controllers, write_junction_controllers,
+    write_lanes, write_signals, write_type,
 };
-use crate::plan::xodr::signal_records::{write_controllers, write_junction_controllers, write_signals};
-use crate::plan::xodr::text::{Cubic, put};
+use crate::plan::{LineStyle, PlanCurve, Relief, Street, StreetKind, StreetPlan, WhichEnd};
 use cadet_base::math;
-
-/// How a document begins.
-pub(crate) const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n";
 
 /// A lane has to have an inner edge: an island's is a circle of this radius.
 const ISLAND_MIDDLE_M: f64 = 0.5;
@@ -31,9 +20,7 @@ const CROSSFALL_RAMP_M: f64 = 20.0;
 ///
 /// `crossfall` holds each street's slope across, up to the left.
 pub(crate) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &[f64]) -> String {
-    let mut out = String::with_capacity(1 << 20);
-    out.push_str(HEADER);
-    put!(&mut out, "<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n");
+    let mut out = begin_document(name);
     for (i, (street, fall)) in plan.streets.iter().zip(crossfall).enumerate() {
         write_street(&mut out, (plan, i), street, relief, *fall);
     }
@@ -82,13 +69,6 @@ fn arriving_sign(end: WhichEnd) -> i32 {
     }
 }
 
-fn contact(end: WhichEnd) -> &'static str {
-    match end {
-        WhichEnd::Start => "start",
-        WhichEnd::Finish => "end",
-    }
-}
-
 fn write_street(
     out: &mut String,
     (plan, index): (&StreetPlan, usize),
@@ -96,25 +76,16 @@ fn write_street(
     relief: &Relief,
     crossfall: f64,
 ) {
-    let [from, to] = street.junctions;
     let length = street.curve.length_m();
-    put!(
-        out,
-        "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"-1\" rule=\"RHT\">\n<link>\
-             <predecessor elementType=\"junction\" elementId=\"{}\"/>\
-             <successor elementType=\"junction\" elementId=\"{}\"/></link>\n",
-        street_id(index),
-        from + 1,
-        to + 1
-    );
-    write_type(out, &street.style, street.style.speed_kmh);
+    begin_road(out, street_id(index), length, None, street.junctions.map(Link::Junction));
+    write_street_type(out, &street.style, street.style.speed_kmh);
     write_shape(out, &street.curve, relief, &|s| crossfall * crossfall_share(s, length));
     write_lanes(out, &street_sections(street));
     write_signals(out, plan, index);
     out.push_str("</road>\n");
 }
 
-fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
+fn write_street_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
     let kind = if style.country.is_some() {
         "rural"
     } else if style.kind == StreetKind::Aisle {
@@ -126,7 +97,7 @@ fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
     } else {
         "lowSpeed"
     };
-    put!(out, "<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n");
+    write_type(out, kind, speed_kmh);
 }
 
 fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedTurn, relief: &Relief) {
@@ -176,8 +147,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedT
 /// The island of a roundabout: a road that closes on itself, of which there is a median alone.
 fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief) {
     let curve = ring.island();
-    let length = curve.length_m();
-    put!(out, "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"-1\" rule=\"RHT\">\n<link/>\n");
+    begin_road(out, id, curve.length_m(), None, [Link::None; 2]);
     write_shape(out, &curve, relief, &|_| 0.0);
     let lanes = vec![LaneRecord::new(1, "median", vec![Cubic::constant(ring.island_m - ISLAND_MIDDLE_M)])];
     write_lanes(out, &[Section { s_m: 0.0, center_line_m: None, lanes }]);
@@ -216,19 +186,9 @@ fn write_way(
     (curve, relief): (&PlanCurve, &Relief),
 ) {
     let (a, b) = (&plan.streets[from.street].style, &plan.streets[to.street].style);
-    let length = curve.length_m();
-    put!(
-        out,
-        "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"{}\" rule=\"RHT\">\n<link>\
-             <predecessor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/>\
-             <successor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/></link>\n",
-        junction + 1,
-        street_id(from.street),
-        contact(from.end),
-        street_id(to.street),
-        contact(to.end)
-    );
-    write_type(out, a, a.speed_kmh.min(b.speed_kmh));
+    let links = [from, to].map(|at| Link::Road(street_id(at.street), at.end));
+    begin_road(out, id, curve.length_m(), Some(junction), links);
+    write_street_type(out, a, a.speed_kmh.min(b.speed_kmh));
     // Crossings lie level: a street's crossfall begins and ends with its own piece.
     write_shape(out, curve, relief, &|_| 0.0);
 }
