@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::geometry::LodSet;
+use crate::geometry::{LodSet, Mesh};
 use crate::material::Palette;
-use crate::math::DPose3;
+use crate::math::{DPose3, DQuat, DVec3};
 
 /// A shape with its materials and its pose. Shapes and palettes are shared, so an instance is cheap to copy.
 #[derive(Debug, Clone)]
@@ -29,6 +29,13 @@ impl Instance {
     #[must_use]
     pub fn new(shape: Arc<LodSet>, palette: Arc<Palette>, world_from_local: DPose3, actor_id: i32) -> Self {
         Self { shape, palette, world_from_local, actor_id, is_body: actor_id > 0, sheds_snow: false }
+    }
+
+    /// A mesh that stands in the static world, its axes along the world's.
+    #[must_use]
+    pub fn standing(mesh: Mesh, palette: Arc<Palette>, origin: DVec3) -> Self {
+        let world_from_local = DPose3 { rotation: DQuat::IDENTITY, translation: origin };
+        Self::new(Arc::new(LodSet::single(mesh)), palette, world_from_local, 0)
     }
 
     /// Returns this instance in the palette that it wears at night.

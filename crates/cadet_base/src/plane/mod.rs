@@ -1,8 +1,10 @@
 //! Lines and rectangles in the plane.
 
+mod distance;
 mod polyline;
 mod rect;
 
+pub use distance::DistanceFrom;
 pub use polyline::{Polyline, nearest, piece_at};
 pub use rect::OrientedRect;
 
@@ -12,6 +14,11 @@ use crate::math::{self, DVec2};
 #[inline]
 pub fn unit(heading_rad: f64) -> DVec2 {
     DVec2::new(math::cos(heading_rad), math::sin(heading_rad))
+}
+
+/// The edges of a closed line whose first point is not repeated.
+pub fn edges<T: Copy>(ring: &[T]) -> impl Iterator<Item = [T; 2]> {
+    ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
 /// The angle from x of a direction, in [-pi, pi].

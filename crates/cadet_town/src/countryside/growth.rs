@@ -6,12 +6,11 @@ use crate::countryside::{Country, SEEN_M};
 use crate::ground::land::Crop;
 use crate::ground::region::{Inside, Ring, with_steps};
 use crate::placement::{Boundary, draw_plant};
-use crate::plots::StreetPoints;
 use cadet_assets::props::WIRE;
 use cadet_assets::scenery::materials::maize_palette;
 use cadet_assets::scenery::{CROP_VARIANTS, MAIZE_M, TreeKind, maize as maize_row};
 use cadet_base::math::{DVec2, TAU};
-use cadet_base::plane::{bounds, unit};
+use cadet_base::plane::{DistanceFrom, bounds, edges, unit};
 use cadet_base::rng::{Stream, StreamKey};
 
 /// Woods have a tree a cell, and farther than this from all roads only some.
@@ -39,7 +38,7 @@ const LONE_TREE_M2: f64 = 4500.0;
 const FENCE_SEEN_M: f64 = 80.0;
 
 /// Plants all fields.
-pub(super) fn grow(key: &StreamKey, streets: &StreetPoints, country: &mut Country) {
+pub(super) fn grow(key: &StreamKey, streets: &DistanceFrom, country: &mut Country) {
     if country.greenery <= 0.0 {
         return;
     }
@@ -66,7 +65,7 @@ struct Field<'a, 'b, 'c> {
     inside: Inside,
     min: DVec2,
     max: DVec2,
-    streets: &'a StreetPoints,
+    streets: &'a DistanceFrom,
     country: &'a mut Country<'b, 'c>,
 }
 
@@ -89,11 +88,9 @@ impl Field<'_, '_, '_> {
 
     /// The pieces of its outline, no longer than a step, each with the unit vector into the field.
     fn outline(&self, step_m: f64) -> Vec<([DVec2; 2], DVec2)> {
-        let steps = self.rings.iter().map(|ring| with_steps(ring, step_m));
-        let piece = |a: DVec2, b: DVec2| ([a, b], (b - a).normalize_or_zero().perp());
-        steps
-            .flat_map(|ring| (0..ring.len()).map(|i| piece(ring[i], ring[(i + 1) % ring.len()])).collect::<Vec<_>>())
-            .collect()
+        let rings = self.rings.iter().map(|ring| with_steps(ring, step_m));
+        let piece = |[a, b]: [DVec2; 2]| ([a, b], (b - a).normalize_or_zero().perp());
+        rings.flat_map(|ring| edges(&ring).map(piece).collect::<Vec<_>>()).collect()
     }
 
     /// Whether a place is so near to the field's outline.

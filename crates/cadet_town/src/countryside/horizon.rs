@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use crate::ground::Ground;
-use cadet_base::geometry::{LodSet, Mesh, MeshBuilder};
+use crate::ground::region::with_steps;
+use cadet_base::geometry::MeshBuilder;
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Palette, Pattern, Semantic};
-use cadet_base::math::{self, DPose3, DQuat, DVec2, DVec3, TAU};
+use cadet_base::math::{self, DVec2, DVec3, TAU};
+use cadet_base::plane::bounds;
 use cadet_base::rng::{Stream, StreamKey};
 
 /// The rings of the hills: how far beyond the ground, and the share of their height that they have there.
@@ -32,11 +34,11 @@ const FOOT_M: f64 = 0.5;
 
 /// The hills round a ground.
 pub(crate) fn hills(key: &StreamKey, ground: &Ground) -> Instance {
-    let corners = || ground.vertices.iter().map(|p| p.as_dvec3());
-    let (min, max) = corners().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let (min, max) = bounds(ground.vertices.iter().map(|p| p.as_dvec3().truncate()));
     let s = &mut key.stream("land/hills");
-    let around = outline(min.truncate(), max.truncate());
-    let middle = ((min + max) / 2.0).truncate();
+    // Places along the ground's edge, counter-clockwise.
+    let around = with_steps(&[min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)], STEP_M);
+    let middle = (min + max) / 2.0;
     let height = Profile::draw(s);
     let n = around.len();
     let mut b = MeshBuilder::new();
@@ -45,8 +47,8 @@ pub(crate) fn hills(key: &StreamKey, ground: &Ground) -> Instance {
         let ring = (0..n).map(|i| {
             let edge = around[i];
             // Corners go out along the diagonal, so that the rings stay closed.
-            let away = (edge - middle) / (max - min).truncate() * 2.0;
-            let at = edge + DVec2::new(outward(away.x), outward(away.y)) * *out_m;
+            let away = (edge - middle) / (max - min) * 2.0;
+            let at = edge + away.clamp(DVec2::NEG_ONE, DVec2::ONE) * *out_m;
             let base = ground.height_at(edge.x.clamp(min.x + 0.5, max.x - 0.5), edge.y.clamp(min.y + 0.5, max.y - 0.5));
             let turn = TAU * i as f64 / n as f64;
             let tops = if k == 0 { -FOOT_M } else { height.trees_m(turn) + s.range(-TOPS_M, TOPS_M) };
@@ -63,24 +65,7 @@ pub(crate) fn hills(key: &StreamKey, ground: &Ground) -> Instance {
             b.face([a, e, d], slot);
         }
     }
-    let mesh: Mesh = b.build("hills", 0.4);
-    Instance::new(
-        Arc::new(LodSet::single(mesh)),
-        Arc::new(palette(s)),
-        DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
-        0,
-    )
-}
-
-/// 1 and -1 on the sides of a square of that half size, and less between.
-fn outward(v: f64) -> f64 {
-    v.clamp(-1.0, 1.0)
-}
-
-/// Places along a rectangle, counter-clockwise.
-fn outline(min: DVec2, max: DVec2) -> Vec<DVec2> {
-    let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-    crate::ground::region::with_steps(&corners, STEP_M)
+    Instance::standing(b.build("hills", 0.4), Arc::new(palette(s)), DVec3::ZERO)
 }
 
 /// How high hills and their trees are by direction.

@@ -15,7 +15,7 @@ use std::ops::Range;
 use crate::ground::land::Land;
 use crate::network::{ParkingSpot, RoadNetwork};
 use crate::placement::{Occupancy, Placer, PropConfig};
-use crate::plots::{Frontage, StreetPoints};
+use crate::plots::{Frontage, distance_from_streets};
 use crate::signals::Signals;
 use cadet_assets::scenery::{SceneryModel, TreeKind};
 use cadet_base::math::DVec2;
@@ -59,7 +59,7 @@ pub(super) fn furnish(
     config: &PropConfig,
     placer: &mut Placer,
 ) -> Vec<ParkingSpot> {
-    let streets = StreetPoints::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(4).copied()), SEEN_M);
+    let streets = distance_from_streets(frontages, 4, SEEN_M);
     let country = &mut Country { land, greenery: config.greenery, taken: Occupancy::default(), placer };
     let mut drives = Vec::new();
     if network.is_motorway() {

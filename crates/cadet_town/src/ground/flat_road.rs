@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::ground::{ASPHALT, Asphalt, MARKING, TERRAIN, palette};
 use crate::paint::Wear;
-use cadet_base::geometry::{LodSet, MeshBuilder};
+use cadet_base::geometry::MeshBuilder;
 use cadet_base::instance::Instance;
-use cadet_base::math::{DPose3, DQuat, DVec3, Vec3};
+use cadet_base::math::{DVec3, Vec3};
 
 /// Width of a lane; the origin lies in the middle of the right one.
 const LANE_M: f32 = 3.5;
@@ -42,12 +42,8 @@ pub(crate) fn tiles(half_m: f32) -> Vec<Instance> {
             builder.triangle(a, c, d, slot(row, column));
         }
     }
-    vec![Instance::new(
-        Arc::new(LodSet::single(builder.build("flat road", 0.0))),
-        Arc::new(palette::palette(Asphalt::of_town(&Wear::default()))),
-        DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
-        0,
-    )]
+    let palette = palette::palette(Asphalt::of_town(&Wear::default()));
+    vec![Instance::standing(builder.build("flat road", 0.0), Arc::new(palette), DVec3::ZERO)]
 }
 
 #[cfg(test)]

@@ -4,12 +4,15 @@ use std::collections::HashMap;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
+use strum::VariantArray;
+
 use crate::ground::GroundKind;
 use crate::ground::land::{Crop, YardSurface};
 use crate::ground::region::{Inside, Regions, Ring, with_crossings, with_steps};
 use crate::network::LaneSurface;
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{DVec2, DVec3};
+use cadet_base::plane;
 
 /// How finely the plane is cut.
 #[derive(Debug, Clone, Copy)]
@@ -117,12 +120,7 @@ pub(crate) fn triangulate(
         let ring = with_steps(&ring, fineness.outline_m);
         with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
         let indices: Vec<usize> = ring.iter().map(|p| cloud.add(*p)).collect();
-        for (i, a) in indices.iter().enumerate() {
-            let b = indices[(i + 1) % indices.len()];
-            if *a != b {
-                edges.push([*a, b]);
-            }
-        }
+        edges.extend(plane::edges(&indices).filter(|[a, b]| a != b));
     }
     add_rectangle(&mut cloud, min, max, 4.0 * fineness.near_m);
     for p in inner_points(lanes, min, max, fineness.near_m) {
@@ -140,7 +138,7 @@ pub(crate) fn triangulate(
     let inside_beds = insides(&regions.beds);
     let inside_shoulder = Inside::new(&regions.shoulder);
     let inside_yards = insides(&regions.yards);
-    let inside_fields: Vec<(Crop, Inside)> = Crop::ALL.into_iter().map(|c| (c, inside_crop(regions, c))).collect();
+    let inside_fields: Vec<(Crop, Inside)> = Crop::VARIANTS.iter().map(|c| (*c, inside_crop(regions, *c))).collect();
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
     for face in mesh.inner_faces() {

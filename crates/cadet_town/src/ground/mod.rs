@@ -19,7 +19,7 @@ pub(crate) use height_field::{FINEST_CELL_AT_BRIDGES_M, HeightField, road_height
 pub use kind::GroundKind;
 pub(crate) use mesh::{Cover, Fineness, PlanMesh};
 pub(crate) use palette::{ASPHALT, Asphalt, MARKING, TERRAIN};
-pub(crate) use road_section::{DistanceFrom, Roadside};
+pub(crate) use road_section::{FARTHEST_M, Roadside};
 pub use roughness::Roughness;
 pub(crate) use surface::{Heights, Surface};
 
@@ -34,7 +34,7 @@ use crate::signals::Signals;
 use cadet_base::error::Result;
 use cadet_base::instance::Instance;
 use cadet_base::math::{DVec2, DVec3, Vec3};
-use cadet_base::plane::bounds;
+use cadet_base::plane::{DistanceFrom, bounds, edges};
 
 /// The ground goes on this far beyond the outermost lane.
 const MARGIN_M: f64 = 160.0;
@@ -121,8 +121,9 @@ impl Ground {
         let surface = |p: DVec2| (height.height(p) + bumps(p)).min(ceiling_m(p));
         let raised = match land {
             Some(land) => {
-                let from_road = DistanceFrom::new(&regions.carriageway);
-                let beside = |p: DVec2| land.roadside.height_m(p, from_road.distance_m(p));
+                let outline = regions.carriageway.iter().flat_map(|ring| edges(ring));
+                let from_road = DistanceFrom::new(outline, FARTHEST_M);
+                let beside = |p: DVec2| land.roadside.height_m(p, from_road.distance_m(p).min(FARTHEST_M));
                 Surface::raise(&plan, &Heights { road: &surface, beside: &beside, has_curbs: false })
             }
             None => Surface::raise(&plan, &Heights::beside_roads(&surface, network)),

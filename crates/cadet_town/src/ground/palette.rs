@@ -1,5 +1,7 @@
 //! What the ground is made of.
 
+use strum::VariantArray;
+
 use crate::ground::Cover;
 use crate::ground::land::{Crop, YardSurface};
 use crate::network::{LaneSurface, PaintColor};
@@ -20,12 +22,12 @@ const TRACK_GRASS: u8 = BALLAST + 2;
 const BED_EDGE: u8 = BALLAST + 3;
 const RAIL: u8 = BALLAST + 4;
 const RAIL_SIDE: u8 = BALLAST + 5;
-/// One slot a crop, in the order of [`Crop::ALL`].
+/// One slot a crop, in the order of [`Crop::VARIANTS`].
 const FIELD: u8 = BALLAST + 6;
-/// A carriageway of setts, then one slot a surface of yards, in the order of [`YardSurface::ALL`].
-const SETTS: u8 = FIELD + Crop::ALL.len() as u8 + 1;
+/// A carriageway of setts, then one slot a surface of yards, in the order of [`YardSurface::VARIANTS`].
+const SETTS: u8 = FIELD + Crop::VARIANTS.len() as u8 + 1;
 /// The red coat of cycle lanes, then what repairs are made of.
-const RED: u8 = SETTS + 1 + YardSurface::ALL.len() as u8;
+const RED: u8 = SETTS + 1 + YardSurface::VARIANTS.len() as u8;
 const NEW_ASPHALT: u8 = RED + 1;
 const OLD_ASPHALT: u8 = RED + 2;
 const BITUMEN: u8 = RED + 3;
@@ -86,7 +88,7 @@ pub(crate) fn slot(cover: Cover) -> u8 {
         Cover::Yard(surface) => SETTS + 1 + surface as u8,
         Cover::BedEdge | Cover::Abutment => BED_EDGE,
         Cover::Field(crop) => FIELD + crop as u8,
-        Cover::Shoulder => FIELD + Crop::ALL.len() as u8,
+        Cover::Shoulder => FIELD + Crop::VARIANTS.len() as u8,
     }
 }
 
@@ -109,7 +111,7 @@ pub(crate) fn paint(color: PaintColor, wear: usize) -> u8 {
 /// What grows on fields, and the soil under it; then the shoulder: gravel, dry grass between.
 fn fields() -> impl Iterator<Item = Material> {
     let shoulder = Material::matt(Semantic::Terrain, [0.170, 0.163, 0.137], Pattern::Asphalt, 0.32);
-    let crops = Crop::ALL.map(|crop| {
+    let crops = Crop::VARIANTS.iter().map(|crop| {
         let (albedo, reflectance) = match crop {
             Crop::Meadow => ([0.090, 0.128, 0.044], 0.47),
             Crop::Stubble => ([0.172, 0.160, 0.092], 0.42),
@@ -120,13 +122,13 @@ fn fields() -> impl Iterator<Item = Material> {
         };
         Material::matt(Semantic::Terrain, albedo, Pattern::Grass, reflectance)
     });
-    crops.into_iter().chain([shoulder])
+    crops.chain([shoulder])
 }
 
 /// Setts of a street, and what covers yards.
 fn yards() -> impl Iterator<Item = Material> {
     let setts = Material::matt(Semantic::Road, [0.205, 0.195, 0.18], Pattern::Blocks, 0.28);
-    let surfaces = YardSurface::ALL.map(|surface| {
+    let surfaces = YardSurface::VARIANTS.iter().map(|surface| {
         let (albedo, pattern, reflectance) = match surface {
             YardSurface::Asphalt => ([0.187, 0.184, 0.178], Pattern::Asphalt, 0.24),
             YardSurface::Pavers => ([0.23, 0.215, 0.20], Pattern::Blocks, 0.30),

@@ -1,9 +1,7 @@
 //! The ground beside country roads in section: a verge that falls off gently, a ditch, and the field behind it.
 
-use std::collections::BTreeMap;
-
-use cadet_base::math::{self, DVec2, PI, TAU};
-use cadet_base::plane::unit;
+use crate::ground::roughness::Wave;
+use cadet_base::math::{self, DVec2, PI};
 use cadet_base::rng::Stream;
 
 /// How steeply a verge falls away from the asphalt.
@@ -22,8 +20,8 @@ const SLOPE_M: f64 = 9.0;
 const GUTTER_DEPTH_M: f64 = 0.2;
 const MOTORWAY_FIELD_M: (f64, f64) = (-4.0, 4.8);
 const MOTORWAY_WAVE_M: (f64, f64) = (300.0, 700.0);
-/// Side of the squares that edges are sorted into; no distance beyond is told.
-const SQUARE_M: f64 = 12.0;
+/// No distance from a road beyond this is told.
+pub(crate) const FARTHEST_M: f64 = 12.0;
 
 /// What the ground beside all roads of a network has in common.
 #[derive(Debug, Clone)]
@@ -34,7 +32,7 @@ pub(crate) struct Roadside {
     pub ditch_m: f64,
     depth_m: f64,
     field_m: (f64, f64),
-    waves: [(DVec2, f64); 4],
+    waves: [Wave; 4],
 }
 
 impl Roadside {
@@ -63,7 +61,7 @@ impl Roadside {
 
     /// From 0 to 1 over the plane.
     fn wave(&self, p: DVec2, from: usize) -> f64 {
-        let sum: f64 = self.waves[from..from + 2].iter().map(|(k, phase)| math::sin(k.dot(p) + phase)).sum();
+        let sum: f64 = self.waves[from..from + 2].iter().map(|w| w.height_m(p)).sum();
         0.5 + 0.25 * sum
     }
 
@@ -90,48 +88,8 @@ impl Roadside {
     }
 }
 
-fn draw_waves(stream: &mut Stream, length_m: (f64, f64)) -> [(DVec2, f64); 4] {
-    std::array::from_fn(|_| {
-        let (length_m, heading) = (stream.within(length_m), stream.range(0.0, TAU));
-        (unit(heading) * (TAU / length_m), stream.range(0.0, TAU))
-    })
-}
-
-/// Distances from a set of rings, up to [`SQUARE_M`].
-pub(crate) struct DistanceFrom {
-    squares: BTreeMap<(i64, i64), Vec<(DVec2, DVec2)>>,
-}
-
-impl DistanceFrom {
-    pub fn new(rings: &[Vec<DVec2>]) -> Self {
-        let mut squares: BTreeMap<(i64, i64), Vec<(DVec2, DVec2)>> = BTreeMap::new();
-        for ring in rings {
-            for (i, a) in ring.iter().enumerate() {
-                let b = ring[(i + 1) % ring.len()];
-                let ((i0, j0), (i1, j1)) = (square(a.min(b)), square(a.max(b)));
-                for cell in (i0..=i1).flat_map(|i| (j0..=j1).map(move |j| (i, j))) {
-                    squares.entry(cell).or_default().push((*a, b));
-                }
-            }
-        }
-        Self { squares }
-    }
-
-    /// Distance to the nearest edge, or [`SQUARE_M`] where none is nearer.
-    pub fn distance_m(&self, p: DVec2) -> f64 {
-        let (i, j) = square(p);
-        let near = (i - 1..=i + 1).flat_map(|i| self.squares.range((i, j - 1)..=(i, j + 1)));
-        let to_edge = |(a, b): &(DVec2, DVec2)| {
-            let d = *b - *a;
-            let t = ((p - *a).dot(d) / d.length_squared().max(1e-12)).clamp(0.0, 1.0);
-            (p - *a - d * t).length()
-        };
-        near.flat_map(|(_, edges)| edges).map(to_edge).fold(SQUARE_M, f64::min)
-    }
-}
-
-fn square(p: DVec2) -> (i64, i64) {
-    ((p.x / SQUARE_M).floor() as i64, (p.y / SQUARE_M).floor() as i64)
+fn draw_waves(stream: &mut Stream, length_m: (f64, f64)) -> [Wave; 4] {
+    std::array::from_fn(|_| Wave::new(stream, length_m, 1.0))
 }
 
 #[cfg(test)]
@@ -162,21 +120,6 @@ mod tests {
                 without += usize::from(roadside.depth_m(p) < 0.03);
             }
             assert!(with_ditch > 80 && without > 40, "{seed}: {with_ditch} {without}");
-        }
-    }
-
-    #[test]
-    fn distances_are_those_of_all_edges() {
-        let ring: Vec<DVec2> = [(0.0, 0.0), (40.0, 3.0), (37.0, 30.0), (-4.0, 22.0)].map(DVec2::from).into();
-        let from = DistanceFrom::new(std::slice::from_ref(&ring));
-        let mut s = Stream::from_seed("distance", 1);
-        for _ in 0..500 {
-            let p = DVec2::new(s.range(-30.0, 70.0), s.range(-30.0, 60.0));
-            // By dense points of the ring.
-            let next = ring.iter().cycle().skip(1);
-            let dense = ring.iter().zip(next).flat_map(|(a, b)| (0..4500).map(|k| a.lerp(*b, f64::from(k) / 4500.0)));
-            let nearest = dense.map(|q| (q - p).length()).fold(f64::INFINITY, f64::min);
-            assert!((from.distance_m(p) - nearest.min(SQUARE_M)).abs() < 1e-3, "{p}");
         }
     }
 }

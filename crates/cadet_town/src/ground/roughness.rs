@@ -15,21 +15,22 @@ const PATCH_SCALE: (f64, f64) = (0.8, 1.25);
 /// No bump is higher and no dip deeper.
 const MOST_M: f64 = 0.045;
 
+/// A sine along one direction of the plane.
 #[derive(Debug, Clone, Copy)]
-struct Wave {
+pub(super) struct Wave {
     k: DVec2,
     phase: f64,
     amplitude_m: f64,
 }
 
 impl Wave {
-    fn new(stream: &mut Stream, lengths_m: (f64, f64), amplitude_m: f64) -> Self {
+    pub fn new(stream: &mut Stream, lengths_m: (f64, f64), amplitude_m: f64) -> Self {
         let (length_m, heading) = (stream.within(lengths_m), stream.range(0.0, TAU));
         let k = unit(heading) * (TAU / length_m);
         Self { k, phase: stream.range(0.0, TAU), amplitude_m }
     }
 
-    fn height_m(&self, p: DVec2) -> f64 {
+    pub fn height_m(&self, p: DVec2) -> f64 {
         self.amplitude_m * math::sin(self.k.dot(p) + self.phase)
     }
 }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use crate::ground::{Asphalt, Cover, PlanMesh, palette};
 use crate::network::{CURB_HEIGHT_M, PaintedQuad, RoadNetwork};
 use crate::paint::Wear;
-use cadet_base::geometry::{IndexedFaces, LodSet, Mesh};
+use cadet_base::geometry::{IndexedFaces, Mesh};
 use cadet_base::instance::Instance;
-use cadet_base::math::{DPose3, DQuat, DVec2, DVec3};
+use cadet_base::math::{DVec2, DVec3};
 
 /// Side of a tile of visible ground.
 const TILE_M: f64 = 50.0;
@@ -143,12 +143,7 @@ impl Surface {
                 parts.triangle([a, c, d], normal.as_vec3(), slot);
             }
             if let Ok(mesh) = Mesh::new("ground", &parts) {
-                tiles.push(Instance::new(
-                    Arc::new(LodSet::single(mesh)),
-                    Arc::clone(&palette),
-                    DPose3 { rotation: DQuat::IDENTITY, translation: origin },
-                    0,
-                ));
+                tiles.push(Instance::standing(mesh, Arc::clone(&palette), origin));
             }
         }
         tiles

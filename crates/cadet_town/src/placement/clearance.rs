@@ -2,7 +2,7 @@
 
 use crate::ground::region::Ring;
 use cadet_base::math::DVec2;
-use cadet_base::plane::bounds;
+use cadet_base::plane::{bounds, edges};
 
 /// The largest distance that the grid tells.
 pub(crate) const MAX_MARGIN_M: f64 = 6.0;
@@ -69,10 +69,9 @@ impl ClearanceGrid {
         let mut squared_m2 = Tiles::new(columns, rows, MAX_MARGIN_M * MAX_MARGIN_M);
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); rows];
         for ring in outline {
-            for (i, a) in ring.iter().enumerate() {
-                let b = ring[(i + 1) % ring.len()];
-                lower_about([*a - origin, b - origin], [columns, rows], &mut squared_m2);
-                let (low, high) = if a.y < b.y { (*a, b) } else { (b, *a) };
+            for [a, b] in edges(ring) {
+                lower_about([a - origin, b - origin], [columns, rows], &mut squared_m2);
+                let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
                 let row_of = |y: f64| ((y - origin.y) / STEP_M).ceil() as usize;
                 for (row, list) in crossings.iter_mut().enumerate().take(row_of(high.y)).skip(row_of(low.y)) {
                     let y = origin.y + row as f64 * STEP_M;

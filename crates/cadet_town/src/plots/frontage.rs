@@ -3,7 +3,7 @@
 use crate::network::{Lane, LaneId, LaneKind, RoadNetwork};
 use crate::placement::Site;
 use cadet_base::math::DVec2;
-use cadet_base::plane::{Polyline, piece_at};
+use cadet_base::plane::{DistanceFrom, Polyline, piece_at};
 
 /// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to
 /// the **right** of it and the street to its left.
@@ -72,6 +72,11 @@ impl Frontage {
     pub fn between(&self, from_m: f64, to_m: f64) -> &[DVec2] {
         self.line.between(from_m, to_m)
     }
+}
+
+/// Distances up to a reach from every so many points of the streets' edges.
+pub(crate) fn distance_from_streets(frontages: &[Frontage], step: usize, reach_m: f64) -> DistanceFrom {
+    DistanceFrom::new(frontages.iter().flat_map(|f| f.line.points().iter().step_by(step).map(|p| [*p; 2])), reach_m)
 }
 
 /// To the right of a direction.

@@ -9,9 +9,8 @@ mod lot_use;
 mod plot;
 mod street_style;
 
-pub(crate) use belt::StreetPoints;
 pub(crate) use city_paving::Paving;
-pub(crate) use frontage::{Frontage, frontages, right_of};
+pub(crate) use frontage::{Frontage, distance_from_streets, frontages, right_of};
 pub(crate) use lot_use::LotUse;
 pub(crate) use plot::{PlacedHouse, Plot};
 pub(crate) use street_style::{CityStyle, StreetStyle};

@@ -72,14 +72,13 @@ impl StreetStyle {
             ("industrial street", config.industrial_share, LotUse::Industry),
             ("campus street", config.campus_share, LotUse::Campus),
         ];
-        let drawn =
-            |(name, share, _): &&(&str, f64, LotUse)| key.indexed(name, u64::from(frontage.road)).chance(*share);
-        if let Some((_, _, usage)) = lots.iter().find(drawn) {
-            style.with_lots(*usage, &mut key.indexed("lot street", u64::from(frontage.road)), config.greenery)
-        } else if key.indexed("city street", u64::from(frontage.road)).chance(config.city_share) {
-            style.in_the_city(&mut key.indexed("city style", u64::from(frontage.road)), config.greenery)
+        let stream = |name: &str| key.indexed(name, u64::from(frontage.road));
+        if let Some((_, _, usage)) = lots.iter().find(|(name, share, _)| stream(name).chance(*share)) {
+            style.with_lots(*usage, &mut stream("lot street"), config.greenery)
+        } else if stream("city street").chance(config.city_share) {
+            style.in_the_city(&mut stream("city style"), config.greenery)
         } else if frontage.is_main_road {
-            style.beside_main_road(&mut key.indexed("main road", u64::from(frontage.road)), config.greenery)
+            style.beside_main_road(&mut stream("main road"), config.greenery)
         } else {
             style
         }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use super::DECK_DEPTH_M;
 use crate::ground::{PlanMesh, Surface};
-use cadet_base::geometry::{LodSet, MeshBuilder};
+use cadet_base::geometry::MeshBuilder;
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Palette, Pattern, Semantic};
-use cadet_base::math::{DPose3, DQuat, DVec2, DVec3, Vec3};
+use cadet_base::math::{DVec2, DVec3, Vec3};
 
 /// Height of a parapet over the edge of the deck, and its thickness.
 const PARAPET_M: (f64, f64) = (0.95, 0.22);
@@ -61,12 +61,7 @@ pub(super) fn structure(plan: &PlanMesh, surface: &Surface, is_side: &dyn Fn(DVe
         b.triangle(below(*i), below(*k), below(*j), 0);
     }
     let concrete = Material::matt(Semantic::Fence, [0.30, 0.29, 0.27], Pattern::Render, 0.32);
-    Instance::new(
-        Arc::new(LodSet::single(b.build("bridge", CREASE_RAD))),
-        Arc::new(Palette::new(vec![concrete])),
-        DPose3 { rotation: DQuat::IDENTITY, translation: origin },
-        0,
-    )
+    Instance::standing(b.build("bridge", CREASE_RAD), Arc::new(Palette::new(vec![concrete])), origin)
 }
 
 /// The edges of the deck's triangles that no other triangle shares.

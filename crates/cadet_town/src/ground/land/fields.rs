@@ -1,13 +1,15 @@
 //! What the land between country roads is used for: parcels of meadows, fields and woods.
 
+use strum::VariantArray;
+
 use crate::ground::Roadside;
 use crate::network::RoadNetwork;
 use cadet_base::math::{self, DVec2};
-use cadet_base::plane::unit;
+use cadet_base::plane::{edges, unit};
 use cadet_base::rng::{Stream, StreamKey};
 
 /// What grows on a parcel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, VariantArray)]
 pub(crate) enum Crop {
     /// Grass, mown.
     Meadow,
@@ -21,11 +23,6 @@ pub(crate) enum Crop {
     Maize,
     /// A wood's floor.
     Wood,
-}
-
-impl Crop {
-    /// Every kind.
-    pub const ALL: [Self; 6] = [Self::Meadow, Self::Stubble, Self::Soil, Self::Greens, Self::Maize, Self::Wood];
 }
 
 /// Shares of the crops near roads, and of woods far from all.
@@ -81,7 +78,7 @@ impl Land {
                 let middle = outline.iter().sum::<DVec2>() / outline.len() as f64;
                 let is_far = near.iter().all(|p| (*p - middle).length() > FAR_M);
                 let mut crop = || {
-                    let (drawn, is_wood) = (Crop::ALL[s.weighted(&SHARES)], s.chance(FAR_WOODS_SHARE));
+                    let (drawn, is_wood) = (Crop::VARIANTS[s.weighted(&SHARES)], s.chance(FAR_WOODS_SHARE));
                     if is_far && is_wood { Crop::Wood } else { drawn }
                 };
                 Parcel { crops: std::array::from_fn(|_| crop()), outline }
@@ -92,8 +89,7 @@ impl Land {
 }
 
 fn area_m2(outline: &[DVec2]) -> f64 {
-    let next = outline.iter().cycle().skip(1);
-    outline.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>() / 2.0
+    edges(outline).map(|[a, b]| a.perp_dot(b)).sum::<f64>() / 2.0
 }
 
 /// Cuts a convex outline across its longest edge until the pieces are small enough.
@@ -125,11 +121,10 @@ fn split(outline: Vec<DVec2>, parcel_m2: (f64, f64), s: &mut Stream, out: &mut V
 /// What of a convex outline lies at most `limit` along `normal`.
 fn half_of(outline: &[DVec2], normal: DVec2, limit: f64) -> Vec<DVec2> {
     let mut out = Vec::with_capacity(outline.len() + 2);
-    for (i, a) in outline.iter().enumerate() {
-        let b = outline[(i + 1) % outline.len()];
+    for [a, b] in edges(outline) {
         let (da, db) = (a.dot(normal) - limit, b.dot(normal) - limit);
         if da <= 0.0 {
-            out.push(*a);
+            out.push(a);
         }
         if (da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0) {
             out.push(a.lerp(b, da / (da - db)));

@@ -1,5 +1,7 @@
 //! Where yards lie in plan: what streets leave of them.
 
+use strum::VariantArray;
+
 use crate::ground::land::{YardSurface, Yards};
 use crate::ground::region::{Contour, Frame, Ring, difference, grow, union};
 use cadet_base::math::DVec2;
@@ -15,7 +17,7 @@ pub(crate) fn regions(yards: &Yards, sidewalk: &[Ring]) -> Vec<(YardSurface, Vec
     let streets: Vec<Contour> = sidewalk.iter().map(|ring| contour(ring)).collect();
     let mut kept: Vec<Contour> = grow(&union(&streets), APART_M).into_iter().flatten().collect();
     let mut regions = Vec::new();
-    for surface in YardSurface::ALL {
+    for surface in YardSurface::VARIANTS.iter().copied() {
         let of_surface = yards.outlines.iter().filter(|(s, _)| *s == surface);
         let outlines: Vec<Contour> = of_surface.map(|(_, ring)| contour(ring)).collect();
         if outlines.is_empty() {

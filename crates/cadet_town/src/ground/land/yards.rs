@@ -1,11 +1,13 @@
 //! Paved ground beside streets: what covers it, where it lies in plan, and what is painted on it.
 
+use strum::VariantArray;
+
 use crate::network::PaintedQuad;
 use crate::paint::Paint;
 use cadet_base::math::{DVec2, DVec3};
 
 /// What covers a yard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
 pub(crate) enum YardSurface {
     /// As on carriageways.
     Asphalt,
@@ -13,11 +15,6 @@ pub(crate) enum YardSurface {
     Pavers,
     /// Large slabs.
     Slabs,
-}
-
-impl YardSurface {
-    /// Every surface.
-    pub const ALL: [Self; 3] = [Self::Asphalt, Self::Pavers, Self::Slabs];
 }
 
 /// The yards of a town.

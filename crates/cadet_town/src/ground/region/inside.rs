@@ -2,6 +2,7 @@
 
 use super::shapes::Ring;
 use cadet_base::math::DVec2;
+use cadet_base::plane::edges;
 
 /// Tells what lies inside a set of rings, by the even-odd rule, with the edges sorted into rows.
 #[derive(Debug, Clone)]
@@ -20,13 +21,10 @@ impl Inside {
         let row_m = (span / 4000.0).max(1.0);
         let count = if span.is_finite() { (span / row_m) as usize + 1 } else { 0 };
         let mut rows = vec![Vec::new(); count];
-        for ring in rings {
-            for (i, a) in ring.iter().enumerate() {
-                let b = ring[(i + 1) % ring.len()];
-                let (lo, hi) = ((a.y.min(b.y) - min_y) / row_m, (a.y.max(b.y) - min_y) / row_m);
-                for row in rows.iter_mut().take(hi as usize + 1).skip(lo as usize) {
-                    row.push((*a, b));
-                }
+        for [a, b] in rings.iter().flat_map(|ring| edges(ring)) {
+            let (lo, hi) = ((a.y.min(b.y) - min_y) / row_m, (a.y.max(b.y) - min_y) / row_m);
+            for row in rows.iter_mut().take(hi as usize + 1).skip(lo as usize) {
+                row.push((a, b));
             }
         }
         for row in &mut rows {

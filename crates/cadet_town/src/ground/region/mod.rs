@@ -173,10 +173,10 @@ fn fields(frame: &Frame, carriageway: &Shapes, land: &Land) -> Vec<(Crop, Vec<Ri
 mod tests {
     use super::*;
     use cadet_base::math::{DVec3, PI};
+    use cadet_base::plane::edges;
 
     fn area(rings: &[Ring]) -> f64 {
-        let twice = |r: &Ring| (0..r.len()).map(|i| r[i].perp_dot(r[(i + 1) % r.len()])).sum::<f64>();
-        rings.iter().map(|r| twice(r) / 2.0).sum()
+        rings.iter().flat_map(|ring| edges(ring)).map(|[a, b]| a.perp_dot(b) / 2.0).sum()
     }
 
     #[test]

@@ -15,7 +15,7 @@ use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
 use crate::network::Lane;
 use cadet_base::math::DVec2;
-use cadet_base::plane::bounds;
+use cadet_base::plane::{bounds, edges};
 
 /// A closed line: outer boundaries run counter-clockwise, holes clockwise; the first point is not repeated.
 pub(crate) type Ring = Vec<DVec2>;
@@ -112,10 +112,8 @@ pub(crate) fn clean(shapes: Shapes, crack_m: f64, hole_m2: f64) -> Shapes {
 }
 
 pub(crate) fn area_m2(contour: &[IntPoint<i32>]) -> f64 {
-    let cross =
-        |a: &IntPoint<i32>, b: &IntPoint<i32>| f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
-    let next = contour.iter().cycle().skip(1);
-    contour.iter().zip(next).map(|(a, b)| cross(a, b)).sum::<f64>() / (2.0 * UNITS_PER_M * UNITS_PER_M)
+    let cross = |[a, b]: [IntPoint<i32>; 2]| f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
+    edges(contour).map(cross).sum::<f64>() / (2.0 * UNITS_PER_M * UNITS_PER_M)
 }
 
 /// Drops the points of a ring that lie within `tolerance_m` of the line without them (Douglas and Peucker).
@@ -153,10 +151,9 @@ fn thin_out(ring: &[IntPoint<i32>], tolerance_m: f64) -> Contour {
 /// The ring with points at most `step_m` apart.
 pub(crate) fn with_steps(ring: &[DVec2], step_m: f64) -> Ring {
     let mut out = Vec::with_capacity(ring.len());
-    for (i, a) in ring.iter().enumerate() {
-        let b = ring[(i + 1) % ring.len()];
-        let pieces = ((b - *a).length() / step_m).ceil().max(1.0) as usize;
-        out.extend((0..pieces).map(|k| *a + (b - *a) * (k as f64 / pieces as f64)));
+    for [a, b] in edges(ring) {
+        let pieces = ((b - a).length() / step_m).ceil().max(1.0) as usize;
+        out.extend((0..pieces).map(|k| a + (b - a) * (k as f64 / pieces as f64)));
     }
     out
 }
@@ -167,11 +164,11 @@ pub(crate) fn with_crossings(ring: &[DVec2], others: &mut dyn Iterator<Item = &R
     let is_near = |(min, max): (DVec2, DVec2)| min.cmple(reach.1).all() && max.cmpge(reach.0).all();
     let near: Vec<&Ring> = others.filter(|other| is_near(bounds(other.iter().copied()))).collect();
     let mut out = Vec::with_capacity(ring.len());
-    for (i, a) in ring.iter().enumerate() {
-        let along = ring[(i + 1) % ring.len()] - *a;
+    for [a, b] in edges(ring) {
+        let along = b - a;
         let mut at: Vec<f64> = Vec::new();
-        for (other, k) in near.iter().flat_map(|other| (0..other.len()).map(move |k| (other, k))) {
-            let (from, across) = (other[k] - *a, other[(k + 1) % other.len()] - other[k]);
+        for [c, d] in near.iter().flat_map(|other| edges(other)) {
+            let (from, across) = (c - a, d - c);
             let area = along.perp_dot(across);
             let (t, u) = (from.perp_dot(across) / area, from.perp_dot(along) / area);
             if t > 0.0 && t < 1.0 && (0.0..=1.0).contains(&u) {
@@ -179,8 +176,8 @@ pub(crate) fn with_crossings(ring: &[DVec2], others: &mut dyn Iterator<Item = &R
             }
         }
         at.sort_by(f64::total_cmp);
-        out.push(*a);
-        out.extend(at.into_iter().map(|t| *a + along * t));
+        out.push(a);
+        out.extend(at.into_iter().map(|t| a + along * t));
     }
     out
 }
