@@ -13,6 +13,8 @@ mod props;
 mod roadside;
 mod signals;
 mod street_things;
+#[cfg(test)]
+mod testing;
 
 pub use ground::{Ground, GroundKind, Roughness};
 pub use network::{
@@ -29,7 +31,9 @@ pub use signals::{
 pub use street_things::Seat;
 
 use self::ground::land::{Land, Yards};
+use self::lots::Lots;
 use self::paint::Wear;
+use self::placement::PropFootprint;
 use cadet_base::error::Result;
 use cadet_base::instance::Instance;
 use cadet_base::plane::OrientedRect;
@@ -104,19 +108,23 @@ impl Town {
     }
 
     fn with_props(key: &StreamKey, name: &str, network: RoadNetwork, config: &PropConfig) -> Result<Self> {
+        Self::laid_out(key, name, network, config).map(|(town, _)| town)
+    }
+
+    fn laid_out(key: &StreamKey, name: &str, network: RoadNetwork, config: &PropConfig) -> Result<(Self, Layout)> {
         config.check()?;
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
         let roughness = if network.is_motorway() { roughness.scaled(MOTORWAY_ROUGHNESS) } else { roughness };
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
         let land = Land::of(&network, key, ground::extent(&network));
-        let mut lots = lots::Lots::default();
+        let mut lots = Lots::default();
         let has_lots = [config.car_park_share, config.industrial_share, config.campus_share].iter().any(|s| *s > 0.0);
         let mut yards = Yards { lines: roadside::bay_lines(&network, key), ..Default::default() };
         let lay = |yards: &Yards| Ground::of_town(&network, Some(&roughness), &wear, &signals, (land.as_ref(), yards));
         let mut ground = lay(&yards)?;
         if has_lots && land.is_none() {
-            lots = lots::Lots::plan(key, &network, &ground, config);
+            lots = Lots::plan(key, &network, &ground, config);
             let mut of_lots = lots.yards();
             of_lots.lines.append(&mut yards.lines);
             ground = lay(&of_lots)?;
@@ -135,7 +143,7 @@ impl Town {
         };
         scenery.append(&mut props.instances);
         parking.append(&mut props.drives);
-        Ok(Self {
+        let town = Self {
             name: name.to_owned(),
             network,
             ground,
@@ -146,6 +154,16 @@ impl Town {
             seats: props.things.seats,
             signals,
             map_warnings: Vec::new(),
-        })
+        };
+        Ok((town, Layout { roughness, land, lots, standing: props.standing }))
     }
+}
+
+/// What a town was made from, and what stands where: for its tests.
+#[cfg_attr(not(test), allow(dead_code))]
+struct Layout {
+    roughness: Roughness,
+    land: Option<Land>,
+    lots: Lots,
+    standing: Vec<PropFootprint>,
 }

@@ -222,9 +222,8 @@ impl HouseRow<'_, '_> {
 
 /// Places along a rectangle's edges, half a meter apart.
 fn outline(rect: &OrientedRect) -> impl Iterator<Item = DVec2> {
-    let corners = rect.corners();
-    (0..4).flat_map(move |i| {
-        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+    let [a, b, c, d] = rect.corners();
+    [[a, b], [b, c], [c, d], [d, a]].into_iter().flat_map(|[a, b]| {
         let steps = ((b - a).length() / 0.5).ceil().max(1.0) as usize;
         (0..steps).map(move |k| a.lerp(b, k as f64 / steps as f64))
     })
@@ -240,31 +239,21 @@ fn yard(plot: &Plot) -> OrientedRect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate_suburb;
-    use crate::ground::{Ground, GroundKind};
-    use crate::network::RoadNetwork;
-    use crate::placement::PropConfig;
-    use crate::plan::SuburbConfig;
-    use crate::plots::frontage;
-    use crate::props::{Props, place_props};
-    use crate::roadside::{parking_spots, walkways};
-    use crate::signals::Signals;
+    use crate::ground::GroundKind;
+    use crate::placement::PropFootprint;
+    use crate::plots::frontages;
+    use crate::testing::{assert_apart, things, town};
+    use crate::{PropConfig, SuburbConfig, Town};
+    use cadet_base::math::DVec3;
     use cadet_base::rng::StreamKey;
 
-    fn city(seed: u64, suburb: &SuburbConfig) -> (RoadNetwork, Ground, Props) {
-        let key = StreamKey::scene(seed);
-        let network = generate_suburb(&key, suburb).unwrap().network;
-        let ground = Ground::new(&network).unwrap();
-        let config = PropConfig { city_share: 1.0, ..Default::default() };
-        let parking = parking_spots(&network, &ground, &key);
-        let props = place_props(
-            &key,
-            (&network, &mut Signals::of(&network, &key)),
-            &ground,
-            (&parking, &walkways(&ground), &Default::default()),
-            &config,
-        );
-        (network, ground, props)
+    fn city(seed: u64, suburb: &SuburbConfig) -> (Town, Vec<PropFootprint>) {
+        let (town, layout) = town(seed, suburb, &PropConfig { city_share: 1.0, ..Default::default() });
+        (town, layout.standing)
+    }
+
+    fn is_house(standing: &&PropFootprint) -> bool {
+        standing.name.starts_with("city-")
     }
 
     fn wide() -> SuburbConfig {
@@ -276,17 +265,13 @@ mod tests {
         let suburbs =
             [wide(), SuburbConfig { main_share: 1.0, hilly_share: 1.0, blocks: (3, 2), ..Default::default() }];
         for seed in 0..4 {
-            let (_, ground, props) = city(seed, &suburbs[seed as usize % 2]);
-            let houses: Vec<_> = props.standing.iter().filter(|s| s.name.starts_with("city-")).collect();
+            let (Town { ground, .. }, standing) = city(seed, &suburbs[seed as usize % 2]);
+            let houses: Vec<_> = standing.iter().filter(is_house).collect();
             assert!(houses.len() > 40, "seed {seed}: {} houses", houses.len());
-            for (i, a) in houses.iter().enumerate() {
-                for p in a.rect.samples(0.5) {
-                    let kind = ground.kind_at(p.x, p.y);
-                    assert!(kind.is_none_or(|k| k == GroundKind::Terrain), "seed {seed}: {a:?} on {kind:?} at {p}");
-                }
-                for b in &houses[..i] {
-                    assert!(!a.rect.overlaps(&b.rect), "seed {seed}: {a:?} and {b:?}");
-                }
+            assert_apart(&houses, &format!("seed {seed}"));
+            for (house, p) in houses.iter().flat_map(|h| h.rect.samples(0.5).map(move |p| (h, p))) {
+                let kind = ground.kind_at(p.x, p.y);
+                assert!(kind.is_none_or(|k| k == GroundKind::Terrain), "seed {seed}: {house:?} on {kind:?} at {p}");
             }
         }
     }
@@ -295,14 +280,13 @@ mod tests {
     fn rows_are_closed_but_for_little() {
         let (mut walled, mut all) = (0, 0);
         for seed in 0..3 {
-            let (network, ground, props) = city(seed, &wide());
+            let (Town { network, ground, .. }, standing) = city(seed, &wide());
             let site = Site::new(&ground);
-            let houses: Vec<_> = props.standing.iter().filter(|s| s.name.starts_with("city-")).collect();
-            for frontage in frontage::frontages(&network, &site).iter().filter(|f| f.length_m() > 40.0) {
+            let houses: Vec<_> = standing.iter().filter(is_house).collect();
+            for frontage in frontages(&network, &site).iter().filter(|f| f.length_m() > 40.0) {
                 let mut at_m = 1.0;
                 while at_m < frontage.length_m() - 1.0 {
-                    let out = right_of(frontage.along(at_m));
-                    let behind = frontage.at(at_m) + out * 2.5;
+                    let behind = frontage.behind(at_m, 2.5);
                     walled += usize::from(houses.iter().any(|h| h.rect.contains(behind, 0.0)));
                     all += 1;
                     at_m += 1.0;
@@ -317,21 +301,21 @@ mod tests {
         let (mut num_doors, mut num_blocked, mut num_far) = (0, 0, 0);
         for seed in 0..3 {
             let key = StreamKey::scene(seed);
-            let (network, ground, props) = city(seed, &wide());
+            let (Town { network, ground, .. }, standing) = city(seed, &wide());
             let site = Site::new(&ground);
             let mut taken = Occupancy::default();
-            for (i, frontage) in frontage::frontages(&network, &site).iter().enumerate() {
+            for (i, frontage) in frontages(&network, &site).iter().enumerate() {
                 // As they were laid out: nothing else is drawn from these streams.
                 for plot in lay_out(frontage, &site, &mut taken, &mut key.indexed("plots", i as u64)) {
                     let Some(house) = &plot.house else { continue };
-                    let is_there = |s: &&crate::placement::PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
-                    assert!(props.standing.iter().any(|s| is_there(&s) && s.name == house.house.model.name));
+                    let is_there = |s: &PropFootprint| s.rect.contains(plot.at(0.0, 6.0), 0.0);
+                    assert!(standing.iter().any(|s| is_there(s) && s.name == house.house.model.name));
                     for [y0, y1] in house.house.doorways_m() {
                         num_doors += 1;
                         let door = (y0 + y1) / 2.0;
                         let steps: Vec<DVec2> = [0.3, 0.7, 1.1].map(|d| plot.at(-door, -d)).into();
                         let on_sidewalk = |p: &DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Sidewalk);
-                        let is_free = |p: &DVec2| !props.standing.iter().any(|s| s.rect.contains(*p, 0.2));
+                        let is_free = |p: &DVec2| !standing.iter().any(|s| s.rect.contains(*p, 0.2));
                         num_far += usize::from(house.house.corner().is_none() && !steps.iter().any(on_sidewalk));
                         num_blocked += usize::from(!steps[..2].iter().all(is_free));
                     }
@@ -347,23 +331,20 @@ mod tests {
     fn lamps_hang_high_over_the_street_from_wall_to_wall() {
         let mut num_lamps = 0;
         for seed in 0..3 {
-            let (_, ground, props) = city(seed, &wide());
-            let lamps = props.instances.iter().filter(|i| {
+            let (town, standing) = city(seed, &wide());
+            let lamps = things(&town).iter().filter(|i| {
                 let size = i.shape.bounds.size();
                 size.y > 7.0 && size.x < 1.0 && i.shape.bounds.min.z > 6.0
             });
             for lamp in lamps {
                 num_lamps += 1;
                 let (middle, bounds) = (lamp.world_from_local.translation, &lamp.shape.bounds);
-                let kind = ground.kind_at(middle.x, middle.y);
+                let kind = town.ground.kind_at(middle.x, middle.y);
                 assert!(kind.is_some_and(|k| k != GroundKind::Terrain), "seed {seed}: lamp at {middle}");
                 for end in [bounds.min.y, bounds.max.y] {
-                    let at =
-                        lamp.world_from_local.transform_point(cadet_base::math::DVec3::new(0.0, f64::from(end), 0.0));
-                    let in_wall = |s: &crate::placement::PropFootprint| {
-                        s.name.starts_with("city-") && s.rect.contains(at.truncate(), 0.0)
-                    };
-                    assert!(props.standing.iter().any(in_wall), "seed {seed}: a wire ends in the air at {at}");
+                    let at = lamp.world_from_local.transform_point(DVec3::Y * f64::from(end));
+                    let in_wall = |s: &PropFootprint| is_house(&s) && s.rect.contains(at.truncate(), 0.0);
+                    assert!(standing.iter().any(in_wall), "seed {seed}: a wire ends in the air at {at}");
                 }
             }
         }

@@ -30,7 +30,6 @@ pub(crate) struct Props {
     /// Things in the way of who walks or parks, and seats.
     pub things: StreetThings,
     /// What stands where.
-    #[cfg_attr(not(test), allow(dead_code))]
     pub standing: Vec<PropFootprint>,
 }
 
@@ -102,7 +101,6 @@ pub(crate) fn place_in_country(
 }
 
 #[cfg(test)]
-#[allow(clippy::print_stderr)]
 mod tests {
     use strum::VariantArray;
 
@@ -110,23 +108,14 @@ mod tests {
     use crate::ground::GroundKind;
     use crate::network::Lane;
     use crate::street_things::tests::kind_of;
-    use crate::{SuburbConfig, generate_suburb, parking_spots, walkways};
+    use crate::testing::{assert_apart, shared_map, things, town};
+    use crate::{Layout, SuburbConfig, Town};
     use cadet_assets::scenery::HouseKind;
-    use cadet_base::math::DVec3;
+    use cadet_base::math::{DVec2, DVec3};
     use cadet_sensors::sense::PosedScene;
 
-    fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
-        let parking = parking_spots(network, ground, key);
-        let lots = Lots::default();
-        place_props(key, (network, &mut Signals::default()), ground, (&parking, &walkways(ground), &lots), config)
-    }
-
-    fn suburb(seed: u64) -> (RoadNetwork, Ground, Props) {
-        let key = StreamKey::scene(seed);
-        let network = generate_suburb(&key, &SuburbConfig { blocks: (3, 3), ..Default::default() }).unwrap().network;
-        let ground = Ground::new(&network).unwrap();
-        let props = place(&key, &network, &ground, &PropConfig::default());
-        (network, ground, props)
+    fn suburb(seed: u64) -> (Town, Layout) {
+        town(seed, &SuburbConfig { blocks: (3, 3), ..Default::default() }, &PropConfig::default())
     }
 
     /// Things, benches, and rails on sidewalks and in bays have tests of their own.
@@ -140,30 +129,12 @@ mod tests {
         kind == "garage" || HouseKind::VARIANTS.iter().any(|k| k.as_ref() == kind)
     }
 
-    fn poses_hash(instances: &[Instance]) -> u64 {
-        let numbers = instances.iter().flat_map(|i| {
-            let (t, r) = (i.world_from_local.translation, i.world_from_local.rotation);
-            [
-                t.x,
-                t.y,
-                t.z,
-                r.x,
-                r.y,
-                r.z,
-                r.w,
-                f64::from(i.palette.materials()[0].albedo[0]),
-                i.shape.levels.len() as f64,
-            ]
-        });
-        numbers.fold(0xcbf2_9ce4_8422_2325, |h, v| (h ^ v.to_bits()).wrapping_mul(0x0100_0000_01b3))
-    }
-
     #[test]
     fn nothing_stands_in_the_way_and_houses_keep_apart() {
         for seed in [1, 2, 3] {
-            let (_, ground, props) = suburb(seed);
+            let (Town { ground, .. }, Layout { standing, .. }) = suburb(seed);
             let mut houses = Vec::new();
-            for standing in props.standing.iter().filter(|s| !is_furniture(s)) {
+            for standing in standing.iter().filter(|s| !is_furniture(s)) {
                 let kinds: Vec<GroundKind> =
                     standing.rect.samples(0.5).filter_map(|p| ground.kind_at(p.x, p.y)).collect();
                 assert!(!kinds.contains(&GroundKind::Road), "seed {seed}: {standing:?} on the road");
@@ -175,11 +146,7 @@ mod tests {
                 }
             }
             assert!(houses.len() > 40, "seed {seed}: {} houses", houses.len());
-            for (i, a) in houses.iter().enumerate() {
-                for b in &houses[..i] {
-                    assert!(!a.rect.overlaps(&b.rect), "seed {seed}: {a:?} and {b:?}");
-                }
-            }
+            assert_apart(&houses, &format!("seed {seed}"));
         }
     }
 
@@ -187,18 +154,15 @@ mod tests {
     fn give_way_signs_stand_where_lanes_yield() {
         let (mut num_lanes, mut num_signs) = (0, 0);
         for seed in 0..6 {
-            let key = StreamKey::scene(seed);
-            let config = SuburbConfig { main_share: 1.0, blocks: (3, 3), ..Default::default() };
-            let network = generate_suburb(&key, &config).unwrap().network;
-            let ground = Ground::new(&network).unwrap();
-            let props = place(&key, &network, &ground, &PropConfig::default());
+            let suburb = SuburbConfig { main_share: 1.0, blocks: (3, 3), ..Default::default() };
+            let (Town { network, signals, .. }, Layout { standing, .. }) = town(seed, &suburb, &PropConfig::default());
             let does_yield = |l: &&Lane| {
-                let right_of_way = RightOfWay::of(l, &network, &Signals::default());
+                let right_of_way = RightOfWay::of(l, &network, &signals);
                 l.junction.is_none() && right_of_way == Some(RightOfWay::Yield) && !network.ends_at_roundabout(l)
             };
             let ends: Vec<DVec3> =
                 network.driving().filter(does_yield).filter_map(|l| l.center.last().copied()).collect();
-            for sign in props.standing.iter().filter(|s| s.name.starts_with("triangle-sign")) {
+            for sign in standing.iter().filter(|s| s.name.starts_with("triangle-sign")) {
                 let apart_m = ends.iter().map(|end| (end.truncate() - sign.rect.center).length());
                 assert!(apart_m.fold(f64::INFINITY, f64::min) < 10.0, "seed {seed}: {sign:?} where nobody yields");
                 num_signs += 1;
@@ -210,9 +174,9 @@ mod tests {
 
     #[test]
     fn houses_face_a_street() {
-        let (_, ground, props) = suburb(4);
-        for house in props.standing.iter().filter(|s| is_house(s)) {
-            let reach = |axis: cadet_base::math::DVec2| {
+        let (Town { ground, .. }, Layout { standing, .. }) = suburb(4);
+        for house in standing.iter().filter(|s| is_house(s)) {
+            let reach = |axis: DVec2| {
                 let paved = |m: &usize| {
                     let p = house.rect.center + axis * (house.rect.half.x + *m as f64 * 0.5);
                     ground.kind_at(p.x, p.y).is_some_and(|k| k != GroundKind::Terrain)
@@ -225,29 +189,32 @@ mod tests {
     }
 
     #[test]
-    fn the_same_key_places_the_same_props() {
-        let (network, ground, first) = suburb(5);
-        let key = StreamKey::scene(5);
-        let again = place(&key, &network, &ground, &PropConfig::default());
-        assert_eq!(poses_hash(&first.instances), poses_hash(&again.instances));
-        let other = place(&StreamKey::scene(6), &network, &ground, &PropConfig::default());
-        assert_ne!(poses_hash(&first.instances), poses_hash(&other.instances));
+    fn the_same_key_gives_the_same_town_of_any_kind() {
+        let (suburb, props) = (SuburbConfig::default(), PropConfig::default());
+        let country = SuburbConfig { country_share: 1.0, ..suburb.clone() };
+        let car_parks = PropConfig { car_park_share: 1.0, ..props.clone() };
+        for (suburb, props) in [(&suburb, &props), (&country, &props), (&suburb, &car_parks)] {
+            let made = |seed: u64| {
+                let (town, _) = town(seed, suburb, props);
+                let poses = things(&town).iter().map(|i| (i.world_from_local, i.palette.materials()[0].albedo));
+                format!("{:?} {:?} {:?}", poses.collect::<Vec<_>>(), town.parking, town.ground.vertices)
+            };
+            assert!(made(5) == made(5) && made(5) != made(6));
+        }
     }
 
     /// Houses, all else that stands within 50 m of the middle of some lanes, and the triangles in sight there.
     fn around_lanes(config: &PropConfig) -> Vec<[usize; 3]> {
         let mut found = Vec::new();
         for seed in 0..2 {
-            let key = StreamKey::scene(seed);
-            let network = generate_suburb(&key, &SuburbConfig::default()).unwrap().network;
-            let props = place(&key, &network, &Ground::new(&network).unwrap(), config);
-            let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
+            let (town, Layout { standing, .. }) = town(seed, &SuburbConfig::default(), config);
+            let lanes: Vec<_> = town.network.driving().filter(|l| l.length_m() > 40.0).collect();
             for lane in lanes.iter().step_by(lanes.len() / 5) {
                 let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
                 let is_near = |s: &&PropFootprint| (s.rect.center - viewer.truncate()).length() < 50.0;
-                let near: Vec<&PropFootprint> = props.standing.iter().filter(is_near).collect();
+                let near: Vec<&PropFootprint> = standing.iter().filter(is_near).collect();
                 let houses = near.iter().filter(|s| is_house(s)).count();
-                let scene = PosedScene::new(&props.instances, viewer);
+                let scene = PosedScene::new(things(&town), viewer);
                 found.push([houses, near.len() - houses, scene.num_triangles()]);
             }
         }
@@ -273,20 +240,14 @@ mod tests {
     #[test]
     fn imported_maps_have_props_clear_of_their_streets() {
         for map in ["Town01.xodr", "Town02.xodr"] {
-            let path = format!("{}/../../../shared/maps/{map}", env!("CARGO_MANIFEST_DIR"));
-            let Ok(text) = std::fs::read_to_string(path) else {
-                eprintln!("skipped: no ../shared/maps/{map}");
-                continue;
-            };
-            let key = StreamKey::scene(1);
-            let network = crate::load_map(map, &text).unwrap();
-            let ground = Ground::new(&network).unwrap();
-            let props = place(&key, &network, &ground, &PropConfig::default());
-            for standing in props.standing.iter().filter(|s| !is_furniture(s)) {
-                let on_road = |p: cadet_base::math::DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
+            let Some(network) = shared_map(map) else { continue };
+            let props = PropConfig::default();
+            let (town, Layout { standing, .. }) = Town::laid_out(&StreamKey::scene(1), map, network, &props).unwrap();
+            for standing in standing.iter().filter(|s| !is_furniture(s)) {
+                let on_road = |p: DVec2| town.ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
                 assert!(!standing.rect.samples(0.5).any(on_road), "{map}: {standing:?} on the road");
             }
-            let houses = props.standing.iter().filter(|s| is_house(s)).count();
+            let houses = standing.iter().filter(|s| is_house(s)).count();
             assert!(houses > 80, "{map}: {houses} houses");
         }
     }

@@ -5,6 +5,7 @@ use crate::network::{Lane, RightOfWay};
 use crate::placement::PropConfig;
 use crate::plan::SuburbConfig;
 use crate::signals::*;
+use crate::testing::shared_map;
 use crate::{Town, generate_suburb, load_map};
 use cadet_base::math::DVec3;
 
@@ -161,15 +162,9 @@ fn lights_of_a_hand_written_map_hold_the_lane_before_the_junction() {
 }
 
 #[test]
-#[allow(clippy::print_stderr)]
 fn lights_of_shared_maps_hold_lanes_before_junctions() {
     for (map, signs) in [("Town01.xodr", 36), ("Town02.xodr", 24)] {
-        let path = format!("{}/../../../shared/maps/{map}", env!("CARGO_MANIFEST_DIR"));
-        let Ok(text) = std::fs::read_to_string(path) else {
-            eprintln!("skipped: no ../shared/maps/{map}");
-            continue;
-        };
-        let network = load_map(map, &text).unwrap();
+        let Some(network) = shared_map(map) else { continue };
         assert_eq!(network.lights.len(), signs, "{map}");
         let signals = Signals::of(&network, &StreamKey::scene(1));
         let arms: usize = signals.junctions.iter().map(|j| j.arms.len()).sum();

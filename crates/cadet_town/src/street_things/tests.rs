@@ -1,47 +1,25 @@
 //! Things stand apart, off the lanes, before no door, and people get past.
 
-use crate::generate_suburb;
-use crate::ground::{Ground, GroundKind};
-use crate::network::RoadNetwork;
-use crate::placement::{PropConfig, Site};
-use crate::plan::SuburbConfig;
+use crate::ground::GroundKind;
+use crate::placement::{PropFootprint, Site};
 use crate::plots::frontages;
-use crate::props::place_props;
-use crate::roadside::{parking_spots, walkways};
-use crate::signals::Signals;
+use crate::roadside::walkways;
 use crate::street_things::*;
+use crate::testing::town;
+use crate::{SuburbConfig, Town};
 use cadet_assets::props::{OwnProps, Prop, shipped};
 use cadet_base::plane::OrientedRect;
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 
-struct Placed {
-    network: RoadNetwork,
-    ground: Ground,
-    parking: Vec<ParkingSpot>,
-    props: crate::props::Props,
+fn placed(seed: u64, clutter: f64) -> (Town, Vec<PropFootprint>) {
+    with_props(seed, &PropConfig { clutter, ..Default::default() })
 }
 
-fn placed(seed: u64, clutter: f64) -> Placed {
-    with_props(seed, PropConfig { clutter, ..Default::default() })
-}
-
-fn with_props(seed: u64, config: PropConfig) -> Placed {
-    let key = StreamKey::scene(seed);
+fn with_props(seed: u64, config: &PropConfig) -> (Town, Vec<PropFootprint>) {
     let main_share = if seed.is_multiple_of(2) { 1.0 } else { 0.0 };
-    let suburb = SuburbConfig { blocks: (3, 3), main_share, ..Default::default() };
-    let network = generate_suburb(&key, &suburb).unwrap().network;
-    let ground = Ground::new(&network).unwrap();
-    let parking = parking_spots(&network, &ground, &key);
-    let walks = walkways(&ground);
-    let props = place_props(
-        &key,
-        (&network, &mut Signals::default()),
-        &ground,
-        (&parking, &walks, &Default::default()),
-        &config,
-    );
-    Placed { network, ground, parking, props }
+    let (town, layout) = town(seed, &SuburbConfig { blocks: (3, 3), main_share, ..Default::default() }, config);
+    (town, layout.standing)
 }
 
 /// The prop's name, if it is placed by a rule of its file, or among the things that stand together.
@@ -70,8 +48,8 @@ pub(crate) fn kind_of(name: &str) -> Option<&str> {
 #[test]
 fn things_overlap_nothing_and_keep_off_lanes() {
     for seed in SEEDS {
-        let Placed { network, ground, parking, props } = placed(seed, 1.5);
-        let things: Vec<_> = props.standing.iter().filter(|s| kind_of(&s.name).is_some()).collect();
+        let (Town { network, ground, parking, .. }, standing) = placed(seed, 1.5);
+        let things: Vec<_> = standing.iter().filter(|s| kind_of(&s.name).is_some()).collect();
         assert!(things.len() > 100, "seed {seed}: {}", things.len());
         let bays: Vec<OrientedRect> = parking.iter().map(|spot| spot.rect().grown(0.12)).collect();
         for thing in &things {
@@ -87,9 +65,9 @@ fn things_overlap_nothing_and_keep_off_lanes() {
                 }
             }
         }
-        let solid = |s: &&crate::placement::PropFootprint| s.rect.half.x > 0.01;
-        for (i, a) in props.standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
-            for (j, b) in props.standing.iter().enumerate().filter(|(_, s)| solid(s)) {
+        let solid = |s: &&PropFootprint| s.rect.half.x > 0.01;
+        for (i, a) in standing.iter().enumerate().filter(|(_, s)| kind_of(&s.name).is_some()) {
+            for (j, b) in standing.iter().enumerate().filter(|(_, s)| solid(s)) {
                 let is_far = (a.rect.center - b.rect.center).length() > 16.0;
                 assert!(i == j || is_far || !a.rect.overlaps(&b.rect), "seed {seed}: {a:?} and {b:?}");
             }
@@ -100,14 +78,13 @@ fn things_overlap_nothing_and_keep_off_lanes() {
 #[test]
 fn people_get_past_what_stands_on_sidewalks() {
     for seed in SEEDS {
-        let Placed { ground, props, .. } = placed(seed, 1.5);
-        assert!(props.things.obstacles.len() > 20, "seed {seed}: {}", props.things.obstacles.len());
+        let (Town { ground, obstacles, .. }, _) = placed(seed, 1.5);
+        assert!(obstacles.len() > 20, "seed {seed}: {}", obstacles.len());
         for walkway in walkways(&ground) {
             let room_m = walkway.width_m / 2.0 - 0.1;
             for pair in walkway.center.windows(2) {
                 let (p, along) = (pair[0].truncate(), (pair[1] - pair[0]).truncate().normalize_or(DVec2::X));
-                let near: Vec<_> =
-                    props.things.obstacles.iter().filter(|o| (o.center - p).length() < 6.0).copied().collect();
+                let near: Vec<_> = obstacles.iter().filter(|o| (o.center - p).length() < 6.0).copied().collect();
                 // Some line of those that people walk along keeps half a person's width from everything.
                 let is_free = |lateral: f64| {
                     let at = p + along.perp() * lateral;
@@ -127,7 +104,7 @@ fn people_get_past_what_stands_on_sidewalks() {
 fn no_thing_stands_before_a_door() {
     for seed in SEEDS {
         let key = StreamKey::scene(seed);
-        let Placed { network, ground, props, .. } = placed(seed, 1.5);
+        let (Town { network, ground, .. }, standing) = placed(seed, 1.5);
         let site = Site::new(&ground);
         // The plots as they were laid out: independent of what the furnisher remembers of ways.
         let mut taken = Occupancy::default();
@@ -140,8 +117,7 @@ fn no_thing_stands_before_a_door() {
                 for [y0, y1] in house.house.doorways_m() {
                     // A meter before the door; the house looks against the plot's outward way.
                     let before = wall - plot.along * ((y0 + y1) / 2.0) - plot.out() * 1.0;
-                    let blocked =
-                        props.standing.iter().find(|s| kind_of(&s.name).is_some() && s.rect.contains(before, 0.4));
+                    let blocked = standing.iter().find(|s| kind_of(&s.name).is_some() && s.rect.contains(before, 0.4));
                     assert!(blocked.is_none(), "seed {seed}: {blocked:?} before a door at {before}");
                 }
             }
@@ -152,8 +128,8 @@ fn no_thing_stands_before_a_door() {
 #[test]
 fn there_is_as_much_as_was_asked_for() {
     let count = |seed: u64, clutter: f64| {
-        let props = placed(seed, clutter).props;
-        props.standing.iter().filter(|s| kind_of(&s.name).is_some()).count()
+        let (_, standing) = placed(seed, clutter);
+        standing.iter().filter(|s| kind_of(&s.name).is_some()).count()
     };
     for seed in [1, 2] {
         assert_eq!(count(seed, 0.0), 0);
@@ -163,7 +139,7 @@ fn there_is_as_much_as_was_asked_for() {
     // Of every kind there is some in a few suburbs.
     let mut seen: Vec<String> = Vec::new();
     for seed in 0..6 {
-        seen.extend(placed(seed, 1.5).props.standing.iter().filter_map(|s| kind_of(&s.name).map(str::to_owned)));
+        seen.extend(placed(seed, 1.5).1.iter().filter_map(|s| kind_of(&s.name).map(str::to_owned)));
     }
     let names = shipped().iter().map(|prop| prop.name()).filter(|name| kind_of(name).is_some());
     let missing: Vec<&str> = names.filter(|name| !seen.iter().any(|s| s == name) && *name != "carport").collect();
@@ -172,10 +148,10 @@ fn there_is_as_much_as_was_asked_for() {
 
 #[test]
 fn without_clutter_all_else_stands_where_it_stood() {
-    let (without, with) = (placed(1, 0.0).props, placed(1, 1.0).props);
-    assert!(without.things.obstacles.is_empty() && without.things.seats.is_empty());
-    let houses = |props: &crate::props::Props| {
-        let big = props.standing.iter().filter(|s| s.rect.half.x > 2.5 && kind_of(&s.name).is_none());
+    let ((town, without), (_, with)) = (placed(1, 0.0), placed(1, 1.0));
+    assert!(town.obstacles.is_empty() && town.seats.is_empty());
+    let houses = |standing: &[PropFootprint]| {
+        let big = standing.iter().filter(|s| s.rect.half.x > 2.5 && kind_of(&s.name).is_none());
         big.map(|s| (s.name.clone(), s.rect.center)).collect::<Vec<_>>()
     };
     let kept: Vec<_> = houses(&with);
@@ -185,9 +161,9 @@ fn without_clutter_all_else_stands_where_it_stood() {
 #[test]
 fn seats_are_over_the_ground_that_their_furniture_stands_on() {
     for seed in SEEDS {
-        let Placed { ground, props, .. } = placed(seed, 1.5);
-        assert!(props.things.seats.len() > 4, "seed {seed}: {}", props.things.seats.len());
-        for seat in &props.things.seats {
+        let (Town { ground, seats, .. }, _) = placed(seed, 1.5);
+        assert!(seats.len() > 4, "seed {seed}: {}", seats.len());
+        for seat in &seats {
             let at = seat.world_from_seat.translation;
             let z = ground.height_at(at.x, at.y).unwrap();
             assert!((at.z - z).abs() < 0.1, "seed {seed}: {seat:?} over {z}");
@@ -204,11 +180,10 @@ fn props_at_sidewalks_look_at_the_street_or_at_the_traffic_beside_them() {
         (format!("{faces}-sign.toml"), format!("levels_m = [20, 40, 90]\nparts = [{part}]\n[[place]]\n{place}\n"))
     };
     let own = OwnProps::parse(&[sign("street"), sign("traffic")]).unwrap();
-    let Placed { network, ground, props, .. } = with_props(1, PropConfig { own, ..Default::default() });
+    let (Town { network, ground, .. }, standing) = with_props(1, &PropConfig { own, ..Default::default() });
     let edges = frontages(&network, &Site::new(&ground));
     for (name, facing) in [("street-sign/", DVec2::Y), ("traffic-sign/", -DVec2::X)] {
-        let signs: Vec<OrientedRect> =
-            props.standing.iter().filter(|s| s.name.starts_with(name)).map(|s| s.rect).collect();
+        let signs: Vec<OrientedRect> = standing.iter().filter(|s| s.name.starts_with(name)).map(|s| s.rect).collect();
         assert!(signs.len() > 10, "{} of {name}", signs.len());
         for rect in signs {
             let beside = |s_m: &(&Frontage, f64)| (s_m.0.at(s_m.1) - rect.center).length();
