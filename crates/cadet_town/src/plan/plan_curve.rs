@@ -139,8 +139,21 @@ fn arc(start: PlanPose, end: DVec2) -> Segment {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Fails where a curve has a kink or a gap, or does not lead from one pose to another.
+    pub(in crate::plan) fn assert_leads(curve: &PlanCurve, from: PlanPose, to: PlanPose) {
+        let is_same = |p: PlanPose, q: PlanPose| {
+            (p.at - q.at).length() < 1e-6 && wrap_angle(p.heading_rad - q.heading_rad).abs() < 1e-6
+        };
+        let mut at = from;
+        for segment in &curve.segments {
+            assert!(is_same(segment.start, at), "{from:?} {to:?} {curve:?}");
+            at = segment.pose_at(segment.length_m);
+        }
+        assert!(is_same(at, to), "{at:?} {to:?}");
+    }
 
     #[test]
     fn a_biarc_meets_both_poses_without_a_kink() {
@@ -152,14 +165,7 @@ mod tests {
             let end = PlanPose::new(start.at + forward, start.heading_rad + stream.range(-1.4, 1.4));
             let mut curve = PlanCurve::default();
             curve.extend_to(start, end);
-            let mut at = start;
-            for s in &curve.segments {
-                assert!((s.start.at - at.at).length() < 1e-6, "{start:?} {end:?} {curve:?}");
-                assert!(wrap_angle(s.start.heading_rad - at.heading_rad).abs() < 1e-6);
-                at = s.pose_at(s.length_m);
-            }
-            assert!((at.at - end.at).length() < 1e-6, "{:?} {:?}", at, end);
-            assert!(wrap_angle(at.heading_rad - end.heading_rad).abs() < 1e-6, "{:?} {:?}", at, end);
+            assert_leads(&curve, start, end);
             assert!((curve.pose_at(curve.length_m()).at - end.at).length() < 1e-6);
         }
     }

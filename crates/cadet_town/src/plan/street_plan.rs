@@ -42,22 +42,24 @@ pub(crate) struct StreetPlan {
 
 /// Draws a plan.
 pub(crate) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
-    let mut stream = key.stream("suburb/plan");
-    let (grid, styles) = draw_lines(key, config, &mut stream);
-    let (chains, headings) = trace(&grid, &mut stream);
-    let (nodes, mut arms) = arms_by_junction(&grid, &styles, &chains, &headings);
-    let roundabouts = shape_junctions(key, config, &mut arms, &mut stream);
+    let stream = &mut key.stream("suburb/plan");
+    let (grid, styles) = draw_lines(key, config, stream);
+    let (chains, headings) = trace(&grid, stream);
+    let nodes: Vec<usize> = (0..grid.at.len()).filter(|node| grid.degree(*node) >= 3).collect();
+    let lines = Lines { key, config, grid, styles, chains, headings, nodes };
+    let mut arms = lines.arms_by_junction();
+    let roundabouts = lines.shape_junctions(&mut arms, stream);
     let mut lights = key.stream("suburb/signals");
     let has_signals = arms
         .iter()
         .zip(&roundabouts)
         .map(|(arms, ring)| has_signals(arms, config.signal_share, &mut lights) && ring.is_none())
         .collect();
-    let streets = draw_streets(key, config, (&grid, &nodes), &styles, &chains, &arms, &mut stream);
+    let streets = lines.draw_streets(&arms, stream);
     let by_junction = || arms.iter().enumerate().zip(&roundabouts);
     let turns = by_junction().flat_map(|((junction, arms), ring)| turns(junction, arms, ring.as_ref())).collect();
     let cycle_turns = by_junction().flat_map(|((junction, arms), _)| cycle_turns(junction, arms)).collect();
-    StreetPlan { streets, turns, cycle_turns, num_junctions: nodes.len(), roundabouts, has_signals }
+    StreetPlan { streets, turns, cycle_turns, num_junctions: lines.nodes.len(), roundabouts, has_signals }
 }
 
 /// Draws the grid, and the style of each of its lines.
@@ -73,85 +75,81 @@ fn draw_lines(key: &StreamKey, config: &SuburbConfig, stream: &mut Stream) -> (S
     (grid, styles)
 }
 
-/// The nodes at which streets meet, ascending, and the arms of each, round counter-clockwise; not yet cut back.
-fn arms_by_junction(
-    grid: &StreetGrid,
-    styles: &[LineStyle],
-    chains: &[Chain],
-    headings: &[[f64; 4]],
-) -> (Vec<usize>, Vec<Vec<StreetArm>>) {
-    let nodes: Vec<usize> = (0..grid.at.len()).filter(|node| grid.degree(*node) >= 3).collect();
-    let mut arms: Vec<Vec<StreetArm>> = nodes.iter().map(|_| Vec::new()).collect();
-    for (street, chain) in chains.iter().enumerate() {
-        for (end, direction) in [(WhichEnd::Start, chain.leaves), (WhichEnd::Finish, chain.arrives)] {
-            let node = chain.node(end);
-            arms[junction_at(&nodes, node)].push(StreetArm {
-                from: StreetEnd { street, end },
-                center: grid.at[node],
-                heading_rad: headings[node][direction],
-                style: styles[chain.line],
-                cut_m: 0.0,
-            });
-        }
-    }
-    for arms in &mut arms {
-        arms.sort_by(|a, b| wrap_angle(a.heading_rad).total_cmp(&wrap_angle(b.heading_rad)));
-    }
-    (nodes, arms)
+/// The lines that streets follow, and what their streets are like.
+struct Lines<'a> {
+    key: &'a StreamKey,
+    config: &'a SuburbConfig,
+    grid: StreetGrid,
+    styles: Vec<LineStyle>,
+    chains: Vec<Chain>,
+    /// Of the arms at each node.
+    headings: Vec<[f64; 4]>,
+    /// The nodes at which streets meet, ascending.
+    nodes: Vec<usize>,
 }
 
-/// The number of the junction at a node, which is one of `nodes`.
-fn junction_at(nodes: &[usize], node: usize) -> usize {
-    nodes.partition_point(|n| *n < node)
-}
-
-/// Cuts the arms of all junctions back to where their streets end, and draws which junctions are roundabouts.
-fn shape_junctions(
-    key: &StreamKey,
-    config: &SuburbConfig,
-    arms: &mut [Vec<StreetArm>],
-    stream: &mut Stream,
-) -> Vec<Option<Roundabout>> {
-    let mut rings = key.stream("suburb/roundabouts");
-    let shape = |arms: &mut Vec<StreetArm>| {
-        cut_back(arms, stream.within(CORNER_RADIUS_M));
-        let roundabout = Roundabout::draw(arms, config.roundabout_share, &mut rings);
-        if let Some(ring) = &roundabout {
-            arms.iter_mut().for_each(|arm| arm.cut_m = arm.cut_m.max(ring.approach_m()));
-        }
-        roundabout
-    };
-    arms.iter_mut().map(shape).collect()
-}
-
-/// Draws the streets between the junctions at `nodes`, whose arms are cut back.
-fn draw_streets(
-    key: &StreamKey,
-    config: &SuburbConfig,
-    (grid, nodes): (&StreetGrid, &[usize]),
-    styles: &[LineStyle],
-    chains: &[Chain],
-    arms: &[Vec<StreetArm>],
-    stream: &mut Stream,
-) -> Vec<Street> {
-    let mut ends = vec![[PlanPose::new(DVec2::ZERO, 0.0); 2]; chains.len()];
-    for arm in arms.iter().flatten() {
-        ends[arm.from.street][arm.from.end as usize] = arm.pose();
+impl Lines<'_> {
+    /// The number of the junction at an end of a chain.
+    fn junction_at(&self, chain: &Chain, end: WhichEnd) -> usize {
+        self.nodes.partition_point(|n| *n < chain.node(end))
     }
-    let mut winding = key.stream("suburb/winding");
-    let draw = |(chain, [start, finish]): (&Chain, &[PlanPose; 2])| {
-        let middle: Vec<DVec2> = chain.nodes[1..chain.nodes.len() - 1].iter().map(|n| grid.at[*n]).collect();
-        let style = styles[chain.line];
-        let bends_m = if style.country.is_some() { country_roads::BEND_RADIUS_M } else { BEND_RADIUS_M };
-        let mut curve = street_curve(*start, &middle, finish.reversed(), bends_m, stream);
-        if style.country.is_some() {
-            curve = country_roads::wind(&curve, &mut winding);
+
+    /// The arms of each junction, round counter-clockwise; not yet cut back.
+    fn arms_by_junction(&self) -> Vec<Vec<StreetArm>> {
+        let mut arms: Vec<Vec<StreetArm>> = self.nodes.iter().map(|_| Vec::new()).collect();
+        for (street, chain) in self.chains.iter().enumerate() {
+            for (end, direction) in [(WhichEnd::Start, chain.leaves), (WhichEnd::Finish, chain.arrives)] {
+                let node = chain.node(end);
+                arms[self.junction_at(chain, end)].push(StreetArm {
+                    from: StreetEnd { street, end },
+                    center: self.grid.at[node],
+                    heading_rad: self.headings[node][direction],
+                    style: self.styles[chain.line],
+                    cut_m: 0.0,
+                });
+            }
         }
-        let bays = StreetBays::draw(&style, curve.length_m(), config, stream);
-        let junctions = [WhichEnd::Start, WhichEnd::Finish].map(|end| junction_at(nodes, chain.node(end)));
-        Street { curve, style, bays, junctions }
-    };
-    chains.iter().zip(&ends).map(draw).collect()
+        for arms in &mut arms {
+            arms.sort_by(|a, b| wrap_angle(a.heading_rad).total_cmp(&wrap_angle(b.heading_rad)));
+        }
+        arms
+    }
+
+    /// Cuts the arms of all junctions back to where their streets end, and draws which junctions are roundabouts.
+    fn shape_junctions(&self, arms: &mut [Vec<StreetArm>], stream: &mut Stream) -> Vec<Option<Roundabout>> {
+        let mut rings = self.key.stream("suburb/roundabouts");
+        let shape = |arms: &mut Vec<StreetArm>| {
+            cut_back(arms, stream.within(CORNER_RADIUS_M));
+            let roundabout = Roundabout::draw(arms, self.config.roundabout_share, &mut rings);
+            if let Some(ring) = &roundabout {
+                arms.iter_mut().for_each(|arm| arm.cut_m = arm.cut_m.max(ring.approach_m()));
+            }
+            roundabout
+        };
+        arms.iter_mut().map(shape).collect()
+    }
+
+    /// Draws the streets between junctions whose arms are cut back.
+    fn draw_streets(&self, arms: &[Vec<StreetArm>], stream: &mut Stream) -> Vec<Street> {
+        let mut ends = vec![[PlanPose::new(DVec2::ZERO, 0.0); 2]; self.chains.len()];
+        for arm in arms.iter().flatten() {
+            ends[arm.from.street][arm.from.end as usize] = arm.pose();
+        }
+        let mut winding = self.key.stream("suburb/winding");
+        let draw = |(chain, [start, finish]): (&Chain, &[PlanPose; 2])| {
+            let middle: Vec<DVec2> = chain.nodes[1..chain.nodes.len() - 1].iter().map(|n| self.grid.at[*n]).collect();
+            let style = self.styles[chain.line];
+            let bends_m = if style.country.is_some() { country_roads::BEND_RADIUS_M } else { BEND_RADIUS_M };
+            let mut curve = street_curve(*start, &middle, finish.reversed(), bends_m, stream);
+            if style.country.is_some() {
+                curve = country_roads::wind(&curve, &mut winding);
+            }
+            let bays = StreetBays::draw(&style, curve.length_m(), self.config, stream);
+            let junctions = [WhichEnd::Start, WhichEnd::Finish].map(|end| self.junction_at(chain, end));
+            Street { curve, style, bays, junctions }
+        };
+        self.chains.iter().zip(&ends).map(draw).collect()
+    }
 }
 
 /// Whether a junction has traffic lights: of fast streets that meet more often than of those that side streets join.

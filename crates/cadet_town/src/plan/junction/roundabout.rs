@@ -106,7 +106,7 @@ impl Roundabout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cadet_base::math::wrap_angle;
+    use crate::plan::plan_curve::tests::assert_leads;
 
     #[test]
     fn ways_lead_without_a_kink_around_the_island_and_never_over_it() {
@@ -120,13 +120,7 @@ mod tests {
             let arm = |heading_rad: f64| PlanPose::new(ring.center + unit(heading_rad) * cut_m, heading_rad);
             let (from, to) = (arm(into_rad).reversed(), arm(into_rad + between_rad));
             let (curve, on_ring) = ring.way(from, to);
-            let mut at = from;
-            for s in &curve.segments {
-                assert!((s.start.at - at.at).length() < 1e-6, "{curve:?}");
-                assert!(wrap_angle(s.start.heading_rad - at.heading_rad).abs() < 1e-6, "{curve:?}");
-                at = PlanCurve { segments: vec![*s] }.pose_at(s.length_m);
-            }
-            assert!((at.at - to.at).length() < 1e-6 && wrap_angle(at.heading_rad - to.heading_rad).abs() < 1e-6);
+            assert_leads(&curve, from, to);
             let mut turned_rad = 0.0;
             for k in 0..200 {
                 let s = |k: usize| curve.length_m() * k as f64 / 200.0;

@@ -153,11 +153,7 @@ pub(crate) fn street_sections(street: &Street) -> Vec<Section> {
         let bay_id = sidewalk_id(style, sign);
         if let Some(length) = bay {
             let bay_m = street.bays.widths_m[usize::from(sign > 0)];
-            let widths = vec![
-                Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (bay_m, 0.0)),
-                Cubic { s_m: BAY_TAPER_M, ..Cubic::constant(bay_m) },
-                Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
-            ];
+            let widths = Cubic::plateau((BAY_TAPER_M, length - BAY_TAPER_M, length), bay_m, [0.0; 2]);
             lanes.push(LaneRecord::new(bay_id, "parking", widths));
         }
         // Bays take the sidewalk's number in the middle section, which moves the sidewalk out by one.

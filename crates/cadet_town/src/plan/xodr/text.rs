@@ -33,6 +33,15 @@ impl Cubic {
         Self { s_m, a: z0, b: m0, c, d }
     }
 
+    /// A value between two places, and beyond them from and to others at the beginning and the end.
+    pub fn plateau((from_m, to_m, length_m): (f64, f64, f64), value: f64, [first, last]: [f64; 2]) -> Vec<Self> {
+        vec![
+            Self::hermite(0.0, from_m, (first, 0.0), (value, 0.0)),
+            Self { s_m: from_m, ..Self::constant(value) },
+            Self::hermite(to_m, length_m - to_m, (value, 0.0), (last, 0.0)),
+        ]
+    }
+
     pub fn write(&self, out: &mut String, element: &str, s_name: &str) {
         let Self { s_m, a, b, c, d } = self;
         put!(out, "<{element} {s_name}=\"{s_m:.5}\" a=\"{a:.6}\" b=\"{b:.8}\" c=\"{c:.9}\" d=\"{d:.10}\"/>\n");

@@ -122,11 +122,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &PlannedT
         let widths_m = [a.lane_width_m, b.lane_width_m];
         let mut record = LaneRecord { surface: driven_surface(a), ..lane(-1, "driving", widths_m, Some(driven)) };
         if let Some(ring) = turn.on_ring {
-            record.widths = vec![
-                Cubic::hermite(0.0, ring.from_m, (widths_m[0], 0.0), (ring.lane_m, 0.0)),
-                Cubic { s_m: ring.from_m, ..Cubic::constant(ring.lane_m) },
-                Cubic::hermite(ring.to_m, length - ring.to_m, (ring.lane_m, 0.0), (widths_m[1], 0.0)),
-            ];
+            record.widths = Cubic::plateau((ring.from_m, ring.to_m, length), ring.lane_m, widths_m);
         }
         lanes.push(record);
     }
@@ -195,36 +191,30 @@ fn write_way(
 
 fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
     put!(out, "<junction name=\"\" id=\"{}\">\n", junction + 1);
-    let here = plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
-    for (number, (index, turn)) in here.enumerate() {
-        let style = &plan.streets[turn.from.street].style;
-        let sign = arriving_sign(turn.from.end);
-        let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
+    let mut number = 0;
+    let mut connect = |out: &mut String, from: StreetEnd, way: usize, links: &[(i32, i32)]| {
+        let road = street_id(from.street);
         put!(
             out,
-            "<connection id=\"{number}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
-                 <laneLink from=\"{arrives}\" to=\"-1\"/>",
-            street_id(turn.from.street),
-            turn_id(plan, index)
+            "<connection id=\"{number}\" incomingRoad=\"{road}\" connectingRoad=\"{way}\" contactPoint=\"start\">"
         );
-        if turn.along_curb {
-            let to = turn_walk_id(plan, turn);
-            put!(out, "<laneLink from=\"{}\" to=\"{to}\"/>", sidewalk_id(style, sign));
+        for (from, to) in links {
+            put!(out, "<laneLink from=\"{from}\" to=\"{to}\"/>");
         }
         out.push_str("</connection>\n");
+        number += 1;
+    };
+    let style_and_sign = |from: StreetEnd| (&plan.streets[from.street].style, arriving_sign(from.end));
+    for (index, turn) in plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction) {
+        let (style, sign) = style_and_sign(turn.from);
+        let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
+        let links = [(arrives, -1), (sidewalk_id(style, sign), turn_walk_id(plan, turn))];
+        let links = if turn.along_curb { &links[..] } else { &links[..1] };
+        connect(out, turn.from, turn_id(plan, index), links);
     }
-    let first = plan.turns.iter().filter(|t| t.junction == junction).count();
-    let here = plan.cycle_turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
-    for (number, (index, turn)) in here.enumerate() {
-        put!(
-            out,
-            "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
-                 <laneLink from=\"{}\" to=\"-1\"/></connection>\n",
-            first + number,
-            street_id(turn.from.street),
-            cycle_turn_id(plan, index),
-            ridden_id(&plan.streets[turn.from.street].style, arriving_sign(turn.from.end))
-        );
+    for (index, turn) in plan.cycle_turns.iter().enumerate().filter(|(_, t)| t.junction == junction) {
+        let (style, sign) = style_and_sign(turn.from);
+        connect(out, turn.from, cycle_turn_id(plan, index), &[(ridden_id(style, sign), -1)]);
     }
     write_junction_controllers(out, plan, junction);
     out.push_str("</junction>\n");
