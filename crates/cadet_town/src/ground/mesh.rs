@@ -50,6 +50,11 @@ impl PlanMesh {
         self.faces[face].iter().map(|i| self.points[*i as usize]).sum::<DVec2>() / 3.0
     }
 
+    /// The triangles with what covers them.
+    pub(crate) fn covered(&self) -> impl Iterator<Item = (&[u32; 3], Cover)> {
+        self.faces.iter().zip(self.kinds.iter().copied())
+    }
+
     /// The triangles that are kept, by their middles.
     pub(crate) fn retain(mut self, is_kept: impl Fn(DVec2) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.faces.len()).filter(|face| is_kept(self.middle(*face))).collect();

@@ -129,7 +129,7 @@ impl Ground {
             None => Surface::raise(&plan, &Heights::beside_roads(&surface, network)),
         };
         let laid = Laid { plan: &plan, surface: raised, decks, bridges: Arc::clone(&bridges) };
-        Ok(Self::assemble(laid, regions, (min, max), Some(&Painted { network, wear, signals, yards })))
+        Ok(Self::assemble(laid, regions, (min, max), &Painted { network, wear, signals, yards }))
     }
 
     /// A flat square of asphalt around the origin, for tests and for scenes without a map.
@@ -146,7 +146,9 @@ impl Ground {
         let regions = Regions { carriageway: ring.clone(), curb: ring.clone(), sidewalk: ring, ..Regions::default() };
         let surface = Surface::raise(&plan, &Heights::town(&|_| 0.0));
         let laid = Laid { plan: &plan, surface, decks: Vec::new(), bridges: Arc::default() };
-        Self::assemble(laid, regions, (DVec2::splat(-half), DVec2::splat(half)), None)
+        let (network, wear, signals, yards) = Default::default();
+        let bare = Painted { network: &network, wear: &wear, signals: &signals, yards: &yards };
+        Self::assemble(laid, regions, (DVec2::splat(-half), DVec2::splat(half)), &bare)
     }
 
     /// Returns this ground's outlines and tiles over another surface, all of it carriageway.
@@ -161,7 +163,7 @@ impl Ground {
         self
     }
 
-    fn assemble(laid: Laid<'_>, regions: Regions, (min, max): (DVec2, DVec2), painted: Option<&Painted<'_>>) -> Self {
+    fn assemble(laid: Laid<'_>, regions: Regions, (min, max): (DVec2, DVec2), of: &Painted<'_>) -> Self {
         let Laid { plan, surface, decks, bridges } = laid;
         let all = || std::iter::once((plan, &surface)).chain(decks.iter().map(|d| (&d.plan, &d.surface)));
         // The first of each surface's vertices.
@@ -190,18 +192,14 @@ impl Ground {
         };
         ground.walks = Arc::new(ground.walks(&decks));
         // Markings are no part of the surface that wheels touch.
-        let markings = painted.map(|of| {
-            let surface_at = |p: DVec3| ground.surface_near(p).map(|(z, kind)| (z, kind == GroundKind::Road));
-            let mut quads = road_marking::draw(of.network, of.signals, &surface_at);
-            of.yards.paint(&surface_at, &mut quads);
-            quads.append(&mut repairs::draw(of.network, of.wear, &surface_at));
-            rails::draw(of.network, &|p| surface_at(p).map(|(z, _)| z), &mut quads);
-            quads
-        });
-        let wear = painted.map_or(Wear::default(), |of| *of.wear);
-        ground.tiles = surface.tiles(plan, &markings.unwrap_or_default(), &wear);
+        let surface_at = |p: DVec3| ground.surface_near(p).map(|(z, kind)| (z, kind == GroundKind::Road));
+        let mut markings = road_marking::draw(of.network, of.signals, &surface_at);
+        of.yards.paint(&surface_at, &mut markings);
+        markings.append(&mut repairs::draw(of.network, of.wear, &surface_at));
+        rails::draw(of.network, &|p| surface_at(p).map(|(z, _)| z), &mut markings);
+        ground.tiles = surface.tiles(plan, &markings, of.wear);
         for deck in decks {
-            ground.tiles.extend(deck.surface.tiles(&deck.plan, &[], &wear));
+            ground.tiles.extend(deck.surface.tiles(&deck.plan, &[], of.wear));
             ground.tiles.push(deck.structure);
         }
         ground

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::ground::{Asphalt, Cover, PlanMesh, palette};
+use crate::ground::{Asphalt, PlanMesh, palette};
 use crate::network::{CURB_HEIGHT_M, PaintedQuad, RoadNetwork};
 use crate::paint::Wear;
 use cadet_base::geometry::{IndexedFaces, Mesh};
 use cadet_base::instance::Instance;
 use cadet_base::math::{DVec2, DVec3};
+use cadet_base::plane::edges;
 
 /// Side of a tile of visible ground.
 const TILE_M: f64 = 50.0;
@@ -58,7 +59,7 @@ impl Surface {
         let mut low = vec![u32::MAX; n];
         let mut high = vec![u32::MAX; n];
         let mut faces: Vec<[u32; 3]> = Vec::with_capacity(plan.faces.len());
-        for (face, cover) in plan.faces.iter().zip(&plan.kinds) {
+        for (face, cover) in plan.covered() {
             let raised = !cover.is_low();
             faces.push(face.map(|i| {
                 let slot = if raised { &mut high[i as usize] } else { &mut low[i as usize] };
@@ -152,28 +153,12 @@ impl Surface {
 
 /// Edges with carriageway on the left and something else on the right.
 fn curb_edges(plan: &PlanMesh) -> Vec<[u32; 2]> {
-    let sides = |f: &[u32; 3]| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]];
-    let is_road = |c: &Cover| c.is_low();
+    let sides = |is_low: bool| plan.covered().filter(move |(_, c)| c.is_low() == is_low).flat_map(|(f, _)| edges(f));
     // Curbs run between corners of the carriageway.
     let mut is_on_road = vec![false; plan.points.len()];
-    for (face, _) in plan.faces.iter().zip(&plan.kinds).filter(|(_, c)| is_road(c)) {
-        face.iter().for_each(|v| is_on_road[*v as usize] = true);
-    }
-    let mut raised: Vec<[u32; 2]> = plan
-        .faces
-        .iter()
-        .zip(&plan.kinds)
-        .filter(|(_, c)| !is_road(c))
-        .flat_map(|(f, _)| sides(f))
-        .filter(|[a, b]| is_on_road[*a as usize] && is_on_road[*b as usize])
-        .map(|[a, b]| [b, a])
-        .collect();
+    sides(true).for_each(|[a, _]| is_on_road[a as usize] = true);
+    let is_between = |[a, b]: &[u32; 2]| is_on_road[*a as usize] && is_on_road[*b as usize];
+    let mut raised: Vec<[u32; 2]> = sides(false).filter(is_between).map(|[a, b]| [b, a]).collect();
     raised.sort_unstable();
-    plan.faces
-        .iter()
-        .zip(&plan.kinds)
-        .filter(|(_, c)| is_road(c))
-        .flat_map(|(f, _)| sides(f))
-        .filter(|e| raised.binary_search(e).is_ok())
-        .collect()
+    sides(true).filter(|e| raised.binary_search(e).is_ok()).collect()
 }

@@ -9,6 +9,7 @@ use cadet_base::geometry::MeshBuilder;
 use cadet_base::instance::Instance;
 use cadet_base::material::{Material, Palette, Pattern, Semantic};
 use cadet_base::math::{DVec2, DVec3, Vec3};
+use cadet_base::plane;
 
 /// Height of a parapet over the edge of the deck, and its thickness.
 const PARAPET_M: (f64, f64) = (0.95, 0.22);
@@ -68,11 +69,10 @@ pub(super) fn structure(plan: &PlanMesh, surface: &Surface, is_side: &dyn Fn(DVe
 fn edges(plan: &PlanMesh, surface: &Surface) -> Vec<Edge> {
     let mut open: BTreeMap<[u32; 2], Edge> = BTreeMap::new();
     for (face, corners) in plan.faces.iter().zip(surface.faces.iter()) {
-        for k in 0..3 {
-            let [i, j] = [k, (k + 1) % 3];
-            if open.remove(&[face[j], face[i]]).is_none() {
-                let corners = [i, j].map(|c| surface.corners[corners[c] as usize]);
-                open.insert([face[i], face[j]], Edge { plan: [face[i], face[j]], corners });
+        for ([a, b], corners) in plane::edges(face).zip(plane::edges(corners)) {
+            if open.remove(&[b, a]).is_none() {
+                let corners = corners.map(|c| surface.corners[c as usize]);
+                open.insert([a, b], Edge { plan: [a, b], corners });
             }
         }
     }
