@@ -24,15 +24,11 @@ pub(crate) fn warnings<'a>(lanes: &[Lane], name_of: impl Fn(u32) -> &'a str) -> 
         // Adding 0 takes the sign off -0.
         let [z_a, z_b] = [crossing.upper, crossing.lower].map(|p| p.z.round() + 0.0);
         let [a, b] = [a, b].map(&name_of);
-        said.push(Said {
-            kind: "levels".to_owned(),
-            line: None,
-            road: format!("{a} and {b}"),
-            text: format!(
-                "roads {a} and {b} cross at heights {z_a} and {z_b} m: a bridge needs {CLEARANCE_M} m and a road that does \
-                 not wind over itself, so the ground joins them by a slope; leave one of them out for a level street"
-            ),
-        });
+        let text = format!(
+            "roads {a} and {b} cross at heights {z_a} and {z_b} m: a bridge needs {CLEARANCE_M} m and a road that does \
+             not wind over itself, so the ground joins them by a slope; leave one of them out for a level street"
+        );
+        said.push(Said::of_road("levels", format!("{a} and {b}"), text));
     }
     said
 }

@@ -46,7 +46,7 @@ fn without_lanes(signal: &xodr::Signal, map: &xodr::RoadNetwork, offset_m: DVec2
          orientation and <validity>",
         signal.name, at_m.x, at_m.y
     );
-    Said { kind: "light without lanes".to_owned(), line: None, road: road.to_owned(), text }
+    Said::of_road("light without lanes", road.to_owned(), text)
 }
 
 /// What signs say of lanes that were read, by rising lane; of two at one lane the first counts.

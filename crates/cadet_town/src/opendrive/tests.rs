@@ -4,6 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::*;
+use crate::network::RightOfWay;
+use crate::signals::{Aspect, Signals};
+use cadet_base::rng::StreamKey;
 
 /// A road of one driving lane along x, which joins the roads `before` and `behind` it or, at its end, a junction.
 struct Road<'a> {
@@ -36,8 +39,8 @@ impl Road<'_> {
 }
 
 /// A street of so many roads to a junction with one way through it, `y_m` to the left of the x axis; roads are
-/// numbered from `first` on.
-fn street(out: &mut String, (first, num_roads): (usize, usize), y_m: f64, junction: &str, signal: &str) {
+/// numbered from `first` on. Inside of the first road and of the one through the junction there is something.
+fn street(out: &mut String, (first, num_roads): (usize, usize), y_m: f64, junction: &str, inside: [&str; 2]) {
     let at = |k: usize| DVec2::new(ROAD_M * k as f64, y_m);
     for k in 0..num_roads {
         let behind = if k + 1 < num_roads {
@@ -46,13 +49,13 @@ fn street(out: &mut String, (first, num_roads): (usize, usize), y_m: f64, juncti
             format!("<successor elementType='junction' elementId='{junction}'/>")
         };
         let before = (k > 0).then(|| first + k - 1);
-        let inside = if k == 0 { signal } else { "" };
+        let inside = if k == 0 { inside[0] } else { "" };
         Road { id: first + k, at_m: at(k), junction: "-1", before, behind: &behind, inside }.write(out);
     }
     let (through, exit) = (first + num_roads, first + num_roads + 1);
     let behind = format!("<successor elementType='road' elementId='{exit}' contactPoint='start'/>");
     let before = Some(through - 1);
-    Road { id: through, at_m: at(num_roads), junction, before, behind: &behind, inside: "" }.write(out);
+    Road { id: through, at_m: at(num_roads), junction, before, behind: &behind, inside: inside[1] }.write(out);
     Road { id: exit, at_m: at(num_roads + 1), junction: "-1", before: None, behind: "", inside: "" }.write(out);
     write!(
         out,
@@ -69,17 +72,21 @@ fn map(write: impl FnOnce(&mut String)) -> String {
     out + "</OpenDRIVE>"
 }
 
-fn light(orientation: char) -> String {
+fn signal(orientation: char, number: &str) -> String {
     format!(
-        "<signals><signal s='3' t='-4' id='17' name='mast A' dynamic='yes' orientation='{orientation}' type='1000001' \
+        "<signals><signal s='3' t='-4' id='17' name='mast A' dynamic='yes' orientation='{orientation}' type='{number}' \
          country='OpenDRIVE' subtype='-1' value='-1'/></signals>"
     )
+}
+
+fn light(orientation: char) -> String {
+    signal(orientation, "1000001")
 }
 
 #[test]
 fn a_light_holds_the_lane_before_its_junction_however_many_pieces_lie_between() {
     for num_roads in [1, 2, 7, 30] {
-        let text = map(|out| street(out, (1, num_roads), 0.0, "5", &light('+')));
+        let text = map(|out| street(out, (1, num_roads), 0.0, "5", [&light('+'), ""]));
         let (network, warnings) = load_with_warnings("far.xodr", &text).expect("a map");
         assert!(warnings.is_empty(), "{warnings:?}");
         let held: Vec<LaneId> = network.lights.iter().flat_map(|l| l.lanes.clone()).collect();
@@ -91,8 +98,41 @@ fn a_light_holds_the_lane_before_its_junction_however_many_pieces_lie_between() 
 }
 
 #[test]
+fn lights_and_signs_hold_the_lane_before_the_junction_wherever_they_are_applied() {
+    let read = |along: &str, in_junction: &str, controllers: &str| {
+        let text = map(|out| {
+            street(out, (1, 1), 0.0, "7", [along, in_junction]);
+            out.push_str(controllers);
+        });
+        load("hand.xodr", &text).expect("a map")
+    };
+    let held = |network: &RoadNetwork| -> Vec<LaneId> { network.lights.iter().flat_map(|l| l.lanes.clone()).collect() };
+    let controllers = "<controller id='1' name=''><control signalId='17' type=''/></controller>";
+    let network = read(&light('+'), "", controllers);
+    let before = network.driving().find(|l| l.junction.is_none() && !l.successors.is_empty());
+    let before = before.expect("a lane that leads into the junction").id;
+    assert_eq!(held(&network), [before]);
+    assert!(network.lights[0].controller.is_some());
+    // It is red at times, and green at others.
+    let signals = Signals::of(&network, &StreamKey::scene(1));
+    let shown: Vec<Option<Aspect>> = (0..200).map(|t| signals.aspect(before, f64::from(t))).collect();
+    assert!(shown.contains(&Some(Aspect::Red)) && shown.contains(&Some(Aspect::Green)), "{shown:?}");
+    // The same light applied from the way across.
+    let applied = "<signals><signalReference s='0' t='0' id='17' orientation='+'/></signals>";
+    let network = read(&light('-'), applied, "");
+    assert!(held(&network).contains(&before), "{:?}", network.lights);
+    // A stop sign is no light, and says who goes first.
+    for (number, says) in [("205", RightOfWay::Yield), ("206", RightOfWay::Stop), ("306", RightOfWay::Priority)] {
+        let network = read(&signal('+', number), "", "");
+        assert!(network.lights.is_empty());
+        let of = |lane| RightOfWay::of(network.lane(lane), &network, &Signals::default());
+        assert_eq!(of(before), Some(says), "{number}");
+    }
+}
+
+#[test]
 fn a_light_that_holds_no_lane_is_named() {
-    let text = map(|out| street(out, (1, 2), 0.0, "5", &light('-')));
+    let text = map(|out| street(out, (1, 2), 0.0, "5", [&light('-'), ""]));
     let (network, warnings) = load_with_warnings("lost.xodr", &text).expect("a map");
     assert!(network.lights.is_empty());
     assert_eq!(warnings.len(), 1, "{warnings:?}");
@@ -109,8 +149,8 @@ fn junctions_stay_apart_however_alike_their_ids_are() {
             )
         };
         let text = map(|out| {
-            street(out, (1, 1), 0.0, a, "");
-            street(out, (11, 1), 60.0, b, "");
+            street(out, (1, 1), 0.0, a, [""; 2]);
+            street(out, (11, 1), 60.0, b, [""; 2]);
             out.push_str(&group(b));
         });
         let network = load("alike.xodr", &text).expect("a map");

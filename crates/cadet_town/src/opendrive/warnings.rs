@@ -28,9 +28,14 @@ impl Said {
         Self { kind: without_numbers(&text), line: None, road: warning.road_id().to_owned(), text }
     }
 
+    /// A line about a road.
+    pub fn of_road(kind: &str, road: String, text: String) -> Self {
+        Self { kind: kind.to_owned(), line: None, road, text }
+    }
+
     /// What holds for the map as a whole.
     pub fn of_map(kind: &str, text: String) -> Self {
-        Self { kind: kind.to_owned(), line: None, road: String::new(), text }
+        Self::of_road(kind, String::new(), text)
     }
 }
 

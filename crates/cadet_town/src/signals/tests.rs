@@ -1,12 +1,12 @@
-//! Lights of generated suburbs, of hand-written maps, and of the shared ones.
+//! Lights of generated suburbs and of the shared maps.
 
 use crate::ground::GroundKind;
-use crate::network::{Lane, RightOfWay};
+use crate::network::Lane;
 use crate::placement::PropConfig;
 use crate::plan::SuburbConfig;
 use crate::signals::*;
 use crate::testing::shared_map;
-use crate::{Town, generate_suburb, load_map};
+use crate::{Town, generate_suburb};
 use cadet_base::math::DVec3;
 
 fn config() -> SuburbConfig {
@@ -51,10 +51,7 @@ fn ways_that_cross_are_never_green_at_once_but_for_left_turns_across_oncoming_tr
                     }
                     num_pairs += 1;
                     let turns_left = way.turn_rad() > 0.5 || other.turn_rad() > 0.5;
-                    let opposite = {
-                        let heading = |lane: &Lane| (lane.center[1] - lane.center[0]).truncate().normalize();
-                        heading(way).dot(heading(other)) < -0.5
-                    };
+                    let opposite = way.start_tangent().dot(other.start_tangent()) < -0.5;
                     num_left += usize::from(turns_left && opposite);
                     if turns_left && opposite {
                         continue;
@@ -93,72 +90,6 @@ fn every_arm_of_a_junction_with_lights_has_one_and_none_does_without_the_share()
         let none = generate_suburb(&key, &SuburbConfig { signal_share: 0.0, ..config() }).unwrap();
         assert!(none.network.lights.is_empty() && !none.xodr.contains("<signal"));
     }
-}
-
-/// A road into a junction, a way across it and a road out, with what stands along the first and the second.
-fn hand_written(along: &str, in_junction: &str, controllers: &str) -> String {
-    let road = |id: u32, junction: i32, x: f64, length: f64, link: &str, more: &str| {
-        format!(
-            "<road name=\"\" length=\"{length}\" id=\"{id}\" junction=\"{junction}\"><link>{link}</link>\
-             <planView><geometry s=\"0\" x=\"{x}\" y=\"0\" hdg=\"0\" length=\"{length}\"><line/></geometry></planView>\
-             <lanes><laneSection s=\"0\"><left><lane id=\"1\" type=\"driving\" level=\"false\"><link/>\
-             <width sOffset=\"0\" a=\"3.2\" b=\"0\" c=\"0\" d=\"0\"/></lane></left>\
-             <center><lane id=\"0\" type=\"none\" level=\"false\"/></center>\
-             <right><lane id=\"-1\" type=\"driving\" level=\"false\"><link><predecessor id=\"-1\"/>\
-             <successor id=\"-1\"/></link><width sOffset=\"0\" a=\"3.2\" b=\"0\" c=\"0\" d=\"0\"/></lane></right>\
-             </laneSection></lanes>{more}</road>"
-        )
-    };
-    let to_junction = "<successor elementType=\"junction\" elementId=\"7\"/>";
-    let from_junction = "<predecessor elementType=\"junction\" elementId=\"7\"/>";
-    let across = "<predecessor elementType=\"road\" elementId=\"1\" contactPoint=\"end\"/>\
-                  <successor elementType=\"road\" elementId=\"3\" contactPoint=\"start\"/>";
-    format!(
-        "<?xml version=\"1.0\"?><OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/>{}{}{}{controllers}\
-         <junction name=\"\" id=\"7\"><connection id=\"0\" incomingRoad=\"1\" connectingRoad=\"2\" \
-         contactPoint=\"start\"><laneLink from=\"-1\" to=\"-1\"/></connection></junction></OpenDRIVE>",
-        road(1, -1, 0.0, 60.0, to_junction, along),
-        road(2, 7, 60.0, 15.0, across, in_junction),
-        road(3, -1, 75.0, 60.0, from_junction, "")
-    )
-}
-
-const LIGHT: &str = "<signal s=\"55\" t=\"-4\" id=\"9\" name=\"\" dynamic=\"yes\" orientation=\"+\" zOffset=\"2\" \
-                     country=\"DE\" type=\"TYPE\" subtype=\"-1\" value=\"-1\"/>";
-
-#[test]
-fn lights_of_a_hand_written_map_hold_the_lane_before_the_junction() {
-    let light = LIGHT.replace("TYPE", "1000001");
-    let along = format!("<signals>{light}</signals>");
-    let controllers = "<controller id=\"1\" name=\"\"><control signalId=\"9\" type=\"\"/></controller>";
-    let network = load_map("hand", &hand_written(&along, "", controllers)).unwrap();
-    let held = |network: &RoadNetwork| -> Vec<LaneId> { network.lights.iter().flat_map(|l| l.lanes.clone()).collect() };
-    let before = network.driving().find(|l| l.junction.is_none() && !l.successors.is_empty() && l.center[0].x < 1.0);
-    let before = before.expect("a lane that leads into the junction").id;
-    assert_eq!(held(&network), [before]);
-    assert!(network.lights[0].controller.is_some());
-    // The same light applied from the way across.
-    let applied = "<signals><signalReference s=\"0\" t=\"0\" id=\"9\" orientation=\"+\"/></signals>";
-    let elsewhere = along.replace("orientation=\"+\"", "orientation=\"-\"");
-    let network = load_map("hand", &hand_written(&elsewhere, applied, "")).unwrap();
-    assert!(held(&network).contains(&before), "{:?}", network.lights);
-    // A stop sign is no light, and says who goes first.
-    for (number, says) in [("205", RightOfWay::Yield), ("206", RightOfWay::Stop), ("306", RightOfWay::Priority)] {
-        let sign = format!("<signals>{}</signals>", LIGHT.replace("TYPE", number));
-        let network = load_map("hand", &hand_written(&sign, "", "")).unwrap();
-        assert!(network.lights.is_empty());
-        let of = |lane| RightOfWay::of(network.lane(lane), &network, &Signals::default());
-        assert_eq!(of(before), Some(says), "{number}");
-        // Who comes the other way has no sign: what the sign leaves it.
-        let opposite = network.driving().find(|l| l.id != before && of(l.id).is_some()).map(|l| of(l.id));
-        let left = if says == RightOfWay::Priority { RightOfWay::Yield } else { RightOfWay::Priority };
-        assert!(opposite.is_none_or(|o| o == Some(left)), "{number}: {opposite:?}");
-    }
-    // It is red at times, and green at others.
-    let network = load_map("hand", &hand_written(&along, "", controllers)).unwrap();
-    let signals = Signals::of(&network, &StreamKey::scene(1));
-    let shown: Vec<Option<Aspect>> = (0..200).map(|t| signals.aspect(before, f64::from(t))).collect();
-    assert!(shown.contains(&Some(Aspect::Red)) && shown.contains(&Some(Aspect::Green)), "{shown:?}");
 }
 
 #[test]
