@@ -42,7 +42,7 @@ pub(super) fn grow(key: &StreamKey, streets: &DistanceFrom, country: &mut Countr
     if country.greenery <= 0.0 {
         return;
     }
-    for (i, (crop, rings)) in country.placer.site.fields().iter().enumerate() {
+    for (i, (crop, rings)) in country.placer.site.ground.fields().iter().enumerate() {
         let s = &mut key.indexed("country/field", i as u64);
         let (min, max) = bounds(rings.iter().flatten().copied());
         let mut field = Field { rings, inside: Inside::new(rings), min, max, streets, country };

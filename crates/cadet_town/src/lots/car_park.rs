@@ -1,7 +1,7 @@
 //! Car parks: rows of bays along aisles, islands with trees, hedges about them, and a market behind some.
 
 use crate::ground::land::YardSurface;
-use crate::lots::{BEFORE_M, Bay, LotLayout, fitting};
+use crate::lots::{BEFORE_M, LotLayout, fitting};
 use crate::network::SpotKind;
 use crate::placement::Boundary;
 use cadet_assets::props::{ISLAND, PYLON, TALL_LAMP, TROLLEY_SHELTER, WALL, WIRE};
@@ -135,8 +135,7 @@ fn row(lot: &mut LotLayout, axes: Axes, [u0, u1]: [f64; 2], (w, side): (f64, f64
         was_bay = is_bay;
         if is_bay {
             // Long cars reach into the aisle, not over their neighbors' noses.
-            let (at, length_m, width_m) = (at - heading * 0.1, BAY_M.0 + 0.15, SPOT_WIDTH_M);
-            lot.bays.push(Bay { at, heading, length_m, width_m, kind: SpotKind::Lot });
+            lot.bay(SpotKind::Lot, at - heading * 0.1, heading, (BAY_M.0 + 0.15, SPOT_WIDTH_M));
         } else if is_island {
             lot.prop(ISLAND, at, heading, s);
             let (has_tree, has_lamp) = (s.chance(0.75), s.chance(0.4));
@@ -186,11 +185,8 @@ fn edges(
     let gaps: Vec<[f64; 2]> = entries.iter().map(|e| [e[0] - 1.2, e[1] + 0.6]).collect();
     lot.border_along(along, [left + 1.0, right - 1.0], front - 0.6, &gaps);
     if s.chance(0.6) && front > 2.2 {
-        let mut trees = LotLayout::default();
         let spacing_m = s.range(8.0, 13.0);
-        let d = front - 1.7;
-        trees.tree_line(TreeKind::Street, DVec2::new(left + 1.0, d), DVec2::new(right - 1.0, d), spacing_m, s);
-        let is_off = |p: &DVec2| gaps.iter().all(|g| p.x < g[0] - 0.4 || p.x > g[1] + 0.4);
-        lot.trees.extend(trees.trees.into_iter().filter(|(_, p)| is_off(p)));
+        let ends = [left + 1.0, right - 1.0].map(|a| DVec2::new(a, front - 1.7));
+        lot.tree_line(ends, spacing_m, s, |p| gaps.iter().all(|g| p.x < g[0] - 0.4 || p.x > g[1] + 0.4));
     }
 }

@@ -1,7 +1,7 @@
 //! Works and offices: a hall with a forecourt, a yard beside it, lawns with young trees, and fences with gates.
 
 use crate::ground::land::YardSurface;
-use crate::lots::{BEFORE_M, Bay, LotLayout, fitting};
+use crate::lots::{BEFORE_M, LotLayout, fitting};
 use crate::network::SpotKind;
 use crate::placement::Boundary;
 use cadet_assets::props::{
@@ -24,7 +24,7 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> LotLayout 
     let mut lot = LotLayout::default();
     let half = length_m / 2.0;
     let lawn_m = if s.chance(0.65) { s.range(2.5, 6.5) } else { 0.6 };
-    let kind = [HallKind::Works, HallKind::Office, HallKind::Market][s.weighted(&[0.66, 0.2, 0.14])];
+    let kind = s.pick(&[(HallKind::Works, 0.66), (HallKind::Office, 0.2), (HallKind::Market, 0.14)]);
     let court_m = if s.chance(0.7) { BAY_M.0 + 6.8 } else { s.range(4.0, 8.0) };
     let front = lawn_m + court_m;
     let yard_m = s.range(10.0, 18.0).min(length_m * 0.4);
@@ -74,8 +74,7 @@ fn forecourt(lot: &mut LotLayout, [a0, a1]: [f64; 2], lawn_m: f64, s: &mut Strea
         let a = from + BAY_M.1 * k as f64;
         lot.lines.push([DVec2::new(a, d + 0.1), DVec2::new(a, d + BAY_M.0 - 0.1)]);
         let at = DVec2::new(a + BAY_M.1 / 2.0, d + BAY_M.0 / 2.0 + 0.1);
-        let (length_m, width_m) = (BAY_M.0 + 0.15, SPOT_WIDTH_M);
-        lot.bays.push(Bay { at, heading: -DVec2::Y, length_m, width_m, kind: SpotKind::Lot });
+        lot.bay(SpotKind::Lot, at, -DVec2::Y, (BAY_M.0 + 0.15, SPOT_WIDTH_M));
     }
     let a = from + BAY_M.1 * count as f64;
     lot.lines.push([DVec2::new(a, d + 0.1), DVec2::new(a, d + BAY_M.0 - 0.1)]);
@@ -100,21 +99,13 @@ fn goods(lot: &mut LotLayout, [a0, a1]: [f64; 2], (front, depth_m): (f64, f64), 
                         break;
                     }
                     let length_m = TRUCK_BAY_M.0.min(room_m - 0.6);
-                    let middle = at(length_m / 2.0, along_m);
-                    let bay = Bay { at: middle, heading: -inward, length_m, width_m: 2.9, kind: SpotKind::Yard };
-                    lot.bays.push(bay);
+                    lot.bay(SpotKind::Yard, at(length_m / 2.0, along_m), -inward, (length_m, 2.9));
                 }
                 d += TRUCK_BAY_M.1 * count as f64 + 0.8;
             }
             0 | 1 => {
-                let bay = Bay {
-                    at: at(1.6, 4.6),
-                    heading: if s.chance(0.5) { DVec2::Y } else { -DVec2::Y },
-                    length_m: 8.8,
-                    width_m: 2.8,
-                    kind: SpotKind::Yard,
-                };
-                lot.bays.push(bay);
+                let heading = if s.chance(0.5) { DVec2::Y } else { -DVec2::Y };
+                lot.bay(SpotKind::Yard, at(1.6, 4.6), heading, (8.8, 2.8));
                 d += 9.8;
             }
             2 => {
@@ -146,16 +137,14 @@ fn lawn(lot: &mut LotLayout, half: f64, lawn_m: f64, gate: [f64; 2], s: &mut Str
     if lawn_m < 2.0 {
         return;
     }
-    let is_off = |p: &DVec2| p.x < gate[0] - 1.5 || p.x > gate[1] + 1.5;
+    let is_off = |p: DVec2| p.x < gate[0] - 1.5 || p.x > gate[1] + 1.5;
     if s.chance(0.7) {
-        let mut line = LotLayout::default();
-        let (d, spacing_m) = (lawn_m * 0.5, s.range(7.0, 12.0));
-        line.tree_line(TreeKind::Street, DVec2::new(-half, d), DVec2::new(half, d), spacing_m, s);
-        lot.trees.extend(line.trees.into_iter().filter(|(_, p)| is_off(p)));
+        let spacing_m = s.range(7.0, 12.0);
+        lot.tree_line([-half, half].map(|a| DVec2::new(a, lawn_m * 0.5)), spacing_m, s, is_off);
     }
     for _ in 0..s.below(5) {
         let at = DVec2::new(s.range(-half + 1.5, half - 1.5), s.range(1.0, lawn_m - 0.8));
-        if is_off(&at) {
+        if is_off(at) {
             lot.trees.push((TreeKind::Shrub, at));
         }
     }

@@ -43,6 +43,11 @@ pub(in super::super) struct LotLayout {
 }
 
 impl LotLayout {
+    /// A place for a vehicle of a length and a width.
+    pub fn bay(&mut self, kind: SpotKind, at: DVec2, heading: DVec2, (length_m, width_m): (f64, f64)) {
+        self.bays.push(Bay { at, heading, length_m, width_m, kind });
+    }
+
     pub fn prop(&mut self, prop: Shipped, at: DVec2, facing: DVec2, s: &mut Stream) {
         self.items.push(LotItem { drawn: prop.draw(s), at, facing });
     }
@@ -54,12 +59,21 @@ impl LotLayout {
         self.items.push(LotItem { drawn, at, facing: -DVec2::Y });
     }
 
-    /// Trees in a line, none nearer to its ends than a meter and a half.
-    pub fn tree_line(&mut self, kind: TreeKind, from: DVec2, to: DVec2, spacing_m: f64, s: &mut Stream) {
+    /// Street trees in a line where they are free to stand, none nearer to its ends than a meter and a half.
+    pub fn tree_line(
+        &mut self,
+        [from, to]: [DVec2; 2],
+        spacing_m: f64,
+        s: &mut Stream,
+        is_free: impl Fn(DVec2) -> bool,
+    ) {
         let length_m = (to - from).length();
         let mut at_m = s.range(1.5, spacing_m);
         while at_m < length_m - 1.5 {
-            self.trees.push((kind, from.lerp(to, at_m / length_m)));
+            let at = from.lerp(to, at_m / length_m);
+            if is_free(at) {
+                self.trees.push((TreeKind::Street, at));
+            }
             at_m += spacing_m * s.range(0.85, 1.2);
         }
     }

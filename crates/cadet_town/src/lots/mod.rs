@@ -8,7 +8,7 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use layout::{Bay, LotLayout, fitting};
+use layout::{LotLayout, fitting};
 
 use crate::ground::Ground;
 use crate::ground::land::Yards;

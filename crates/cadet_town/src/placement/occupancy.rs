@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::ground::land::Crop;
-use crate::ground::region::Ring;
 use crate::ground::{Ground, GroundKind};
 use crate::placement::{ClearanceGrid, MAX_MARGIN_M};
 use cadet_base::math::{DVec2, DVec3};
@@ -58,7 +56,7 @@ impl Occupancy {
 /// Where the streets are, sidewalks included, and how high the ground lies.
 #[derive(Debug)]
 pub(crate) struct Site<'a> {
-    ground: &'a Ground,
+    pub ground: &'a Ground,
     /// Smallest corner of all streets.
     pub min: DVec2,
     /// Largest corner of all streets.
@@ -81,11 +79,6 @@ impl<'a> Site<'a> {
             return -MAX_MARGIN_M;
         }
         self.clearance.at(p)
-    }
-
-    /// What grows where in open country.
-    pub fn fields(&self) -> &'a [(Crop, Vec<Ring>)] {
-        self.ground.fields()
     }
 
     /// Whether cars drive or park at a place, or a bridge leads over it.

@@ -2,7 +2,7 @@
 
 use crate::network::RightOfWay;
 use crate::placement::Placer;
-use crate::plots::{Frontage, StreetStyle, right_of};
+use crate::plots::{Frontage, StreetStyle};
 use cadet_assets::props::{
     BOLLARD, DIAMOND_SIGN, DISTRIBUTION_CABINET, NAME_SIGN, PARKING_SIGN, POST_BOX, ROUND_SIGN, Shipped, TRIANGLE_SIGN,
     ZONE_SIGN,
@@ -32,16 +32,14 @@ pub(crate) fn furnish(
 ) {
     let length = frontage.length_m();
     let put_pole = |placer: &mut Placer, kind: Shipped, variant: usize, at_s: f64, against_traffic: bool| {
-        let (along, at) = (frontage.along(at_s), frontage.at(at_s));
-        let place = at - right_of(along) * POLE_INSET_M;
         // On a narrow or missing sidewalk the pole goes behind its edge.
-        let place = if frontage.sidewalk_at(at_s) < 1.0 { at + right_of(along) * 0.12 } else { place };
+        let place = frontage.behind(at_s, if frontage.sidewalk_at(at_s) < 1.0 { 0.12 } else { -POLE_INSET_M });
         // Where streets meet at a sharp angle the edge of one may lie on the other.
         if placer.site.is_road(place) || is_before_door(placer, style, place, 0.3) {
             return;
         }
         let model = kind.model(variant);
-        let facing = if against_traffic { -along } else { -right_of(along) };
+        let facing = if against_traffic { -frontage.along(at_s) } else { -frontage.out(at_s) };
         placer.put(&model, kind.lit(style.street_light, variant, &model.palette), place, facing);
     };
     // Lamps on one side of the street: on the side whose stream says so.
@@ -78,8 +76,7 @@ pub(crate) fn furnish(
         for _ in 0..s.poisson(length / 110.0) {
             let kind = [DISTRIBUTION_CABINET, DISTRIBUTION_CABINET, POST_BOX][s.below(3)];
             let at = s.range(6.0, length - 6.0);
-            let out = right_of(frontage.along(at));
-            let place = frontage.at(at) - out * 0.25;
+            let (out, place) = (frontage.out(at), frontage.behind(at, -0.25));
             let model = kind.model(s.below(kind.num_variants()));
             let corners = [-1.0, 0.0, 1.0].iter().flat_map(|k| [-0.45, 0.0, 0.45].map(|d| (0.7 * k, d)));
             let on_road =
@@ -92,7 +89,7 @@ pub(crate) fn furnish(
     if let Some(trees) = style.street_trees {
         let mut at = s.range(5.0, 10.0);
         while at < length - 6.0 {
-            let place = frontage.at(at) + right_of(frontage.along(at)) * s.range(0.5, 0.9);
+            let place = frontage.behind(at, s.range(0.5, 0.9));
             let model = tree(TreeKind::Street, trees.variant + s.below(2));
             if placer.site.is_clear(place, 0.3) && !placer.is_built(place, 2.2) && !placer.is_bay(place, 0.5) {
                 let _ = placer.plant_model(TreeKind::Street, &model, s, place);

@@ -5,6 +5,7 @@ use crate::ground::{Ground, GroundKind};
 use crate::network::{AISLE_KMH, Lane, LaneKind, PaintColor, PaintedQuad, ParkingSpot, RoadNetwork, SpotKind};
 use cadet_base::frames;
 use cadet_base::math::{self, DPose3, DVec2, DVec3};
+use cadet_base::plane::heading_rad;
 use cadet_base::rng::{Stream, StreamKey};
 
 /// Distance between the middles of spots: drawn per row.
@@ -48,24 +49,21 @@ const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
 /// Where cars may be parked: in the map's bays, and at the curb of wide lanes without bays.
 #[must_use]
 pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) -> Vec<ParkingSpot> {
-    let mut spots = Vec::new();
-    for lane in &network.lanes {
+    let of_lane = |lane: &Lane| {
         let (pitch_m, mut stream) = pitch_and_stream(key, lane);
         match lane.kind {
             LaneKind::Parking if lane.width_m.iter().all(|w| *w < MIN_BAY_M) => {
-                half_bays(lane, network, ground, pitch_m, &mut spots);
+                half_bays(lane, network, ground, pitch_m)
             }
-            LaneKind::Parking if lane.width_m.iter().any(|w| *w >= MIN_DEEP_BAY_M) => {
-                angled_bays(lane, ground, &mut stream, &mut spots);
-            }
-            LaneKind::Parking => bays(lane, ground, pitch_m, &mut spots),
+            LaneKind::Parking if is_deep(lane) => angled_bays(lane, ground, &mut stream),
+            LaneKind::Parking => bays(lane, ground, pitch_m),
             LaneKind::Driving if lane.junction.is_none() && !has_cycle_lane(network, lane) => {
-                curbside(lane, ground, pitch_m, &mut spots)
+                curbside(lane, ground, pitch_m)
             }
-            _ => {}
+            _ => Vec::new(),
         }
-    }
-    spots
+    };
+    network.lanes.iter().flat_map(of_lane).collect()
 }
 
 /// The spacing of parallel places along a lane, and the stream that all else of them is drawn from.
@@ -95,36 +93,39 @@ fn row(lane: &Lane, min_width_m: f64, pitch_m: f64) -> Vec<f64> {
     middles.filter(|s| turn_at(lane, *s, pitch_m) <= MAX_TURN_IN_BAY_RAD).collect()
 }
 
-fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>) {
+fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch_m: f64) -> Vec<ParkingSpot> {
     let side = lane.curb_side();
     let widest = lane.width_m.iter().copied().fold(MIN_HALF_BAY_M, f64::max);
-    for s in row(lane, widest - 0.02, pitch_m) {
+    let half_bay = |s: f64| {
         let pose = lane.pose_at(s);
         let beside = network.driving().filter(|l| l.road == lane.road).map(|l| l.project(pose.translation).1);
         let out = HALF_BAY_FLANK_M + HALF_BAY_SPOT_WIDTH_M / 2.0 - beside.fold(f64::INFINITY, f64::min);
         let edge = pose.transform_point(DVec3::new(0.0, side * (out + HALF_BAY_SPOT_WIDTH_M / 2.0), 0.0));
         // Where there is no sidewalk to climb, nobody parks.
-        if out.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Sidewalk) {
-            continue;
-        }
+        let has_sidewalk = out.abs() <= 2.0 && ground.kind_at(edge.x, edge.y) == Some(GroundKind::Sidewalk);
         let size_m = (pitch_m, HALF_BAY_SPOT_WIDTH_M);
-        spots.extend(spot(ground, SpotKind::Parallel, &pose, side * out, size_m));
-    }
+        spot(ground, SpotKind::Parallel, &pose, side * out, size_m).filter(|_| has_sidewalk)
+    };
+    row(lane, widest - 0.02, pitch_m).into_iter().filter_map(half_bay).collect()
 }
 
-fn bays(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>) {
-    for s in row(lane, MIN_BAY_M, pitch_m) {
-        let pose = lane.pose_at(s);
+fn bays(lane: &Lane, ground: &Ground, pitch_m: f64) -> Vec<ParkingSpot> {
+    let bay = |s: f64| {
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
         let out = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_CURB_M).max(0.0);
-        spots.extend(spot(ground, SpotKind::Parallel, &pose, lane.curb_side() * out, (pitch_m, width_m)));
-    }
+        spot(ground, SpotKind::Parallel, &lane.pose_at(s), lane.curb_side() * out, (pitch_m, width_m))
+    };
+    row(lane, MIN_BAY_M, pitch_m).into_iter().filter_map(bay).collect()
+}
+
+/// Whether a lane's bays are for cars at an angle.
+fn is_deep(lane: &Lane) -> bool {
+    lane.kind == LaneKind::Parking && lane.width_m.iter().any(|w| *w >= MIN_DEEP_BAY_M)
 }
 
 /// Whether a lane's bays are those of a car park's aisle.
 fn is_at_aisle(lane: &Lane) -> bool {
-    let is_deep = lane.kind == LaneKind::Parking && lane.width_m.iter().any(|w| *w >= MIN_DEEP_BAY_M);
-    is_deep && lane.speed_limit_mps * 3.6 < f64::from(AISLE_KMH) + 1.0
+    is_deep(lane) && lane.speed_limit_mps * 3.6 < f64::from(AISLE_KMH) + 1.0
 }
 
 /// The angle of cars to the curb, and the distance from one to the next along it.
@@ -162,12 +163,12 @@ pub(crate) fn bay_lines(network: &RoadNetwork, key: &StreamKey) -> Vec<PaintedQu
 }
 
 /// Cars side by side, turned toward the curb by one angle a row.
-fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Vec<ParkingSpot>) {
+fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream) -> Vec<ParkingSpot> {
     let (angle_rad, pitch_m) = angle_and_pitch(lane, stream);
     let (sin, cos) = (math::sin(angle_rad), math::cos(angle_rad));
     let (kind, (length_m, width_m)) =
         if is_at_aisle(lane) { (SpotKind::Lot, AISLE_SPOT_M) } else { (SpotKind::Angled, ANGLED_SPOT_M) };
-    for s in row(lane, MIN_DEEP_BAY_M, pitch_m) {
+    let bay = |s: f64| {
         let pose = lane.pose_at(s);
         let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
         let out = forward.perp() * lane.curb_side();
@@ -175,23 +176,22 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
         let usual_length_m = length_m - 0.3;
         let to_curb_m = (usual_length_m * sin + width_m * cos) / 2.0 + NOSE_TO_CURB_M;
         let aside_m = (lane.width_at(s) / 2.0 - to_curb_m).max(0.0);
-        let heading = forward * cos + out * sin;
         let place = pose.translation + (out * aside_m).extend(0.0);
-        let turned = frames::upright(place, math::atan2(heading.y, heading.x));
-        spots.extend(spot(ground, kind, &turned, 0.0, (length_m, width_m)));
-    }
+        let turned = frames::upright(place, heading_rad(forward * cos + out * sin));
+        spot(ground, kind, &turned, 0.0, (length_m, width_m))
+    };
+    row(lane, MIN_DEEP_BAY_M, pitch_m).into_iter().filter_map(bay).collect()
 }
 
-fn curbside(lane: &Lane, ground: &Ground, pitch_m: f64, spots: &mut Vec<ParkingSpot>) {
-    let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch_m / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch_m / 2.0);
-    while s <= end {
-        let pose = lane.pose_at(s);
-        if let Some(out_m) = curbside_offset(lane, ground, s, pitch_m) {
-            let size_m = (pitch_m, SPOT_WIDTH_M);
-            spots.extend(spot(ground, SpotKind::Parallel, &pose, lane.curb_side() * out_m, size_m));
-        }
-        s += pitch_m;
-    }
+fn curbside(lane: &Lane, ground: &Ground, pitch_m: f64) -> Vec<ParkingSpot> {
+    let margin_m = CLEAR_OF_JUNCTION_M + pitch_m / 2.0;
+    let places = std::iter::successors(Some(margin_m), |s| Some(s + pitch_m));
+    let place = |s: f64| {
+        let left_m = lane.curb_side() * curbside_offset(lane, ground, s, pitch_m)?;
+        spot(ground, SpotKind::Parallel, &lane.pose_at(s), left_m, (pitch_m, SPOT_WIDTH_M))
+    };
+    let end = lane.length_m() - CLEAR_OF_JUNCTION_M - pitch_m / 2.0;
+    places.take_while(|s| *s <= end).filter_map(place).collect()
 }
 
 /// By how much a lane turns over the length of a spot.

@@ -20,24 +20,26 @@ pub(in super::super) fn is_cleared(plot: &Plot, clutter: f64, s: &mut Stream) ->
     plot.house.is_none() && plot.length_m >= SHORTEST_M && luck < (CLEARED_SHARE * clutter).min(0.8)
 }
 
+/// One of them.
+type Build = fn(&mut Furnisher, &Plot, &mut Stream);
+
+/// Ways to build on a plot, with their weights where flats stand behind lawns, and elsewhere.
+const BUILT: [(Build, [f64; 2]); 8] = [
+    (banks, [0.08, 0.16]),
+    (transformer, [0.05, 0.1]),
+    (billboards, [0.12, 0.06]),
+    (site, [0.05, 0.15]),
+    (green, [0.34, 0.28]),
+    (bus_stop, [0.2, 0.05]),
+    (cycles, [0.12, 0.1]),
+    (yard, [0.04, 0.1]),
+];
+
 /// Builds on a cleared plot.
 pub(super) fn build(f: &mut Furnisher, plot: &Plot, style: &StreetStyle, s: &mut Stream) {
     let is_main = style.setback_m >= 5.0 && style.vacant_share > 0.3;
-    let weights = if is_main {
-        [0.08, 0.05, 0.12, 0.05, 0.34, 0.2, 0.12, 0.04]
-    } else {
-        [0.16, 0.1, 0.06, 0.15, 0.28, 0.05, 0.1, 0.1]
-    };
-    match s.weighted(&weights) {
-        0 => banks(f, plot, s),
-        1 => transformer(f, plot, s),
-        2 => billboards(f, plot, s),
-        3 => site(f, plot, s),
-        4 => green(f, plot, s),
-        5 => bus_stop(f, plot, s),
-        6 => cycles(f, plot, s),
-        _ => yard(f, plot, s),
-    }
+    let build = s.pick(&BUILT.map(|(build, weights)| (build, weights[usize::from(!is_main)])));
+    build(f, plot, s);
 }
 
 /// Puts one `a` along the front, its foremost side `d` behind it, facing the street.
