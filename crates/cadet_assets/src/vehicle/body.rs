@@ -2,7 +2,7 @@
 
 use super::outline::{Column, Face, Outline};
 use super::paint::slot;
-use super::surface::{Outward, Surface};
+use super::surface::{Outward, Surface, grid};
 use cadet_base::math::Vec3;
 
 /// What the styling varies on the nose and the tail.
@@ -26,10 +26,10 @@ pub(super) struct Styling {
 pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling, level: usize) {
     let columns = o.columns(level);
     let fractions = Outline::fractions(level);
-    let grid: Vec<Vec<Vec3>> = columns.iter().map(|c| fractions.iter().map(|v| o.point(c, *v)).collect()).collect();
+    let shell = grid(&columns, fractions, |c, v| o.point(c, *v));
     let inside = Vec3::new(0.0, 0.0, 0.5 * o.d.height_m);
     // The orientation is the whole ring's; the seams only leave cells open.
-    surface.pair(&grid, Outward::From(inside), |i, j| {
+    surface.pair(&shell, Outward::From(inside), |i, j| {
         let (a, b) = (&columns[i], &columns[i + 1]);
         (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling, o.d.length_m / 2.0))
     });
@@ -92,15 +92,9 @@ fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) 
         let p = low(c);
         Vec3::new(p.x, p.y.min(inner_y), z)
     };
-    let middle: Vec<Vec<Vec3>> = columns
-        .iter()
-        .map(|c| {
-            let p = inner(c, floor_z);
-            vec![Vec3::new(p.x, 0.0, floor_z), p]
-        })
-        .collect();
+    let middle = grid(columns, [0.0, 1.0], |c, side| inner(c, floor_z) * Vec3::new(1.0, side, 1.0));
     let down = Outward::Along(Vec3::NEG_Z);
-    surface.pair(&middle, down, |_, _| Some(slot::LINER));
+    surface.panel_pair(&middle, down, slot::LINER);
     for pair in columns.windows(2) {
         let [a, b] = [&pair[0], &pair[1]];
         let axle = if a.x > 0.0 { d.axles_x[0] } else { d.axles_x[1] };
@@ -109,17 +103,17 @@ fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) 
             // The upright edge of the arch.
             let (full, cut) = if a.arch_z.is_some() { (b, a) } else { (a, b) };
             let (p, q) = (low(full), low(cut));
-            let wall = vec![vec![p, q], vec![inner(full, p.z), inner(cut, q.z)]];
-            surface.pair(&wall, Outward::Along(Vec3::new(axle - a.x, 0.0, 0.0)), |_, _| Some(slot::LINER));
+            let wall = [[p, q], [inner(full, p.z), inner(cut, q.z)]];
+            surface.panel_pair(&wall, Outward::Along(Vec3::new(axle - a.x, 0.0, 0.0)), slot::LINER);
         } else if a.arch_z.is_some() {
             let (p, q) = (low(a), low(b));
-            let roof = vec![vec![p, q], vec![inner(a, p.z), inner(b, q.z)]];
-            surface.pair(&roof, Outward::Along(hub - p.midpoint(q)), |_, _| Some(slot::LINER));
-            let wall = vec![vec![inner(a, p.z), inner(b, q.z)], vec![inner(a, floor_z), inner(b, floor_z)]];
-            surface.pair(&wall, Outward::Along(Vec3::Y), |_, _| Some(slot::LINER));
+            let roof = [[p, q], [inner(a, p.z), inner(b, q.z)]];
+            surface.panel_pair(&roof, Outward::Along(hub - p.midpoint(q)), slot::LINER);
+            let wall = [[inner(a, p.z), inner(b, q.z)], [inner(a, floor_z), inner(b, floor_z)]];
+            surface.panel_pair(&wall, Outward::Along(Vec3::Y), slot::LINER);
         } else if low(a).y > inner_y || low(b).y > inner_y {
-            let strip = vec![vec![low(a), low(b)], vec![inner(a, floor_z), inner(b, floor_z)]];
-            surface.pair(&strip, down, |_, _| Some(slot::LINER));
+            let strip = [[low(a), low(b)], [inner(a, floor_z), inner(b, floor_z)]];
+            surface.panel_pair(&strip, down, slot::LINER);
         }
     }
 }
@@ -128,18 +122,13 @@ fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) 
 fn add_coarse_floor(surface: &mut Surface, o: &Outline) {
     let d = &o.d;
     let y = d.width_m / 2.0 - 0.16;
-    let floor: Vec<Vec<Vec3>> = [o.nose_x, o.tail_x]
-        .iter()
-        .map(|x| vec![Vec3::new(*x, 0.0, d.clearance_m), Vec3::new(*x, y, d.clearance_m)])
-        .collect();
-    surface.pair(&floor, Outward::Along(Vec3::NEG_Z), |_, _| Some(slot::LINER));
+    let floor = grid([o.nose_x, o.tail_x], [0.0, y], |x, y| Vec3::new(x, y, d.clearance_m));
+    surface.panel_pair(&floor, Outward::Along(Vec3::NEG_Z), slot::LINER);
     for axle in d.axles_x {
         let top = d.wheel_radius_m + d.arch_radius_m + 0.02;
-        let wall: Vec<Vec<Vec3>> = [axle + d.arch_radius_m, axle - d.arch_radius_m]
-            .iter()
-            .map(|x| vec![Vec3::new(*x, y, d.clearance_m), Vec3::new(*x, y, top)])
-            .collect();
-        surface.pair(&wall, Outward::Along(Vec3::Y), |_, _| Some(slot::LINER));
+        let ends = [axle + d.arch_radius_m, axle - d.arch_radius_m];
+        let wall = grid(ends, [d.clearance_m, top], |x, z| Vec3::new(x, y, z));
+        surface.panel_pair(&wall, Outward::Along(Vec3::Y), slot::LINER);
     }
 }
 
@@ -151,16 +140,13 @@ pub(super) fn add_decks(
     lateral: &[f32],
     is_wanted: impl Fn(&Column) -> bool,
 ) {
-    let row = |c: &Column| -> Vec<Vec3> { lateral.iter().map(|t| o.deck(c, *t)).collect() };
     let up = Outward::Along(Vec3::Z);
-    let bonnet: Vec<&Column> = columns
+    let bonnet = columns
         .iter()
         .filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam)
-        .filter(|c| is_wanted(c) || (c.x - o.screen_foot_x).abs() < 1e-3)
-        .collect();
-    let rows: Vec<Vec<Vec3>> = bonnet.iter().map(|c| row(c)).collect();
-    surface.pair(&rows, up, |_, _| Some(slot::PAINT));
+        .filter(|c| is_wanted(c) || (c.x - o.screen_foot_x).abs() < 1e-3);
+    surface.panel_pair(&grid(bonnet, lateral, |c, t| o.deck(c, *t)), up, slot::PAINT);
     let first = columns.iter().position(|c| o.point(c, 1.0).x < o.backlight_foot_x).unwrap_or(columns.len() - 1);
-    let rows: Vec<Vec<Vec3>> = columns[first.saturating_sub(1)..].iter().map(row).collect();
-    surface.pair(&rows, up, |i, _| Some(if i == 0 && o.d.boot_m < 0.1 { slot::DARK } else { slot::PAINT }));
+    let boot = grid(&columns[first.saturating_sub(1)..], lateral, |c, t| o.deck(c, *t));
+    surface.pair(&boot, up, |i, _| Some(if i == 0 && o.d.boot_m < 0.1 { slot::DARK } else { slot::PAINT }));
 }

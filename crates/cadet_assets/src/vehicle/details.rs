@@ -2,9 +2,9 @@
 
 use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
-use super::outline::Outline;
+use super::outline::{Column, Outline};
 use super::paint::slot;
-use super::surface::{Outward, Surface};
+use super::surface::{Grid, Outward, Surface, grid, mirrored};
 use cadet_base::math::{Mat3, Vec3};
 
 /// What a vehicle has besides its shell.
@@ -60,12 +60,9 @@ pub(super) fn add_mirrors_and_aerial(
     surface.block_pair(center, size, Mat3::IDENTITY, [10, 6, 4][level], shell);
     let back = center.x - size.x - 0.001;
     let (w, h) = (0.8 * size.y, 0.62 * size.z);
-    let glass = [
-        vec![Vec3::new(back, center.y - w, center.z - h), Vec3::new(back, center.y + w, center.z - h)],
-        vec![Vec3::new(back, center.y - w, center.z + h), Vec3::new(back, center.y + w, center.z + h)],
-    ];
     if level < 2 {
-        surface.pair(&glass, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::CHROME));
+        let glass = upright(back, [center.y - w, center.y + w], [center.z - h, center.z + h]);
+        surface.panel_pair(&glass, Outward::Along(Vec3::NEG_X), slot::CHROME);
         surface.cuboid_pair(
             foot + Vec3::new(-0.04, -0.02, 0.0),
             Vec3::new(x + 0.04, center.y - 0.5 * size.y, foot.z + 0.05),
@@ -75,15 +72,15 @@ pub(super) fn add_mirrors_and_aerial(
     if fittings.aerial && level == 0 {
         let root = Vec3::new(house.rear_header_x + 0.15, 0.0, house.roof_z(house.rear_header_x + 0.15) - 0.01);
         let tip = root + Vec3::new(-0.10, 0.0, 0.07);
-        let ring = |c: Vec3, r: f32| {
-            vec![
-                c + Vec3::new(r, 0.0, 0.0),
-                c + Vec3::new(-0.5 * r, 0.87 * r, 0.0),
-                c + Vec3::new(-0.5 * r, -0.87 * r, 0.0),
-            ]
-        };
-        surface.builder.loft(&[ring(root, 0.012), ring(tip, 0.004)], slot::PLASTIC, true);
+        let section = [(1.0, 0.0), (-0.5, 0.87), (-0.5, -0.87)];
+        let rings = grid([(root, 0.012), (tip, 0.004)], section, |(c, r), (x, y)| c + Vec3::new(x * r, y * r, 0.0));
+        surface.builder.loft(&rings, slot::PLASTIC, true);
     }
+}
+
+/// A rectangle across the vehicle's length.
+fn upright(x: f32, ys: [f32; 2], zs: [f32; 2]) -> Grid {
+    grid(zs, ys, |z, y| Vec3::new(x, y, z))
 }
 
 /// A strip of constant width along (x, z) points of the left flank, mirrored too.
@@ -96,17 +93,15 @@ pub(super) fn flank_strip(
     slot: u8,
 ) {
     let n = path.len();
-    let grid: Vec<Vec<Vec3>> = (0..n)
-        .map(|k| {
-            let (a, b) = (path[k.saturating_sub(1)], path[(k + 1).min(n - 1)]);
-            let (dx, dz) = (b.0 - a.0, b.1 - a.1);
-            let length = (dx * dx + dz * dz).sqrt();
-            let (nx, nz) = (-dz / length * width_m / 2.0, dx / length * width_m / 2.0);
-            let (x, z) = path[k];
-            [-1.0, 1.0].iter().map(|s| o.flank(x + nx * s, z + nz * s) + Vec3::Y * proud_m).collect()
-        })
-        .collect();
-    surface.pair(&grid, Outward::Along(Vec3::Y), |_, _| Some(slot));
+    let strip = grid(0..n, [-1.0, 1.0], |k, s| {
+        let (a, b) = (path[k.saturating_sub(1)], path[(k + 1).min(n - 1)]);
+        let (dx, dz) = (b.0 - a.0, b.1 - a.1);
+        let length = (dx * dx + dz * dz).sqrt();
+        let (nx, nz) = (-dz / length * width_m / 2.0, dx / length * width_m / 2.0);
+        let (x, z) = path[k];
+        o.flank(x + nx * s, z + nz * s) + Vec3::Y * proud_m
+    });
+    surface.panel_pair(&strip, Outward::Along(Vec3::Y), slot);
 }
 
 fn add_shut_lines(surface: &mut Surface, o: &Outline, house: &Glasshouse, level: usize) {
@@ -175,24 +170,15 @@ pub(super) fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings
         // Flat and upright, before what is behind it.
         let outermost = [v - dv, v, v + dv].map(|v| o.point(column, v).x * out).into_iter().fold(0.0, f32::max);
         let x = (outermost + 0.004) * out;
-        let sheet = |half_w: f32, half_h: f32, x: f32| {
-            vec![
-                vec![Vec3::new(x, -half_w, z - half_h), Vec3::new(x, half_w, z - half_h)],
-                vec![Vec3::new(x, -half_w, z + half_h), Vec3::new(x, half_w, z + half_h)],
-            ]
-        };
         let facing = Outward::Along(Vec3::new(out, 0.0, 0.0));
-        surface.sheet(&sheet(half_w, half_h, x), facing, |_, _| Some(slot::PLATE));
+        surface.panel(&upright(x, [-half_w, half_w], [z - half_h, z + half_h]), facing, slot::PLATE);
         if has_letters {
             let x = x + 0.0005 * out;
             for k in 0..7 {
                 let y = half_w * (0.72 - 0.26 * k as f32) + if k > 2 { -0.02 } else { 0.0 };
-                let letter = vec![
-                    vec![Vec3::new(x, y - 0.013, z - 0.55 * half_h), Vec3::new(x, y + 0.013, z - 0.55 * half_h)],
-                    vec![Vec3::new(x, y - 0.013, z + 0.55 * half_h), Vec3::new(x, y + 0.013, z + 0.55 * half_h)],
-                ];
                 if y.abs() < half_w - 0.02 {
-                    surface.sheet(&letter, facing, |_, _| Some(slot::LETTERS));
+                    let letter = upright(x, [y - 0.013, y + 0.013], [z - 0.55 * half_h, z + 0.55 * half_h]);
+                    surface.panel(&letter, facing, slot::LETTERS);
                 }
             }
         }
@@ -204,15 +190,11 @@ fn end_line(surface: &mut Surface, o: &Outline, is_nose: bool, path: &[(f32, f32
     let out = if is_nose { 1.0 } else { -1.0 };
     let is_level = (path[0].1 - path[path.len() - 1].1).abs() < 0.1;
     let (df, dv) = if is_level { (0.0, 0.006) } else { (0.006, 0.0) };
-    let row = |sign: f32| -> Vec<Vec3> {
-        path.iter()
-            .map(|(f, v)| {
-                let p = o.point(&o.end_column((f + sign * df).clamp(0.0, 1.0), is_nose), v + sign * dv);
-                p + Vec3::new(0.003 * out, 0.002 * f, 0.0)
-            })
-            .collect()
-    };
-    surface.pair(&[row(-1.0), row(1.0)], Outward::Along(Vec3::new(out, 0.0, 0.0)), |_, _| Some(slot::LINER));
+    let line = grid([-1.0, 1.0], path, |sign, (f, v)| {
+        let p = o.point(&o.end_column((f + sign * df).clamp(0.0, 1.0), is_nose), v + sign * dv);
+        p + Vec3::new(0.003 * out, 0.002 * f, 0.0)
+    });
+    surface.panel_pair(&line, Outward::Along(Vec3::new(out, 0.0, 0.0)), slot::LINER);
 }
 
 /// Gaps of bumpers, bonnet and tailgate.
@@ -225,35 +207,29 @@ fn add_end_lines(surface: &mut Surface, o: &Outline) {
     let upright: Vec<(f32, f32)> = (0..=4).map(|k| (gate, 0.38 + 0.60 * k as f32 / 4.0)).collect();
     end_line(surface, o, false, &upright);
     // The bonnet's edge runs from the lamp to the windscreen.
-    let columns: Vec<_> = o.columns(0).into_iter().filter(|c| c.x > o.screen_foot_x && !c.is_seam).collect();
-    let edge: Vec<Vec<Vec3>> = columns
-        .iter()
-        .filter(|c| c.face.lateral() > 0.75)
-        .map(|c| [0.925, 0.940].iter().map(|t| o.deck(c, *t) + Vec3::Z * 0.0025).collect())
-        .collect();
-    surface.pair(&edge, Outward::Along(Vec3::Z), |_, _| Some(slot::LINER));
+    let is_edge = |c: &Column| c.x > o.screen_foot_x && !c.is_seam && c.face.lateral() > 0.75;
+    let columns = o.columns(0).into_iter().filter(is_edge);
+    let edge = grid(columns, [0.925, 0.940], |c, t| o.deck(&c, t) + Vec3::Z * 0.0025);
+    surface.panel_pair(&edge, Outward::Along(Vec3::Z), slot::LINER);
 }
 
 /// Third brake light, rear wiper and the maker's badges.
 fn add_tail_fittings(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     let back = Vec3::new(-0.005, 0.0, 0.003);
-    let light: Vec<Vec<Vec3>> =
-        [0.90, 0.94].iter().map(|s| [0.0, 0.17].iter().map(|t| house.on_backlight(*t, *s) + back).collect()).collect();
-    surface.pair(&light, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::TAIL_LAMP));
+    let light = grid([0.90, 0.94], [0.0, 0.17], |s, t| house.on_backlight(t, s) + back);
+    surface.panel_pair(&light, Outward::Along(Vec3::NEG_X), slot::TAIL_LAMP);
     if o.d.backlight_slope > 1.0 && o.d.windows != Windows::PanelVan {
-        let (a, b) = (house.on_backlight(0.0, 0.21), house.on_backlight(0.42, 0.27));
-        let (b, up) = (Vec3::new(b.x, -b.y, b.z), Vec3::new(0.0, 0.0, 0.014));
-        let wiper = [vec![a + back, b + back], vec![a + back + up, b + back + up]];
-        surface.sheet(&wiper, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::PLASTIC));
+        let (a, b) = (house.on_backlight(0.0, 0.21), mirrored(house.on_backlight(0.42, 0.27)));
+        let up = Vec3::new(0.0, 0.0, 0.014);
+        let wiper = [[a + back, b + back], [a + back + up, b + back + up]];
+        surface.panel(&wiper, Outward::Along(Vec3::NEG_X), slot::PLASTIC);
     }
     for (is_nose, v) in [(true, 0.78), (false, 0.84)] {
         let p = o.point(&o.end_column(0.0, is_nose), v);
         let (out, half) = (if is_nose { 0.006 } else { -0.006 }, 0.04);
-        let badge = [
-            vec![p + Vec3::new(out, 0.0, -half), p + Vec3::new(out, half, -0.4 * half)],
-            vec![p + Vec3::new(out, 0.0, half), p + Vec3::new(out, half, 0.4 * half)],
-        ];
-        surface.pair(&badge, Outward::Along(Vec3::X * out), |_, _| Some(slot::CHROME));
+        let badge =
+            grid([-1.0, 1.0], [(0.0, 1.0), (1.0, 0.4)], |sign, (y, z)| p + Vec3::new(out, y * half, sign * z * half));
+        surface.panel_pair(&badge, Outward::Along(Vec3::X * out), slot::CHROME);
     }
 }
 
@@ -265,34 +241,20 @@ fn add_wipers(surface: &mut Surface, house: &Glasshouse) {
         };
         let (a, b) = (place(from), place(to));
         let up = Vec3::new(-0.012, 0.0, 0.012);
-        surface.sheet(&[vec![a, b], vec![a + up, b + up]], Outward::Along(Vec3::new(1.0, 0.0, 1.0)), |_, _| {
-            Some(slot::PLASTIC)
-        });
+        surface.panel(&[[a, b], [a + up, b + up]], Outward::Along(Vec3::new(1.0, 0.0, 1.0)), slot::PLASTIC);
     }
 }
 
 fn add_rails(surface: &mut Surface, house: &Glasshouse, level: usize) {
     let (from, to) = (house.header_x - 0.20, house.rear_header_x + 0.10);
     let n = if level == 0 { 6 } else { 3 };
-    let rings: Vec<Vec<Vec3>> = (0..=n)
-        .map(|k| {
-            let x = from + (to - from) * k as f32 / n as f32;
-            let edge = house.cant(x);
-            let lift = if k == 0 || k == n { 0.0 } else { 0.028 };
-            let c = Vec3::new(x, edge.y - 0.06, edge.z + 0.025 + lift);
-            [(0.0, 0.012), (-0.012, 0.0), (0.0, -0.012), (0.012, 0.0)]
-                .iter()
-                .map(|(y, z)| c + Vec3::new(0.0, *y, *z))
-                .collect()
-        })
-        .collect();
-    let closed: Vec<Vec<Vec3>> = rings
-        .into_iter()
-        .map(|mut r: Vec<Vec3>| {
-            r.push(r[0]);
-            r
-        })
-        .collect();
+    let section = [(0.0, 0.012), (-0.012, 0.0), (0.0, -0.012), (0.012, 0.0), (0.0, 0.012)];
+    let rail = grid(0..=n, section, |k, (y, z)| {
+        let x = from + (to - from) * k as f32 / n as f32;
+        let edge = house.cant(x);
+        let lift = if k == 0 || k == n { 0.0 } else { 0.028 };
+        Vec3::new(x, edge.y - 0.06, edge.z + 0.025 + lift) + Vec3::new(0.0, y, z)
+    });
     let middle = house.cant(0.5 * (from + to)) + Vec3::new(0.0, -0.06, 0.05);
-    surface.pair(&closed, Outward::From(middle), |_, _| Some(slot::PLASTIC));
+    surface.panel_pair(&rail, Outward::From(middle), slot::PLASTIC);
 }

@@ -8,7 +8,7 @@ use super::glasshouse::{Cell, Glasshouse, SCREEN_TO_M, SIDE_PANES_TO_M};
 use super::outline::{Column, Face, Outline};
 use super::paint::slot;
 use super::signals::add_signals;
-use super::surface::{Outward, Surface};
+use super::surface::{Outward, Surface, grid};
 use cadet_base::math::Vec3;
 
 /// Lateral fractions of nose and tail.
@@ -31,9 +31,9 @@ pub(super) fn body(o: &Outline, house: &Glasshouse, styling: &Styling, fittings:
 
 fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling) {
     let columns = columns(o);
-    let grid: Vec<Vec<Vec3>> = columns.iter().map(|c| HEIGHTS.iter().map(|v| o.point(c, *v)).collect()).collect();
+    let shell = grid(&columns, HEIGHTS, |c, v| o.point(c, v));
     let inside = Vec3::new(0.0, 0.0, 0.5 * o.d.height_m);
-    surface.pair(&grid, Outward::From(inside), |i, j| {
+    surface.pair(&shell, Outward::From(inside), |i, j| {
         let (a, b) = (&columns[i], &columns[i + 1]);
         let is_arch = o.d.axles_x.iter().any(|axle| (0.5 * (a.x + b.x) - axle).abs() < o.d.arch_radius_m);
         let is_flank = a.face == Face::Side && b.face == Face::Side;
@@ -63,20 +63,15 @@ fn add_house(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     let d = &o.d;
     let limit = |height_m: f32| (height_m / (d.height_m - d.belt_z)).min(0.91);
     let posts = house.outer_posts();
-    let sides: Vec<Vec<Vec3>> = posts
-        .iter()
-        .map(|(foot, top, _)| [0.0, limit(SIDE_PANES_TO_M), 1.0].map(|v| house.side(*foot, *top, v)).to_vec())
-        .collect();
+    let sides = grid(&posts, [0.0, limit(SIDE_PANES_TO_M), 1.0], |(foot, top, _), v| house.side(*foot, *top, v));
     surface.pair(&sides, Outward::From(Vec3::Z * d.belt_z), |i, j| {
         Some(if j == 0 && matches!(posts[i].2, Cell::Pane(_)) { slot::DARK_GLASS } else { slot::PAINT })
     });
-    let xs = house.roof_stations(&posts);
-    let roof: Vec<Vec<Vec3>> = xs.iter().map(|x| ACROSS.map(|t| house.roof(*x, t)).to_vec()).collect();
-    surface.pair(&roof, Outward::Along(Vec3::Z), |_, _| Some(slot::PAINT));
+    let roof = grid(house.roof_stations(&posts), ACROSS, |x, t| house.roof(x, t));
+    surface.panel_pair(&roof, Outward::Along(Vec3::Z), slot::PAINT);
     for is_front in [true, false] {
         let up = [0.0, limit(if is_front { SCREEN_TO_M } else { SIDE_PANES_TO_M }), 1.0];
-        let screen: Vec<Vec<Vec3>> =
-            ACROSS.iter().map(|t| up.map(|s| house.screen(is_front, *t, s)).to_vec()).collect();
+        let screen = grid(ACROSS, up, |t, s| house.screen(is_front, t, s));
         let is_blind = !is_front && d.windows == Windows::PanelVan;
         let outward = Outward::Along(Vec3::new(if is_front { 1.0 } else { -1.0 }, 0.0, 0.3));
         surface.pair(&screen, outward, |i, j| {

@@ -3,7 +3,7 @@
 use super::archetypes::Windows;
 use super::outline::Outline;
 use super::paint::slot;
-use super::surface::{Outward, Surface};
+use super::surface::{Outward, Surface, grid};
 use cadet_base::math::{Vec3, lerp};
 
 /// High vans have a panel above panes of the usual height: how far panes reach above the belt line at most, meters.
@@ -18,6 +18,17 @@ fn capped(rows: &[f32], limit: f32) -> Vec<f32> {
     let scale = ((limit - low) / (high - low)).min(1.0);
     let inner = |r: &f32| if *r <= low || *r >= 1.0 { *r } else { low + (r - low) * scale };
     rows.iter().map(inner).collect()
+}
+
+/// The rows of panes, which reach a little below the lowest row of the frame and above the highest.
+fn overlapping(rows: &[f32]) -> Vec<f32> {
+    let last = rows.len() - 2;
+    let mut rows = rows[1..=last].to_vec();
+    rows[0] -= 0.015;
+    if last > 1 {
+        rows[last - 1] += 0.015;
+    }
+    rows
 }
 
 /// What follows a post: its own width, or a window.
@@ -83,15 +94,12 @@ impl<'a> Glasshouse<'a> {
         let wheelbase = d.axles_x[0] - d.axles_x[1];
         let paint = Cell::Pillar(slot::PAINT);
         let black = Cell::Pillar(slot::PLASTIC);
-        let b = d.axles_x[0]
-            - wheelbase
-                * if d.windows == Windows::ThreeDoor {
-                    0.62
-                } else if d.is_van {
-                    0.42
-                } else {
-                    0.56
-                };
+        let door_share = match d.windows {
+            Windows::ThreeDoor => 0.62,
+            _ if d.is_van => 0.42,
+            _ => 0.56,
+        };
+        let b = d.axles_x[0] - wheelbase * door_share;
         // Behind the header, so that the lines up do not cross.
         let b = b.min(top - a_width - 0.10);
         self.b_pillar_x = b;
@@ -224,9 +232,8 @@ impl<'a> Glasshouse<'a> {
         let splits = [3, 2, 1][level];
         let last = rows.len() - 2;
         let lines = self.lines(splits);
-        let grid: Vec<Vec<Vec3>> =
-            lines.iter().map(|(f, t, _)| rows.iter().map(|v| self.side(*f, *t, *v)).collect()).collect();
-        surface.pair(&grid, outward, |i, j| match lines[i].2 {
+        let frame = grid(&lines, rows, |(foot, top, _), v| self.side(*foot, *top, *v));
+        surface.pair(&frame, outward, |i, j| match lines[i].2 {
             Cell::Pillar(s) => Some(s),
             Cell::Pane(_) if j == 0 => Some(slot::PLASTIC),
             Cell::Pane(_) if j == last => Some(slot::PAINT),
@@ -234,34 +241,17 @@ impl<'a> Glasshouse<'a> {
         });
         for pair in self.posts.windows(2) {
             let Cell::Pane(glass) = pair[0].2 else { continue };
-            let pane: Vec<Vec<Vec3>> = (0..=splits)
-                .map(|k| {
-                    let t = lerp(-0.02, 1.02, k as f64 / splits as f64) as f32;
-                    let (f, top) = (pair[0].0 + (pair[1].0 - pair[0].0) * t, pair[0].1 + (pair[1].1 - pair[0].1) * t);
-                    let inner = rows[1..=last].iter().enumerate().map(|(j, v)| {
-                        let v = if j == 0 {
-                            v - 0.015
-                        } else if j + 1 == last {
-                            v + 0.015
-                        } else {
-                            *v
-                        };
-                        self.side(f, top, v) - Vec3::Y * PANE_INSET
-                    });
-                    inner.collect()
-                })
-                .collect();
-            surface.pair(&pane, outward, |_, _| Some(glass));
+            let pane = grid(0..=splits, &overlapping(rows), |k, v| {
+                let t = lerp(-0.02, 1.02, k as f64 / splits as f64) as f32;
+                let (f, top) = (pair[0].0 + (pair[1].0 - pair[0].0) * t, pair[0].1 + (pair[1].1 - pair[0].1) * t);
+                self.side(f, top, *v) - Vec3::Y * PANE_INSET
+            });
+            surface.panel_pair(&pane, outward, glass);
         }
         // The ledge from the shell's edge to the glass foot.
-        let ledge: Vec<Vec<Vec3>> = lines
-            .iter()
-            .map(|(x, _, _)| {
-                let p = self.o.glass_foot(*x);
-                vec![p, Vec3::new(*x, self.o.edge_y(*x) - 0.001, self.o.top_z(*x) - 0.001)]
-            })
-            .collect();
-        surface.pair(&ledge, Outward::Along(Vec3::Z), |_, _| Some(slot::PAINT));
+        let shell_edge = |x: f32| Vec3::new(x, self.o.edge_y(x) - 0.001, self.o.top_z(x) - 0.001);
+        let ledge: Vec<_> = lines.iter().map(|(x, ..)| [self.o.glass_foot(*x), shell_edge(*x)]).collect();
+        surface.panel_pair(&ledge, Outward::Along(Vec3::Z), slot::PAINT);
     }
 
     /// The posts without the black ones between panes.
@@ -300,18 +290,16 @@ impl<'a> Glasshouse<'a> {
 
     fn add_roof(&self, surface: &mut Surface, lateral: &[f32], level: usize, has_sunroof: bool) {
         let xs = self.roof_stations(&self.lines([3, 2, 1][level]));
-        let grid: Vec<Vec<Vec3>> = xs.iter().map(|x| lateral.iter().map(|t| self.roof(*x, *t)).collect()).collect();
+        let roof = grid(&xs, lateral, |x, t| self.roof(*x, *t));
         let front_of = self.header_x - 0.12;
-        surface.pair(&grid, Outward::Along(Vec3::Z), |i, j| {
+        surface.pair(&roof, Outward::Along(Vec3::Z), |i, j| {
             let is_open = has_sunroof && xs[i] < front_of && xs[i + 1] > self.b_pillar_x - 0.15 && lateral[j + 1] < 0.7;
             Some(if is_open { slot::DARK_GLASS } else { slot::PAINT })
         });
         if level < 2 {
-            let lining: Vec<Vec<Vec3>> = [self.header_x - 0.05, self.apex_x, self.rear_header_x + 0.05]
-                .iter()
-                .map(|x| [0.0, 0.85].iter().map(|t| self.roof(*x, *t) - Vec3::Z * 0.035).collect())
-                .collect();
-            surface.pair(&lining, Outward::Along(Vec3::NEG_Z), |_, _| Some(slot::CLOTH));
+            let stations = [self.header_x - 0.05, self.apex_x, self.rear_header_x + 0.05];
+            let lining = grid(stations, [0.0, 0.85], |x, t| self.roof(x, t) - Vec3::Z * 0.035);
+            surface.panel_pair(&lining, Outward::Along(Vec3::NEG_Z), slot::CLOTH);
         }
     }
 
@@ -324,11 +312,10 @@ impl<'a> Glasshouse<'a> {
             (s_rows[1], s_rows[n - 2]) = (from, s_rows[n - 2].min(to));
         }
         let (border, last) = (lateral.len() - 2, rows.len() - 2);
-        let grid: Vec<Vec<Vec3>> =
-            lateral.iter().map(|t| s_rows.iter().map(|s| self.screen(is_front, *t, *s)).collect()).collect();
+        let frame = grid(lateral, &s_rows, |t, s| self.screen(is_front, *t, *s));
         let outward = Outward::Along(Vec3::new(if is_front { 1.0 } else { -1.0 }, 0.0, 0.3));
         let is_blind = !is_front && self.o.d.windows == Windows::PanelVan;
-        surface.pair(&grid, outward, |i, j| match (i, j) {
+        surface.pair(&frame, outward, |i, j| match (i, j) {
             _ if is_blind => Some(slot::PAINT),
             (i, _) if i == border => Some(slot::PAINT),
             (_, 0) => Some(if is_front { slot::PLASTIC } else { slot::PAINT }),
@@ -339,25 +326,12 @@ impl<'a> Glasshouse<'a> {
             return;
         }
         let inset = Vec3::new(if is_front { -0.7 } else { 0.7 }, 0.0, -0.7) * PANE_INSET;
-        let pane: Vec<Vec<Vec3>> = lateral[..=border]
-            .iter()
-            .map(|t| {
-                let t = if *t == lateral[border] { t + 0.015 } else { *t };
-                let inner = s_rows[1..=last].iter().enumerate().map(|(j, s)| {
-                    let s = if j == 0 {
-                        s - 0.015
-                    } else if j + 1 == last {
-                        s + 0.015
-                    } else {
-                        *s
-                    };
-                    self.screen(is_front, t, s) + inset
-                });
-                inner.collect()
-            })
-            .collect();
+        let pane = grid(&lateral[..=border], &overlapping(&s_rows), |t, s| {
+            let t = if *t == lateral[border] { t + 0.015 } else { *t };
+            self.screen(is_front, t, *s) + inset
+        });
         let glass = if is_front { slot::SCREEN } else { slot::REAR_GLASS };
-        surface.pair(&pane, outward, |_, _| Some(glass));
+        surface.panel_pair(&pane, outward, glass);
     }
 
     /// A point of the backlight, lateral fraction and height fraction.

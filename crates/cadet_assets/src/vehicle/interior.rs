@@ -4,8 +4,30 @@ use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;
-use super::surface::{Outward, Surface};
+use super::surface::{Grid, Outward, Surface, grid, turns_rad};
 use cadet_base::math::{Mat3, Quat, Vec3, cosf, sinf};
+
+/// Rings of torso, neck, face, and hair: how far forward and up the leaning spine, and half extents forward and aside.
+type Rings = &'static [(f32, f32, f32, f32)];
+const TORSO: Rings = &[
+    (0.0, 0.0, 0.12, 0.17),
+    (0.0, 0.18, 0.11, 0.155),
+    (0.0, 0.36, 0.12, 0.185),
+    (0.0, 0.46, 0.10, 0.20),
+    (0.0, 0.52, 0.06, 0.10),
+];
+const NECK: Rings = &[(0.02, 0.50, 0.055, 0.055), (0.02, 0.60, 0.055, 0.055)];
+const FACE: Rings =
+    &[(0.04, 0.57, 0.05, 0.045), (0.04, 0.61, 0.085, 0.066), (0.04, 0.68, 0.098, 0.075), (0.04, 0.73, 0.098, 0.077)];
+const HAIR: Rings = &[
+    (0.015, 0.66, 0.085, 0.082),
+    (0.032, 0.73, 0.102, 0.083),
+    (0.032, 0.77, 0.095, 0.078),
+    (0.032, 0.805, 0.06, 0.05),
+];
+/// With their materials; the neck's ends are inside of torso and face.
+const SITTER: [(Rings, u8, bool); 4] =
+    [(TORSO, slot::SHIRT, true), (NECK, slot::SKIN, false), (FACE, slot::SKIN, true), (HAIR, slot::HAIR, true)];
 
 /// Backrests lean 22 degrees.
 const RECLINE_RAD: f32 = 0.384;
@@ -73,18 +95,16 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
         }
     }
     if level < 2 {
-        add_steering_wheel(surface, o, seats, level);
+        let (center, axes) = steering_wheel(o, seats);
+        add_wheel(surface, center, axes, 0.178, level);
     }
     if d.windows == Windows::PanelVan {
         let x = house.b_pillar_x - 0.12;
         let p = o.glass_foot(x);
         let top = house.cant(x);
-        let wall = [
-            vec![Vec3::new(x, 0.0, seats.floor_z), Vec3::new(x, p.y - 0.03, seats.floor_z)],
-            vec![Vec3::new(x, 0.0, p.z), Vec3::new(x, p.y - 0.03, p.z)],
-            vec![Vec3::new(x, 0.0, top.z), Vec3::new(x, top.y - 0.03, top.z)],
-        ];
-        surface.pair(&wall, Outward::Along(Vec3::X), |_, _| Some(slot::DARK));
+        let edges = [(p.y, seats.floor_z), (p.y, p.z), (top.y, top.z)];
+        let wall = edges.map(|(y, z)| [Vec3::new(x, 0.0, z), Vec3::new(x, y - 0.03, z)]);
+        surface.panel_pair(&wall, Outward::Along(Vec3::X), slot::DARK);
     }
 }
 
@@ -101,59 +121,47 @@ fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
         stations.extend(edges.filter(|x| *x < front && *x > rear));
     }
     stations.sort_by(|a, b| b.total_cmp(a));
-    let wall: Vec<Vec<Vec3>> = stations
-        .iter()
-        .map(|x| {
-            let p = o.glass_foot(*x);
-            // Wheel houses stand in the cabin.
-            let is_house = level < 2 && d.axles_x.iter().any(|a| (x - a).abs() < near + 1e-4);
-            let low_y = if is_house { d.width_m / 2.0 - 0.33 } else { p.y - 0.07 };
-            let shelf_z = arch_top.min(p.z - 0.05);
-            vec![
-                p - Vec3::new(0.0, 0.012, 0.0),
-                p - Vec3::new(0.0, 0.05, 0.03),
-                Vec3::new(p.x, p.y - 0.07, shelf_z),
-                Vec3::new(p.x, low_y, shelf_z),
-                Vec3::new(p.x, low_y, floor),
-                Vec3::new(p.x, 0.0, floor),
-            ]
-        })
-        .collect();
-    surface.pair(&wall, Outward::Along(Vec3::new(0.0, -1.0, 0.3)), |_, _| Some(slot::DARK));
+    let section = |x: f32| {
+        let p = o.glass_foot(x);
+        // Wheel houses stand in the cabin.
+        let is_house = level < 2 && d.axles_x.iter().any(|a| (x - a).abs() < near + 1e-4);
+        let low_y = if is_house { d.width_m / 2.0 - 0.33 } else { p.y - 0.07 };
+        let shelf_z = arch_top.min(p.z - 0.05);
+        let edges = [(p.y - 0.012, p.z), (p.y - 0.05, p.z - 0.03), (p.y - 0.07, shelf_z)];
+        edges
+            .into_iter()
+            .chain([(low_y, shelf_z), (low_y, floor), (0.0, floor)])
+            .map(move |(y, z)| Vec3::new(p.x, y, z))
+    };
+    let wall: Grid = stations.into_iter().map(|x| section(x).collect()).collect();
+    surface.panel_pair(&wall, Outward::Along(Vec3::new(0.0, -1.0, 0.3)), slot::DARK);
     // The dashboard is a wedge under the windscreen.
     let dash_x = front - if d.is_van { 0.22 } else { 0.30 };
-    let dash: Vec<Vec<Vec3>> = [0.0, 0.55, 0.96]
-        .iter()
-        .map(|t| {
-            let y = t * o.glass_foot(front).y;
-            let bow = (o.d.cowl_x - front) * (1.0 - t * t);
-            let top = o.deck_z(front + bow, y) - 0.012;
-            vec![
-                Vec3::new(front + bow, y, top - 0.01),
-                Vec3::new(0.5 * (front + dash_x), y, top + 0.012),
-                Vec3::new(dash_x + 0.02, y, top),
-                Vec3::new(dash_x, y, top - 0.04),
-                Vec3::new(dash_x + 0.12, y, floor.max(top - 0.55)),
-            ]
-        })
-        .collect();
-    surface.pair(&dash, Outward::Along(Vec3::new(-0.6, 0.0, 1.0)), |_, _| Some(slot::DARK));
+    let dash = [0.0, 0.55, 0.96].map(|t| {
+        let y = t * o.glass_foot(front).y;
+        let bow = (o.d.cowl_x - front) * (1.0 - t * t);
+        let top = o.deck_z(front + bow, y) - 0.012;
+        [
+            Vec3::new(front + bow, y, top - 0.01),
+            Vec3::new(0.5 * (front + dash_x), y, top + 0.012),
+            Vec3::new(dash_x + 0.02, y, top),
+            Vec3::new(dash_x, y, top - 0.04),
+            Vec3::new(dash_x + 0.12, y, floor.max(top - 0.55)),
+        ]
+    });
+    surface.panel_pair(&dash, Outward::Along(Vec3::new(-0.6, 0.0, 1.0)), slot::DARK);
     // Bulkhead and tailgate lining close the ends.
     for (x, inside) in [(front - 0.02, -1.0), (rear + 0.03, 1.0)] {
         let p = o.glass_foot(x);
-        let end: Vec<Vec<Vec3>> =
-            [floor, p.z - 0.02].iter().map(|z| vec![Vec3::new(x, 0.0, *z), Vec3::new(x, p.y - 0.03, *z)]).collect();
-        surface.pair(&end, Outward::Along(Vec3::new(inside, 0.0, 0.0)), |_, _| Some(slot::DARK));
+        let end = grid([floor, p.z - 0.02], [0.0, p.y - 0.03], |z, y| Vec3::new(x, y, z));
+        surface.panel_pair(&end, Outward::Along(Vec3::new(inside, 0.0, 0.0)), slot::DARK);
     }
     if let Some(hip) = seats.rear_hip {
         let (from, to) = (hip.x - 0.30, rear + 0.02);
         if from > to + 0.08 {
             let z = o.top_z(to) - 0.03;
-            let shelf: Vec<Vec<Vec3>> = [from, to]
-                .iter()
-                .map(|x| vec![Vec3::new(*x, 0.0, z), Vec3::new(*x, o.glass_foot(*x).y - 0.04, z)])
-                .collect();
-            surface.pair(&shelf, Outward::Along(Vec3::Z), |_, _| Some(slot::DARK));
+            let shelf = [from, to].map(|x| [Vec3::new(x, 0.0, z), Vec3::new(x, o.glass_foot(x).y - 0.04, z)]);
+            surface.panel_pair(&shelf, Outward::Along(Vec3::Z), slot::DARK);
         }
     }
 }
@@ -165,27 +173,15 @@ fn steering_wheel(o: &Outline, seats: &Seats) -> (Vec3, Mat3) {
     (center, leaning(if o.d.is_van { 0.85 } else { 1.15 }))
 }
 
-fn add_steering_wheel(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
-    let (center, axes) = steering_wheel(o, seats);
-    add_wheel(surface, center, axes, 0.178, level);
-}
-
 /// A steering wheel.
 pub(super) fn add_wheel(surface: &mut Surface, center: Vec3, axes: Mat3, radius_m: f32, level: usize) {
     let (around, tube) = if level == 0 { (14, 5) } else { (7, 3) };
-    let rings: Vec<Vec<Vec3>> = (0..=around)
-        .map(|i| {
-            let a = (i % around) as f32 / around as f32 * std::f32::consts::TAU;
-            (0..=tube)
-                .map(|j| {
-                    let b = (j % tube) as f32 / tube as f32 * std::f32::consts::TAU;
-                    let r = radius_m + 0.015 * cosf(b);
-                    center + axes * Vec3::new(r * cosf(a), r * sinf(a), 0.015 * sinf(b))
-                })
-                .collect()
-        })
-        .collect();
-    surface.sheet(&rings, Outward::From(center), |_, _| Some(slot::DARK));
+    let closed = |count: usize| turns_rad(count).chain([0.0]);
+    let rings = grid(closed(around), closed(tube), |a, b| {
+        let r = radius_m + 0.015 * cosf(b);
+        center + axes * Vec3::new(r * cosf(a), r * sinf(a), 0.015 * sinf(b))
+    });
+    surface.panel(&rings, Outward::From(center), slot::DARK);
     surface.block(center - axes * Vec3::Z * 0.01, Vec3::new(0.07, radius_m - 0.013, 0.012), axes, 6, slot::DARK);
 }
 
@@ -193,31 +189,13 @@ pub(super) fn add_wheel(surface: &mut Surface, center: Vec3, axes: Mat3, radius_
 pub(super) fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: Option<[Vec3; 2]>, level: usize) {
     let lean = leaning(0.30);
     let n = [12, 7, 5][level];
-    let ring = |center: Vec3, half_x: f32, half_y: f32| -> Vec<Vec3> {
-        (0..n)
-            .map(|k| k as f32 / n as f32 * std::f32::consts::TAU)
-            .map(|a| center + lean * Vec3::new(half_x * cosf(a), half_y * sinf(a), 0.0))
-            .collect()
-    };
     let at = |x: f32, z: f32| hip + Vec3::new(-0.03, 0.0, 0.0) + lean * Vec3::new(x, 0.0, z * scale);
-    let torso: Vec<Vec<Vec3>> =
-        [(0.0, 0.12, 0.17), (0.18, 0.11, 0.155), (0.36, 0.12, 0.185), (0.46, 0.10, 0.20), (0.52, 0.06, 0.10)]
-            .iter()
-            .map(|(z, a, b)| ring(at(0.0, *z), *a, *b))
-            .collect();
-    surface.builder.loft(&torso, slot::SHIRT, true);
-    let neck: Vec<Vec<Vec3>> = [0.50, 0.60].iter().map(|z| ring(at(0.02, *z), 0.055, 0.055)).collect();
-    surface.builder.loft(&neck, slot::SKIN, false);
-    let face: Vec<Vec<Vec3>> = [(0.57, 0.05, 0.045), (0.61, 0.085, 0.066), (0.68, 0.098, 0.075), (0.73, 0.098, 0.077)]
-        .iter()
-        .map(|(z, a, b)| ring(at(0.04, *z), *a, *b))
-        .collect();
-    surface.builder.loft(&face, slot::SKIN, true);
-    let hair: Vec<Vec<Vec3>> = [(0.66, 0.085, 0.082), (0.73, 0.102, 0.083), (0.77, 0.095, 0.078), (0.805, 0.06, 0.05)]
-        .iter()
-        .map(|(z, a, b)| ring(at(if *z < 0.70 { 0.015 } else { 0.032 }, *z), *a, *b))
-        .collect();
-    surface.builder.loft(&hair, slot::HAIR, true);
+    for (rings, slot, has_caps) in SITTER {
+        let rings = grid(rings, turns_rad(n), |(x, z, half_x, half_y), a| {
+            at(*x, *z) + lean * Vec3::new(half_x * cosf(a), half_y * sinf(a), 0.0)
+        });
+        surface.builder.loft(&rings, slot, has_caps);
+    }
     if level == 2 {
         return;
     }
@@ -252,15 +230,7 @@ pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0_m: f32, r1_m: f32
     let along = (b - a).normalize();
     let u = along.cross(if along.z.abs() < 0.9 { Vec3::Z } else { Vec3::X }).normalize();
     let v = along.cross(u);
-    let rings: Vec<Vec<Vec3>> = [(a, r0_m), (b, r1_m)]
-        .iter()
-        .map(|(c, r)| {
-            (0..n)
-                .map(|k| k as f32 / n as f32 * std::f32::consts::TAU)
-                .map(|t| *c + (u * cosf(t) + v * sinf(t)) * *r)
-                .collect()
-        })
-        .collect();
+    let rings = grid([(a, r0_m), (b, r1_m)], turns_rad(n), |(c, r), t| c + (u * cosf(t) + v * sinf(t)) * r);
     surface.builder.loft(&rings, slot, true);
 }
 

@@ -7,7 +7,7 @@ use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;
-use super::surface::{Outward, Surface, mirrored};
+use super::surface::{Grid, Outward, Surface, grid, mirrored};
 use cadet_base::geometry::{Bounds, LazyMesh, LodSet};
 use cadet_base::math::{DVec3, Mat3, Quat, Vec3};
 
@@ -47,7 +47,7 @@ impl Opening {
 /// A leaf when it is closed, in the box frame: rows from below to above of points from the hinge's side, and from the left.
 #[derive(Debug, Clone)]
 struct Leaf {
-    rows: Vec<Vec<Vec3>>,
+    rows: Grid,
     /// The material between each row and the next.
     slots: Vec<u8>,
     inward: Vec3,
@@ -103,18 +103,15 @@ fn door(o: &Outline, house: &Glasshouse<'_>) -> Leaf {
     let (front, back) = (o.screen_foot_x.min(d.axles_x[0] - 1.12 * d.arch_radius_m), house.b_pillar_x);
     let low = d.clearance_m + 0.10;
     let across = [0.0, 0.25, 0.5, 0.75, 1.0_f32];
-    let panel = [0.0, 0.2, 0.45, 0.7, 0.88, 1.0_f32].map(|v| {
-        let at = |t: f32| {
-            let x = front + (back - front) * t;
-            o.flank(x, low + (o.top_z(x) - 0.012 - low) * v)
-        };
-        across.map(at).to_vec()
+    let mut rows = grid([0.0, 0.2, 0.45, 0.7, 0.88, 1.0_f32], across, |v, t| {
+        let x = front + (back - front) * t;
+        o.flank(x, low + (o.top_z(x) - 0.012 - low) * v)
     });
     let [(foot_a, top_a), (foot_b, top_b)] = house.front_pane();
-    let pane = [0.06, 0.5, 0.90_f32]
-        .map(|v| across.map(|t| house.side(foot_a + (foot_b - foot_a) * t, top_a + (top_b - top_a) * t, v)).to_vec());
+    rows.extend(grid([0.06, 0.5, 0.90_f32], across, |v, t| {
+        house.side(foot_a + (foot_b - foot_a) * t, top_a + (top_b - top_a) * t, v)
+    }));
     let slots = [slot::PAINT; 5].into_iter().chain([slot::PLASTIC]).chain([slot::SIDE_GLASS; 2]).collect();
-    let rows: Vec<Vec<Vec3>> = panel.into_iter().chain(pane).collect();
     let hinge = rows[0][0];
     Leaf { rows, slots, inward: Vec3::NEG_Y, hinge, proud_m: DOOR_PROUD_M, hides_pane: false }
 }
@@ -122,13 +119,17 @@ fn door(o: &Outline, house: &Glasshouse<'_>) -> Leaf {
 fn gate(o: &Outline, house: &Glasshouse<'_>) -> Leaf {
     let across = [0.78, 0.66, 0.52, 0.34, 0.17, -0.17, -0.34, -0.52, -0.66, -0.78_f32];
     let turned = |p: Vec3, t: f32| if t < 0.0 { mirrored(p) } else { p };
-    let panel = [0.40, 0.50, 0.64, 0.78, 0.90, 0.97_f32]
-        .map(|v| across.map(|t| turned(o.point(&o.end_column(t.abs(), false), v), t)).to_vec());
-    let pane = [0.06, 0.5, 0.90, 0.99_f32].map(|s| across.map(|t| turned(house.on_backlight(t.abs(), s), t)).to_vec());
+    let panel = |v: f32, t: f32| turned(o.point(&o.end_column(t.abs(), false), v), t);
+    let mut rows = grid([0.40, 0.50, 0.64, 0.78, 0.90, 0.97_f32], across, panel);
+    rows.extend(grid([0.06, 0.5, 0.90, 0.99_f32], across, |s, t| turned(house.on_backlight(t.abs(), s), t)));
     let slots = [slot::PAINT; 6].into_iter().chain([slot::REAR_GLASS, slot::REAR_GLASS, slot::PAINT]).collect();
-    let rows: Vec<Vec<Vec3>> = panel.into_iter().chain(pane).collect();
     let hinge = rows[rows.len() - 1][4];
     Leaf { rows, slots, inward: Vec3::X, hinge, proud_m: GATE_PROUD_M, hides_pane: true }
+}
+
+/// Points moved, by the number of their row.
+fn moved(rows: &[Vec<Vec3>], to: impl Fn(usize, Vec3) -> Vec3) -> Grid {
+    rows.iter().enumerate().map(|(i, row)| row.iter().map(|p| to(i, *p)).collect()).collect()
 }
 
 impl Leaf {
@@ -146,7 +147,7 @@ impl Leaf {
 
     fn mirrored(&self) -> Self {
         Self {
-            rows: self.rows.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect(),
+            rows: moved(&self.rows, |_, p| mirrored(p)),
             inward: mirrored(self.inward),
             hinge: mirrored(self.hinge),
             ..self.clone()
@@ -158,20 +159,14 @@ impl Leaf {
         let is_pane = |i: usize| matches!(self.slots[i], slot::SIDE_GLASS | slot::REAR_GLASS);
         let below_pane = (0..self.slots.len()).find(|i| is_pane(*i)).unwrap_or(self.slots.len());
         let covered = &self.rows[..=if self.hides_pane { self.slots.len() } else { below_pane }];
-        let hole: Vec<Vec<Vec3>> =
-            covered.iter().map(|row| row.iter().map(|p| *p - self.inward * self.proud_m).collect()).collect();
-        surface.sheet(&hole, out, |_, _| Some(slot::LINER));
+        let hole = moved(covered, |_, p| p - self.inward * self.proud_m);
+        surface.panel(&hole, out, slot::LINER);
         let mut leaf = Surface::default();
         let thick = |i: usize| {
             let beside = |k: usize| is_pane(k.min(self.slots.len() - 1));
             if beside(i) || (i > 0 && beside(i - 1)) { PANE_M } else { THICK_M }
         };
-        let inner: Vec<Vec<Vec3>> = self
-            .rows
-            .iter()
-            .enumerate()
-            .map(|(i, row)| row.iter().map(|p| *p + self.inward * thick(i)).collect())
-            .collect();
+        let inner = moved(&self.rows, |i, p| p + self.inward * thick(i));
         leaf.sheet(&self.rows, out, |i, _| Some(self.slots[i]));
         leaf.sheet(&inner, Outward::Along(self.inward), |i, _| {
             Some(if is_pane(i) { self.slots[i] } else { slot::DARK })
@@ -180,11 +175,11 @@ impl Leaf {
         let (last, end) = (self.rows.len() - 1, self.rows[0].len() - 1);
         let middle = self.rows[last / 2][end / 2] + self.inward * (0.5 * THICK_M);
         for k in [0, last] {
-            leaf.sheet(&[self.rows[k].clone(), inner[k].clone()], Outward::From(middle), |_, _| Some(slot::PAINT));
+            leaf.panel(&[&self.rows[k], &inner[k]], Outward::From(middle), slot::PAINT);
         }
         for k in [0, end] {
-            let edge = |rows: &[Vec<Vec3>]| rows.iter().map(|row| row[k]).collect::<Vec<Vec3>>();
-            leaf.sheet(&[edge(&self.rows), edge(&inner)], Outward::From(middle), |_, _| Some(slot::PAINT));
+            let edge = |rows: &Grid| rows.iter().map(|row| row[k]).collect::<Vec<Vec3>>();
+            leaf.panel(&[edge(&self.rows), edge(&inner)], Outward::From(middle), slot::PAINT);
         }
         let rotation = Mat3::from_quat(turn);
         surface.builder.append(&leaf.builder, rotation, self.hinge - rotation * self.hinge);

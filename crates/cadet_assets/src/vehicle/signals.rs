@@ -4,7 +4,7 @@ use super::body::Styling;
 use super::details::flank_strip;
 use super::outline::{Face, Outline};
 use super::paint::slot;
-use super::surface::{Outward, Surface};
+use super::surface::{Outward, Surface, grid};
 use cadet_base::math::Vec3;
 
 /// Lateral and height fractions of the front signals: the lower outer corners of the head lamps.
@@ -46,10 +46,7 @@ fn cuts([from, to]: [f32; 2], of_shell: &[f32]) -> Vec<f32> {
 
 fn add_lens(surface: &mut Surface, o: &Outline, is_nose: bool, across: &[f32], up: &[f32]) {
     let out = if is_nose { 1.0 } else { -1.0 };
-    let row = |f: &f32| -> Vec<Vec3> {
-        let column = o.end_column(*f, is_nose);
-        up.iter().map(|v| o.point(&column, *v) + Vec3::new(PROUD_M * out, PROUD_M, 0.0)).collect()
-    };
-    let grid: Vec<Vec<Vec3>> = across.iter().map(row).collect();
-    surface.pair(&grid, Outward::Along(Vec3::new(out, 0.5, 0.0)), |_, _| Some(slot::LEFT_SIGNAL));
+    let proud = Vec3::new(PROUD_M * out, PROUD_M, 0.0);
+    let lens = grid(across, up, |f, v| o.point(&o.end_column(*f, is_nose), *v) + proud);
+    surface.panel_pair(&lens, Outward::Along(Vec3::new(out, 0.5, 0.0)), slot::LEFT_SIGNAL);
 }

@@ -3,6 +3,7 @@
 use super::paint::slot;
 use cadet_base::geometry::MeshBuilder;
 use cadet_base::math::{Mat3, Vec3, cosf, sinf};
+use std::f32::consts::TAU;
 
 /// Which side of a sheet is its outside.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +14,23 @@ pub(super) enum Outward {
     Towards(Vec3),
     /// Along a direction.
     Along(Vec3),
+}
+
+/// Rows of points.
+pub(super) type Grid = Vec<Vec<Vec3>>;
+
+/// A row of points for each value of `rows`, with a point for each value of `columns`.
+pub(super) fn grid<R, C>(rows: R, columns: C, place: impl Fn(R::Item, C::Item) -> Vec3) -> Grid
+where
+    R: IntoIterator<Item: Copy>,
+    C: IntoIterator + Clone,
+{
+    rows.into_iter().map(|r| columns.clone().into_iter().map(|c| place(r, c)).collect()).collect()
+}
+
+/// The angles of so many corners around a circle.
+pub(super) fn turns_rad(count: usize) -> impl Iterator<Item = f32> + Clone {
+    (0..count).map(move |k| k as f32 / count as f32 * TAU)
 }
 
 /// A mesh in the making, fed with sheets.
@@ -33,19 +51,31 @@ fn mirrored_slot(of_left: u8) -> u8 {
 
 impl Surface {
     /// Adds a sheet of rows of points; `slot` names the material of the cell behind row i, column j, or leaves it open.
-    pub fn sheet(&mut self, grid: &[Vec<Vec3>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
-        self.cells(grid, is_flipped(grid, outward), &slot);
+    pub fn sheet(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
+        let grid = rows(grid);
+        self.cells(&grid, is_flipped(&grid, outward), &slot);
+    }
+
+    /// Adds a sheet of one material.
+    pub fn panel(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: u8) {
+        self.sheet(grid, outward, |_, _| Some(slot));
     }
 
     /// Adds a sheet of the left side and its mirror image on the right.
-    pub fn pair(&mut self, grid: &[Vec<Vec3>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
-        let flipped = is_flipped(grid, outward);
-        self.cells(grid, flipped, &slot);
-        let right: Vec<Vec<Vec3>> = grid.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect();
-        self.cells(&right, !flipped, &|i, j| slot(i, j).map(mirrored_slot));
+    pub fn pair(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
+        let left = rows(grid);
+        let flipped = is_flipped(&left, outward);
+        self.cells(&left, flipped, &slot);
+        let right: Grid = left.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect();
+        self.cells(&rows(&right), !flipped, &|i, j| slot(i, j).map(mirrored_slot));
     }
 
-    fn cells(&mut self, grid: &[Vec<Vec3>], flipped: bool, slot: &impl Fn(usize, usize) -> Option<u8>) {
+    /// Adds a sheet of one material on the left side and its mirror image on the right.
+    pub fn panel_pair(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: u8) {
+        self.pair(grid, outward, |_, _| Some(slot));
+    }
+
+    fn cells(&mut self, grid: &[&[Vec3]], flipped: bool, slot: &impl Fn(usize, usize) -> Option<u8>) {
         let index: Vec<Vec<u32>> =
             grid.iter().map(|row| row.iter().map(|p| self.builder.vertex(*p)).collect()).collect();
         for i in 1..grid.len() {
@@ -69,17 +99,9 @@ impl Surface {
         let soft = [(-1.0, 0.72), (-0.8, 1.0), (0.8, 1.0), (1.0, 0.72)];
         let plain = [(-1.0, 0.95), (1.0, 0.95)];
         let profile: &[(f32, f32)] = if sides > 4 { &soft } else { &plain };
-        let rings: Vec<Vec<Vec3>> = profile
-            .iter()
-            .map(|(z, scale)| {
-                (0..sides)
-                    .map(|k| {
-                        let (x, y) = soft_square((k as f32 + 0.5) / sides as f32);
-                        center + axes * (Vec3::new(x * scale, y * scale, *z) * half)
-                    })
-                    .collect()
-            })
-            .collect();
+        let corners = (0..sides).map(|k| soft_square((k as f32 + 0.5) / sides as f32));
+        let rings =
+            grid(profile, corners, |(z, scale), (x, y)| center + axes * (Vec3::new(x * scale, y * scale, *z) * half));
         self.builder.loft(&rings, slot, true);
     }
 
@@ -99,13 +121,17 @@ impl Surface {
 
 /// A rounded square of half width 1, once around for t in 0..1.
 fn soft_square(t: f32) -> (f32, f32) {
-    let (c, s) = (cosf(t * std::f32::consts::TAU), sinf(t * std::f32::consts::TAU));
+    let (c, s) = (cosf(t * TAU), sinf(t * TAU));
     // The exponent 4 superellipse, radially.
     let scale = 1.0 / (c * c * c * c + s * s * s * s).sqrt().sqrt();
     (c * scale, s * scale)
 }
 
-fn is_flipped(grid: &[Vec<Vec3>], outward: Outward) -> bool {
+fn rows(grid: &[impl AsRef<[Vec3]>]) -> Vec<&[Vec3]> {
+    grid.iter().map(AsRef::as_ref).collect()
+}
+
+fn is_flipped(grid: &[&[Vec3]], outward: Outward) -> bool {
     let mut sum = 0.0;
     for i in 1..grid.len() {
         for j in 1..grid[i].len().min(grid[i - 1].len()) {

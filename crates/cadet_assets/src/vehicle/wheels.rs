@@ -1,7 +1,7 @@
 //! Wheels: tire, rim with spokes, dark hub behind.
 
 use super::paint::slot;
-use super::surface::{Outward, Surface};
+use super::surface::{Outward, Surface, grid, turns_rad};
 use cadet_base::math::{Vec3, cosf, sinf};
 use std::f32::consts::TAU;
 
@@ -20,11 +20,11 @@ pub(super) fn wheel(radius_m: f32, tyre_width_m: f32, rim: Rim, level: usize) ->
     let sides = [26, 14, 8, 6][level];
     let (r, half) = (radius_m, tyre_width_m / 2.0);
     let rim_r = r - 0.10 * r / 0.31;
-    let ring = |radius: f32, y: f32| -> Vec<Vec3> {
-        (0..=sides)
-            .map(|k| (k % sides) as f32 / sides as f32 * TAU - TAU / 4.0)
-            .map(|a| Vec3::new(radius * cosf(a), y, radius * sinf(a)))
-            .collect()
+    let at = |radius: f32, a: f32, y: f32| Vec3::new(radius * cosf(a), y, radius * sinf(a));
+    // A sheet of rings by their radii and y.
+    let tube = |rings: &[(f32, f32)]| {
+        let around = turns_rad(sides).chain([0.0]).map(|a| a - TAU / 4.0);
+        grid(rings, around, |(radius, y), a| at(*radius, a, *y))
     };
     let tyre: Vec<(f32, f32)> = match level {
         0 => vec![
@@ -41,11 +41,10 @@ pub(super) fn wheel(radius_m: f32, tyre_width_m: f32, rim: Rim, level: usize) ->
         2 => vec![(r, -half), (r, half), (rim_r, half)],
         _ => vec![(r, -half), (r, half)],
     };
-    let grid: Vec<Vec<Vec3>> = tyre.iter().map(|(radius_m, y)| ring(*radius_m, *y)).collect();
-    surface.sheet(&grid, Outward::From(Vec3::ZERO), |_, _| Some(slot::TYRE));
+    surface.panel(&tube(&tyre), Outward::From(Vec3::ZERO), slot::TYRE);
     if level == 3 {
         for (radius_m, y, slot) in [(r, half, slot::TYRE), (rim_r, half + 0.004, slot::RIM)] {
-            surface.sheet(&[ring(radius_m, y), ring(0.0, y)], Outward::Along(Vec3::Y), |_, _| Some(slot));
+            surface.panel(&tube(&[(radius_m, y), (0.0, y)]), Outward::Along(Vec3::Y), slot);
         }
         return surface;
     }
@@ -54,54 +53,45 @@ pub(super) fn wheel(radius_m: f32, tyre_width_m: f32, rim: Rim, level: usize) ->
     let well_y = half - 0.09;
     let outer = Outward::Along(Vec3::Y);
     let lip = 0.020;
-    surface.sheet(&[ring(rim_r, half - 0.005), ring(rim_r - lip, face_y)], outer, |_, _| Some(slot::RIM));
+    surface.panel(&tube(&[(rim_r, half - 0.005), (rim_r - lip, face_y)]), outer, slot::RIM);
     if level == 2 {
-        surface.sheet(&[ring(rim_r - lip, face_y), ring(0.0, face_y)], outer, |_, _| Some(slot::RIM));
+        surface.panel(&tube(&[(rim_r - lip, face_y), (0.0, face_y)]), outer, slot::RIM);
         return surface;
     }
-    let barrel = [ring(rim_r - lip, face_y), ring(rim_r - lip - 0.006, well_y)];
-    surface.sheet(&barrel, Outward::Towards(Vec3::ZERO), |_, _| Some(slot::LINER));
+    let barrel = tube(&[(rim_r - lip, face_y), (rim_r - lip - 0.006, well_y)]);
+    surface.panel(&barrel, Outward::Towards(Vec3::ZERO), slot::LINER);
     if level == 0 {
-        let back = [ring(rim_r, -half + 0.005), ring(0.0, -half + 0.03)];
-        surface.sheet(&back, Outward::Along(Vec3::NEG_Y), |_, _| Some(slot::LINER));
+        let back = tube(&[(rim_r, -half + 0.005), (0.0, -half + 0.03)]);
+        surface.panel(&back, Outward::Along(Vec3::NEG_Y), slot::LINER);
     }
-    surface.sheet(&[ring(rim_r - lip, well_y), ring(0.0, well_y)], outer, |_, _| Some(slot::LINER));
+    surface.panel(&tube(&[(rim_r - lip, well_y), (0.0, well_y)]), outer, slot::LINER);
     let hub_r = 0.24 * rim_r;
     let step = TAU / rim.spokes as f32;
     let tip = rim_r - 0.5 * lip;
-    let at = |radius: f32, a: f32, y: f32| Vec3::new(radius * cosf(a), y, radius * sinf(a));
     for k in 0..rim.spokes {
         let a = k as f32 * step + 0.4;
         let (w0, w1) = (0.5 * step * rim.spoke_share.max(0.75), 0.5 * step * rim.spoke_share);
-        let front = if level == 0 {
-            vec![
-                vec![
-                    at(hub_r, a - w0, face_y - 0.002),
-                    at(hub_r, a, face_y + 0.004),
-                    at(hub_r, a + w0, face_y - 0.002),
-                ],
-                vec![at(tip, a - w1, face_y - 0.006), at(tip, a, face_y), at(tip, a + w1, face_y - 0.006)],
-            ]
+        // From the hub to the tip: radius, half angle, y of the edges and of the ridge between them, which is left out far away.
+        let (edges, across): (_, &[f32]) = if level == 0 {
+            ([(hub_r, w0, face_y - 0.002, face_y + 0.004), (tip, w1, face_y - 0.006, face_y)], &[-1.0, 0.0, 1.0])
         } else {
-            vec![
-                vec![at(hub_r, a - w0, face_y), at(hub_r, a + w0, face_y)],
-                vec![at(tip, a - w1, face_y - 0.004), at(tip, a + w1, face_y - 0.004)],
-            ]
+            ([(hub_r, w0, face_y, face_y), (tip, w1, face_y - 0.004, face_y)], &[-1.0, 1.0])
         };
-        surface.sheet(&front, outer, |_, _| Some(slot::RIM));
+        let front = grid(edges, across, |(radius, wide, edge_y, ridge_y), side| {
+            at(radius, a + side * wide, if *side == 0.0 { ridge_y } else { edge_y })
+        });
+        surface.panel(&front, outer, slot::RIM);
         if level == 0 {
             for (side, w0, w1) in [(-1.0, -w0, -w1), (1.0, w0, w1)] {
-                let edge = vec![
-                    vec![at(hub_r, a + w0, face_y - 0.002), at(tip, a + w1, face_y - 0.006)],
-                    vec![at(hub_r, a + w0, face_y - 0.03), at(tip, a + w1, face_y - 0.03)],
+                let edge = [
+                    [at(hub_r, a + w0, face_y - 0.002), at(tip, a + w1, face_y - 0.006)],
+                    [at(hub_r, a + w0, face_y - 0.03), at(tip, a + w1, face_y - 0.03)],
                 ];
                 let away = at(1.0, a + side * TAU / 4.0, 0.0);
-                surface.sheet(&edge, Outward::Along(away), |_, _| Some(slot::RIM));
+                surface.panel(&edge, Outward::Along(away), slot::RIM);
             }
         }
     }
-    {
-        surface.sheet(&[ring(hub_r, face_y - 0.002), ring(0.0, face_y + 0.008)], outer, |_, _| Some(slot::RIM));
-    }
+    surface.panel(&tube(&[(hub_r, face_y - 0.002), (0.0, face_y + 0.008)]), outer, slot::RIM);
     surface
 }

@@ -2,7 +2,7 @@
 
 use super::super::interior::limb;
 use super::super::paint::{slot, work_slot};
-use super::super::surface::{Outward, Surface};
+use super::super::surface::{Grid, Outward, Surface, grid};
 use super::plan::{CarPlan, End};
 use super::shell::{BELLOWS_M, ROOF_BOX_M, roof};
 use super::{HALF_TRACK_M, WHEEL_RADIUS_M};
@@ -32,7 +32,7 @@ pub(super) fn add_bellows(surface: &mut Surface, p: &CarPlan, level: usize) {
             let ring = points.map(|(y, z)| Vec3::new(x, y, z));
             if sign > 0.0 { ring.to_vec() } else { ring.into_iter().rev().collect() }
         };
-        let rings: Vec<Vec<Vec3>> =
+        let rings: Grid =
             (0..=2 * folds).map(|k| ring(k as f32 / (2 * folds) as f32, if k % 2 == 1 { 0.07 } else { 0.0 })).collect();
         surface.builder.loft(&rings, slot::GRILLE, true);
     }
@@ -172,11 +172,8 @@ pub(super) fn add_what_sticks_out(surface: &mut Surface, p: &CarPlan, level: usi
     }
     for dx in [-0.16, 0.16] {
         let bar = [(-0.82, -0.16), (-0.55, 0.035), (0.55, 0.035), (0.82, -0.16)];
-        let rows: Vec<Vec<Vec3>> = [-0.03, 0.03]
-            .iter()
-            .map(|e| bar.iter().map(|(y, z)| Vec3::new(head.x + dx + e, *y, wire - 0.04 + z)).collect())
-            .collect();
-        surface.sheet(&rows, Outward::Along(Vec3::Z), |_, _| Some(work_slot::FRAME));
-        surface.sheet(&rows, Outward::Along(Vec3::NEG_Z), |_, _| Some(work_slot::FRAME));
+        let rows = grid([-0.03, 0.03], bar, |e, (y, z)| Vec3::new(head.x + dx + e, y, wire - 0.04 + z));
+        surface.panel(&rows, Outward::Along(Vec3::Z), work_slot::FRAME);
+        surface.panel(&rows, Outward::Along(Vec3::NEG_Z), work_slot::FRAME);
     }
 }

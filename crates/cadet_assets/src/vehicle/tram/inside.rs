@@ -2,7 +2,7 @@
 
 use super::super::interior::{add_occupant, add_seat_pairs, limb};
 use super::super::paint::{slot, work_slot};
-use super::super::surface::{Outward, Surface};
+use super::super::surface::{Outward, Surface, grid};
 use super::plan::{CarPlan, End};
 use super::shell::{BELLOWS_M, roof};
 use cadet_base::math::Vec3;
@@ -25,20 +25,17 @@ fn reach(p: &CarPlan) -> [f32; 2] {
 pub(super) fn add(surface: &mut Surface, p: &CarPlan, level: usize) {
     let ([a, b], w) = (reach(p), p.width_m / 2.0 - 0.08);
     let ceiling = roof(p) - 0.42;
-    let plane =
-        |z: f32| [vec![Vec3::new(a, 0.0, z), Vec3::new(a, w, z)], vec![Vec3::new(b, 0.0, z), Vec3::new(b, w, z)]];
-    surface.pair(&plane(p.floor_z + 0.02), Outward::Along(Vec3::Z), |_, _| Some(slot::DARK));
-    surface.pair(&plane(ceiling), Outward::Along(Vec3::NEG_Z), |_, _| Some(work_slot::LINING));
-    let wall = |z0: f32, z1: f32| {
-        [vec![Vec3::new(a, w, z0), Vec3::new(b, w, z0)], vec![Vec3::new(a, w, z1), Vec3::new(b, w, z1)]]
-    };
+    let plane = |z: f32| grid([a, b], [0.0, w], |x, y| Vec3::new(x, y, z));
+    surface.panel_pair(&plane(p.floor_z + 0.02), Outward::Along(Vec3::Z), slot::DARK);
+    surface.panel_pair(&plane(ceiling), Outward::Along(Vec3::NEG_Z), work_slot::LINING);
+    let wall = |z0: f32, z1: f32| grid([z0, z1], [a, b], |z, x| Vec3::new(x, w, z));
     // Walls below the windows on sides without doors, and above them on both.
     if p.doors.is_empty() {
-        surface.pair(&wall(p.floor_z, p.sill_z - 0.02), Outward::Along(Vec3::NEG_Y), |_, _| Some(work_slot::LINING));
+        surface.panel_pair(&wall(p.floor_z, p.sill_z - 0.02), Outward::Along(Vec3::NEG_Y), work_slot::LINING);
     } else if !p.has_left_doors {
-        surface.sheet(&wall(p.floor_z, p.sill_z - 0.02), Outward::Along(Vec3::NEG_Y), |_, _| Some(work_slot::LINING));
+        surface.panel(&wall(p.floor_z, p.sill_z - 0.02), Outward::Along(Vec3::NEG_Y), work_slot::LINING);
     }
-    surface.pair(&wall(p.header_z + 0.02, ceiling), Outward::Along(Vec3::NEG_Y), |_, _| Some(work_slot::LINING));
+    surface.panel_pair(&wall(p.header_z + 0.02, ceiling), Outward::Along(Vec3::NEG_Y), work_slot::LINING);
     add_seat_pairs(surface, seats(p), level);
     if level < 2 {
         for x in &p.doors {
@@ -54,13 +51,12 @@ pub(super) fn add(surface: &mut Surface, p: &CarPlan, level: usize) {
         }
         // The desk below the screen, and the wall behind the driver.
         let desk = [(x + 0.1, p.sill_z + 0.02), (x - 0.35, p.sill_z + 0.08), (x - 0.4, p.floor_z)];
-        let rows: Vec<Vec<Vec3>> =
-            [0.0, 0.85 * w].iter().map(|y| desk.iter().map(|(x, z)| Vec3::new(sign * x, *y, *z)).collect()).collect();
-        surface.pair(&rows, Outward::Along(Vec3::new(-0.6 * sign, 0.0, 1.0)), |_, _| Some(slot::DARK));
+        let desk = grid([0.0, 0.85 * w], desk, |y, (x, z)| Vec3::new(sign * x, y, z));
+        surface.panel_pair(&desk, Outward::Along(Vec3::new(-0.6 * sign, 0.0, 1.0)), slot::DARK);
         let back = sign * (x - 1.55);
-        let sheet = [p.floor_z, p.sill_z + 0.35].map(|z| vec![Vec3::new(back, 0.1 * w, z), Vec3::new(back, w, z)]);
+        let sheet = grid([p.floor_z, p.sill_z + 0.35], [0.1 * w, w], |z, y| Vec3::new(back, y, z));
         for outward in [Vec3::X, Vec3::NEG_X] {
-            surface.pair(&sheet, Outward::Along(outward), |_, _| Some(slot::DARK));
+            surface.panel_pair(&sheet, Outward::Along(outward), slot::DARK);
         }
     }
 }
