@@ -90,18 +90,19 @@ impl Dimensions {
         let z_height =
             if is_van { 0.8 * z_length + 0.6 * s.clipped_normal(0.0, 1.0) } else { s.clipped_normal(0.0, 1.0) };
         let [over_l, over_w, over_h] = Margins::mean_of_vehicles();
-        let l = kind.length_m.0 + kind.length_m.1 * z_length + over_l;
-        let w = kind.width_m.0 + kind.width_m.1 * z_width + over_w;
-        let h = kind.height_m.0 + kind.height_m.1 * z_height + over_h;
-        let tall = h / kind.height_m.0;
-        let front_overhang = (kind.front_overhang_l_ratio + s.range(-0.008, 0.008)) * l;
-        let wheel_radius_m = (kind.wheel_diameter_m / 2.0 * s.range(0.97, 1.03)).min(0.225 * h);
+        let Archetype { size_m: [length_m, width_m, height_m], wheels, glass, ends, .. } = kind;
+        let l = length_m.0 + length_m.1 * z_length + over_l;
+        let w = width_m.0 + width_m.1 * z_width + over_w;
+        let h = height_m.0 + height_m.1 * z_height + over_h;
+        let tall = h / height_m.0;
+        let front_overhang = (wheels.front_overhang_l_ratio + s.range(-0.008, 0.008)) * l;
+        let wheel_radius_m = (wheels.diameter_m / 2.0 * s.range(0.97, 1.03)).min(0.225 * h);
         let arch_radius_m = 1.10 * wheel_radius_m;
         let least_overhang = arch_radius_m + LEAST_BEYOND_ARCH_M;
         let front_axle = l / 2.0 - front_overhang.max(least_overhang);
-        let rear_axle = (front_axle - kind.wheelbase_l_ratio * l).max(least_overhang - l / 2.0);
+        let rear_axle = (front_axle - wheels.wheelbase_l_ratio * l).max(least_overhang - l / 2.0);
         let slope = |deg: f64| math::tan(deg.to_radians()) as f32;
-        let estate = kind.estate && (kind.name != "high_roof" || s.chance(0.8));
+        let estate = kind.is_estate && (kind.name != "high_roof" || s.chance(0.8));
         let windows = if is_van && s.chance(if matches!(kind.name, "medium_van" | "high_van") { 0.75 } else { 0.4 }) {
             Windows::PanelVan
         } else if s.chance(kind.three_door_share) {
@@ -121,15 +122,15 @@ impl Dimensions {
             tyre_width_m: s.range(0.165, if w > 1.6 { 0.215 } else { 0.185 }) as f32,
             arch_radius_m: arch_radius_m as f32,
             clearance_m: (kind.clearance_m * s.range(0.93, 1.07)) as f32,
-            belt_z: (kind.belt_h_ratio * h + s.range(-0.015, 0.015)) as f32,
-            belt_rise_m: s.range(0.015, if kind.estate { 0.04 } else { 0.07 }) as f32,
-            bonnet_edge_z: (kind.bonnet_edge_z * tall + s.range(-0.02, 0.02)) as f32,
-            cowl_z: (kind.cowl_z * tall) as f32,
-            cowl_x: (l / 2.0 - (kind.cowl_l_ratio + s.range(-0.012, 0.012)) * l) as f32,
-            boot_m: (kind.boot_l_ratio * l) as f32,
-            screen_slope: slope(kind.screen_deg + s.range(-1.5, 1.5)),
-            backlight_slope: slope(kind.backlight_deg + s.range(-3.0, 3.0)),
-            tumblehome_tangent: slope(kind.tumblehome_deg + s.range(-1.5, 1.5)),
+            belt_z: (glass.belt_h_ratio * h + s.range(-0.015, 0.015)) as f32,
+            belt_rise_m: s.range(0.015, if kind.is_estate { 0.04 } else { 0.07 }) as f32,
+            bonnet_edge_z: (ends.bonnet_edge_z * tall + s.range(-0.02, 0.02)) as f32,
+            cowl_z: (ends.cowl_z * tall) as f32,
+            cowl_x: (l / 2.0 - (ends.cowl_l_ratio + s.range(-0.012, 0.012)) * l) as f32,
+            boot_m: (ends.boot_l_ratio * l) as f32,
+            screen_slope: slope(glass.screen_deg + s.range(-1.5, 1.5)),
+            backlight_slope: slope(glass.backlight_deg + s.range(-3.0, 3.0)),
+            tumblehome_tangent: slope(glass.tumblehome_deg + s.range(-1.5, 1.5)),
             roof_sag_m: [s.range(0.03, 0.05) as f32, s.range(0.06, 0.10) as f32],
             corner_exponent: if is_van { [(2.2, 3.0), (5.0, 7.0)] } else { [(1.9, 2.65), (3.4, 4.6)] }
                 .map(|(from, to)| s.range(from, to) as f32),

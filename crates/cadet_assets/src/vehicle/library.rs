@@ -11,37 +11,32 @@ use cadet_base::error::Result;
 use cadet_base::math::DVec3;
 use cadet_base::rng::Stream;
 
-const NUM_CARS: usize = 132;
-const NUM_VANS: usize = 64;
-const NUM_TRUCKS: usize = 60;
-const NUM_MISC: usize = 112;
 /// The most that a design is stretched along any axis where there is another choice.
 const MOST_STRETCH: f64 = 1.06;
 
-type Cell = OnceLock<Arc<VehicleModel>>;
-
-/// The designs of a class, and the extents of each.
-struct Shelf {
-    cells: &'static [Cell],
-    sizes_lwh: &'static OnceLock<Vec<DVec3>>,
+/// A design's extents, and its model once it is asked for.
+struct Design {
+    size_lwh: DVec3,
+    model: OnceLock<Arc<VehicleModel>>,
 }
 
-static CARS: [Cell; NUM_CARS] = [const { Cell::new() }; NUM_CARS];
-static VANS: [Cell; NUM_VANS] = [const { Cell::new() }; NUM_VANS];
-static TRUCKS: [Cell; NUM_TRUCKS] = [const { Cell::new() }; NUM_TRUCKS];
-static MISC: [Cell; NUM_MISC] = [const { Cell::new() }; NUM_MISC];
-static CAR_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
-static VAN_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
-static TRUCK_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
-static MISC_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
-
-fn shelf(class: ObjectClass) -> Shelf {
-    match class {
-        ObjectClass::Car => Shelf { cells: &CARS, sizes_lwh: &CAR_SIZES },
-        ObjectClass::Truck => Shelf { cells: &TRUCKS, sizes_lwh: &TRUCK_SIZES },
-        ObjectClass::Misc => Shelf { cells: &MISC, sizes_lwh: &MISC_SIZES },
-        _ => Shelf { cells: &VANS, sizes_lwh: &VAN_SIZES },
-    }
+/// The designs of a class.
+///
+/// # Errors
+/// [`cadet_base::error::Error::Scene`] for a class without designs.
+fn designs(class: ObjectClass) -> Result<&'static [Design]> {
+    static SHELVES: [OnceLock<Vec<Design>>; 4] = [const { OnceLock::new() }; 4];
+    let (shelf, count) = match class {
+        ObjectClass::Car => (0, 132),
+        ObjectClass::Truck => (1, 60),
+        ObjectClass::Misc => (2, 112),
+        _ => (3, 64),
+    };
+    let first = size_of_seed(class, 0)?;
+    Ok(SHELVES[shelf].get_or_init(|| {
+        let rest = (1..count).filter_map(|k| size_of_seed(class, k).ok());
+        std::iter::once(first).chain(rest).map(|size_lwh| Design { size_lwh, model: OnceLock::new() }).collect()
+    }))
 }
 
 /// The extents of the vehicle of a seed.
@@ -60,18 +55,7 @@ fn stretch(from_lwh: DVec3, to_lwh: DVec3) -> f64 {
 /// By which factor the nearest design is stretched.
 #[cfg(test)]
 pub(super) fn least_stretch(class: ObjectClass, true_lwh: DVec3) -> Result<f64> {
-    Ok(stretches(class, true_lwh)?.into_iter().fold(f64::INFINITY, f64::min))
-}
-
-fn stretches(class: ObjectClass, true_lwh: DVec3) -> Result<Vec<f64>> {
-    let Shelf { cells, sizes_lwh } = shelf(class);
-    // Refuses classes without designs.
-    let first = size_of_seed(class, 0)?;
-    let sizes_lwh = sizes_lwh.get_or_init(|| {
-        let rest = (1..cells.len() as u64).filter_map(|k| size_of_seed(class, k).ok());
-        std::iter::once(first).chain(rest).collect()
-    });
-    Ok(sizes_lwh.iter().map(|size| stretch(*size, true_lwh)).collect())
+    Ok(designs(class)?.iter().map(|d| stretch(d.size_lwh, true_lwh)).fold(f64::INFINITY, f64::min))
 }
 
 /// One of the designs whose extents are about `true_lwh`, or else the nearest.
@@ -79,14 +63,16 @@ fn stretches(class: ObjectClass, true_lwh: DVec3) -> Result<Vec<f64>> {
 /// # Errors
 /// [`cadet_base::error::Error::Scene`] for a class without designs.
 pub(super) fn design_near(class: ObjectClass, true_lwh: DVec3, s: &mut Stream) -> Result<Arc<VehicleModel>> {
-    let (stretches, cells) = (stretches(class, true_lwh)?, shelf(class).cells);
+    let designs = designs(class)?;
+    let stretches: Vec<f64> = designs.iter().map(|d| stretch(d.size_lwh, true_lwh)).collect();
     let least = stretches.iter().copied().fold(f64::INFINITY, f64::min);
     let most = least.max(MOST_STRETCH);
-    let near: Vec<usize> = (0..cells.len()).filter(|k| stretches[*k] <= most).collect();
+    let near: Vec<usize> = (0..designs.len()).filter(|k| stretches[*k] <= most).collect();
     let number = near[s.below(near.len())];
-    if let Some(design) = cells[number].get() {
-        return Ok(Arc::clone(design));
+    let cell = &designs[number].model;
+    if let Some(model) = cell.get() {
+        return Ok(Arc::clone(model));
     }
     let made = Arc::new(VehicleModel::generate(class, number as u64)?);
-    Ok(Arc::clone(cells[number].get_or_init(|| made)))
+    Ok(Arc::clone(cell.get_or_init(|| made)))
 }
