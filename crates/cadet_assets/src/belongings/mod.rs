@@ -17,7 +17,7 @@ use std::sync::{Arc, OnceLock};
 use super::person::hold::Hold;
 use super::person::proportions::Proportions;
 use super::person::tube::Tubes;
-use cadet_base::geometry::{Bounds, LazyMesh, LodSet};
+use cadet_base::geometry::LodSet;
 use cadet_base::material::Palette;
 use cadet_base::math::Vec3;
 use cadet_base::rng::Stream;
@@ -69,37 +69,31 @@ impl Belonging {
         };
         let both = |hands: [Vec3; 2]| hands.map(|hand| Some(Hold::Still(hand)));
         let (stature, cycle_m) = (p.stature_m, if p.speed_mps > 0.0 { p.cycle_length_m } else { 0.0 });
-        let (design, hands) = match thing {
+        let (hands, design) = match thing {
             Thing::Umbrella => {
                 let umbrella = Umbrella::draw(stature, side, &mut s);
-                let hand = umbrella.hand();
-                (Design::Umbrella(umbrella), one(hand))
+                (one(umbrella.hand()), Design::Umbrella(umbrella))
             }
             Thing::Pram => {
                 let pram = Pram::draw(stature, &mut s);
-                let hands = both(pram.hands());
-                (Design::Pram(pram), hands)
+                (both(pram.hands()), Design::Pram(pram))
             }
             Thing::Dog => {
                 let dog = Dog::draw(stature, side, cycle_m, &mut s);
-                let hand = dog.hand();
-                (Design::Dog(dog), one(hand))
+                (one(dog.hand()), Design::Dog(dog))
             }
             Thing::Case => {
                 let case = Case::draw(stature, side, &mut s);
-                let hand = case.hand();
-                (Design::Case(case), one(hand))
+                (one(case.hand()), Design::Case(case))
             }
             Thing::Rollator => {
                 let rollator = Rollator::draw(stature, &mut s);
-                let hands = both(rollator.hands());
-                (Design::Rollator(rollator), hands)
+                (both(rollator.hands()), Design::Rollator(rollator))
             }
             Thing::Stick | Thing::Crutch | Thing::Crutches => {
                 let sides: &[f32] = if thing == Thing::Crutches { &[1.0, -1.0] } else { &[side.signum()] };
                 let sticks = Sticks::draw(p, sides, thing != Thing::Stick, &mut s);
-                let hands = sticks.hands();
-                (Design::Sticks(sticks), hands)
+                (sticks.hands(), Design::Sticks(sticks))
             }
         };
         let shapes = Arc::new([const { OnceLock::new() }; NUM_STICK_PHASES]);
@@ -125,12 +119,7 @@ impl Belonging {
         let k = ((phase - phase.floor()) * phases as f64) as usize % phases;
         let shape = self.shapes[k].get_or_init(|| {
             let (design, offset, at) = (Arc::clone(&self.design), self.offset, k as f32 / phases as f32);
-            let bounds = Bounds::of(design.tubes(at, 0).vertices.iter().map(|v| *v + offset));
-            let level = |i: usize| {
-                let design = Arc::clone(&design);
-                (LEVEL_LIMITS_M[i], LazyMesh::new(move || design.tubes(at, i).into_mesh("belonging", offset)))
-            };
-            Arc::new(LodSet { bounds, levels: (0..3).map(level).collect(), coarse_shadow_proxies: 2 })
+            Arc::new(Tubes::lods("belonging", LEVEL_LIMITS_M, offset, move |level| design.tubes(at, level)))
         });
         Arc::clone(shape)
     }

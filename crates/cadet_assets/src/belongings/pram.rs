@@ -137,24 +137,16 @@ impl Pram {
         let w = 0.74 * self.half_width_m;
         let last = 1.0 + 0.9 * self.hood_share;
         let steps = [7, 4, 2][level];
-        let out = |k: usize| {
+        let axes = |k: usize| {
             let turn = -0.45 + (last + 0.45) * k as f32 / steps as f32;
             let (x, z) = (cosf(turn), sinf(turn));
-            (Vec3::new(-toward * x, 0.0, z), Vec3::new(toward * z, 0.0, x))
+            [Vec3::new(toward * z, 0.0, x), Vec3::new(-toward * x, 0.0, z)]
         };
         let band = |center: Vec3, half: [f32; 2]| -> Vec<Ring> {
-            let ring = |k: usize| {
-                let (forward, along) = out(k);
-                Ring {
-                    center: center + forward * (HOOD_M - half[0]),
-                    along,
-                    forward,
-                    half,
-                    slot: slot::CLOTH,
-                    level: 2,
-                }
+            let ring = |[along, forward]: [Vec3; 2]| {
+                Ring::new(center + forward * (HOOD_M - half[0]), [along, forward], half, slot::CLOTH, 2)
             };
-            (0..=steps).map(ring).collect()
+            (0..=steps).map(axes).map(ring).collect()
         };
         tubes.tube(&band(root, [0.012, w]), SIDES[level][1], level, -1.0);
         for side in [1.0, -1.0] {

@@ -18,7 +18,7 @@ pub(super) fn pipe(tubes: &mut Tubes, points: &[Vec3], radius_m: f32, slot: u8, 
     let rings: Vec<Ring> = (0..=last)
         .map(|i| {
             let along = (points[(i + 1).min(last)] - points[i.max(1) - 1]).normalize_or(whole);
-            Ring { center: points[i], along, forward: square_to(whole), half: [radius_m; 2], slot, level: 2 }
+            Ring::new(points[i], [along, square_to(whole)], [radius_m; 2], slot, 2)
         })
         .collect();
     tubes.tube(&rings, SIDES[level][1], level, -1.0);
@@ -27,15 +27,9 @@ pub(super) fn pipe(tubes: &mut Tubes, points: &[Vec3], radius_m: f32, slot: u8, 
 /// A soft body along an axis: places with half axes, up (or forward of an upright one) and aside, and the coarsest level
 /// that keeps each.
 pub(super) fn pod(tubes: &mut Tubes, along: Vec3, places: &[(Vec3, [f32; 2], usize)], slot: u8, level: usize) {
-    let ring = |(center, half, keeps): &(Vec3, [f32; 2], usize)| Ring {
-        center: *center,
-        along,
-        forward: square_to(along),
-        half: *half,
-        slot,
-        level: *keeps,
-    };
-    let rings: Vec<Ring> = places.iter().map(ring).collect();
+    let axes = [along, square_to(along)];
+    let rings: Vec<Ring> =
+        places.iter().map(|(center, half, keeps)| Ring::new(*center, axes, *half, slot, *keeps)).collect();
     tubes.tube(&rings, SIDES[level][0], level, -1.0);
 }
 
@@ -50,14 +44,8 @@ pub(super) fn ball(tubes: &mut Tubes, center: Vec3, half: Vec3, slot: u8, level:
 
 /// A wheel whose axle lies along y.
 pub(super) fn wheel(tubes: &mut Tubes, hub: Vec3, radius_m: f32, width_m: f32, [tire, rim]: [u8; 2], level: usize) {
-    let ring = |y: f32, r: f32, slot: u8, keeps: usize| Ring {
-        center: hub + Vec3::Y * y,
-        along: Vec3::Y,
-        forward: Vec3::Z,
-        half: [r; 2],
-        slot,
-        level: keeps,
-    };
+    let ring =
+        |y: f32, r: f32, slot: u8, keeps: usize| Ring::new(hub + Vec3::Y * y, [Vec3::Y, Vec3::Z], [r; 2], slot, keeps);
     let half = width_m / 2.0;
     let rings = [
         ring(-0.7 * half, 0.70 * radius_m, rim, 0),

@@ -52,7 +52,7 @@ impl Umbrella {
         let rim = self.length_m - self.dome_m;
         let ring = |share: f32, thick: f32, slot: u8| {
             let (r, z) = radius(share);
-            Ring { center: at(rim + z + thick), along: self.axis, forward, half: [r; 2], slot, level: 2 }
+            Ring::new(at(rim + z + thick), [self.axis, forward], [r; 2], slot, 2)
         };
         let inside = shares.iter().map(|share| ring(*share, 0.0, slot::CLOTH_INSIDE));
         let edge = [ring(1.0, 0.0, slot::CLOTH), ring(1.0, THICK_M, slot::CLOTH)];

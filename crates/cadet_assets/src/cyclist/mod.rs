@@ -13,7 +13,7 @@ use crate::annotation;
 use crate::person::proportions::{Headwear, Legwear, Load, PersonKind, Proportions, Top};
 use crate::person::tube::Tubes;
 use cadet_base::actor::AnnotatedBox;
-use cadet_base::geometry::{Bounds, LazyMesh, LodSet};
+use cadet_base::geometry::{Bounds, LodSet};
 use cadet_base::material::Palette;
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
@@ -91,10 +91,10 @@ impl CyclistModel {
         );
         let bodies = [false, true].map(|stands| {
             let make = Arc::clone(&design);
-            Arc::new(levels(&name, move |level| make.body(stands, level)))
+            levels(&name, move |level| make.body(stands, level))
         });
         let make = Arc::clone(&design);
-        let wheel = Arc::new(levels(&name, move |level| shape::wheel(&make.bicycle, level)));
+        let wheel = levels(&name, move |level| shape::wheel(&make.bicycle, level));
         Self {
             size_lwh,
             annotated,
@@ -125,7 +125,7 @@ impl CyclistModel {
         let shape = self.pointing[usize::from(arm_share < 0.0)][index].get_or_init(|| {
             let (design, share) = (Arc::clone(&self.design), step as f32 / ARM_STEPS as f32);
             let side = if arm_share < 0.0 { -1.0 } else { 1.0 };
-            Arc::new(levels(&self.name, move |level| design.body_with(false, Some((side, share)), level)))
+            levels(&self.name, move |level| design.body_with(false, Some((side, share)), level))
         });
         Arc::clone(shape)
     }
@@ -152,7 +152,7 @@ impl CyclistModel {
     fn legs_at(&self, index: usize, legs: Legs) -> Arc<LodSet> {
         let shape = self.legs[index].get_or_init(|| {
             let design = Arc::clone(&self.design);
-            Arc::new(levels(&self.name, move |level| design.legs(legs, level)))
+            levels(&self.name, move |level| design.legs(legs, level))
         });
         Arc::clone(shape)
     }
@@ -162,15 +162,8 @@ fn phase_legs(index: usize) -> Legs {
     Legs::Pedal(index as f32 / NUM_PHASES as f32)
 }
 
-/// A shape whose levels are made when they are needed.
-fn levels(name: &str, make: impl Fn(usize) -> Tubes + Send + Sync + 'static) -> LodSet {
-    let bounds = Bounds::of(make(0).vertices);
-    let make = Arc::new(make);
-    let level = |i: usize| {
-        let (make, name) = (Arc::clone(&make), name.to_owned());
-        (LEVEL_LIMITS_M[i], LazyMesh::new(move || make(i).into_mesh(&name, Vec3::ZERO)))
-    };
-    LodSet { bounds, levels: (0..3).map(level).collect(), coarse_shadow_proxies: 2 }
+fn levels(name: &str, make: impl Fn(usize) -> Tubes + Send + Sync + 'static) -> Arc<LodSet> {
+    Arc::new(Tubes::lods(name, LEVEL_LIMITS_M, Vec3::ZERO, make))
 }
 
 impl Design {

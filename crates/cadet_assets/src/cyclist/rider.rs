@@ -4,7 +4,7 @@ use super::bicycle::Bicycle;
 use crate::person::arms::{add_arm, add_load, arm_to, shoulder, two_links};
 use crate::person::body::{LegLine, add_leg, add_trunk, foot_axes};
 use crate::person::frame::Frame;
-use crate::person::gait::{Arm, Leg, Posture};
+use crate::person::gait::Posture;
 use crate::person::head::add_head;
 use crate::person::hold::Hold;
 use crate::person::proportions::Proportions;
@@ -70,7 +70,7 @@ impl Seat {
     fn leaning(p: &Proportions, bicycle: &Bicycle, hip: Vec3) -> Self {
         let arm = ARM_EXTENSION * arm_length(p);
         let is_too_far = |lean: f32| {
-            let posture = posture(lean);
+            let posture = Posture { lean_rad: lean, ..Posture::default() };
             (hip + shoulder(p, &Frame::new(p, &posture), 1.0) - bicycle.grip).length() > arm
         };
         Self { hip, lean_rad: bisect(LEAN_RAD[0], LEAN_RAD[1], is_too_far) }
@@ -79,7 +79,7 @@ impl Seat {
     /// Trunk, head, arms, and what is on the back. `pointing` stretches the arm of a side out by a share of the way.
     pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
         let mut tubes = Tubes::default();
-        let posture = posture(self.lean_rad);
+        let posture = Posture { lean_rad: self.lean_rad, ..Posture::default() };
         let frame = Frame::new(p, &posture);
         add_trunk(&mut tubes, p, &frame, level);
         let mut hands = [Vec3::ZERO; 2];
@@ -151,20 +151,6 @@ fn sole_pitch(phase: f32) -> f32 {
 fn ankle_on(p: &Proportions, pedal: Vec3, side: f32, sole: f32) -> Vec3 {
     let (along, up) = foot_axes(sole, side);
     pedal + Vec3::Z * PEDAL_HALF_M - along * p.ball_before_ankle_m + up * p.ankle_height_m
-}
-
-fn posture(lean_rad: f32) -> Posture {
-    let leg = Leg { thigh_rad: 0.0, shank_rad: 0.0, sole_rad: 0.0 };
-    let arm = Arm { swing_rad: 0.0, lift_rad: 0.0, elbow_rad: 0.0, inward_rad: 0.0 };
-    Posture {
-        legs: [leg; 2],
-        arms: [arm; 2],
-        phase: 0.0,
-        pelvis_yaw_rad: 0.0,
-        shoulder_yaw_rad: 0.0,
-        sway_m: 0.0,
-        lean_rad,
-    }
 }
 
 /// The greatest value for which `holds` is true, if it is for all smaller ones.

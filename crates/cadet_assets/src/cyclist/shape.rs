@@ -21,7 +21,7 @@ fn pipe(tubes: &mut Tubes, points: &[Vec3], half: [f32; 2], slot: u8, level: usi
     let rings: Vec<Ring> = (0..=last)
         .map(|i| {
             let along = (points[(i + 1).min(last)] - points[i.max(1) - 1]).normalize();
-            Ring { center: points[i], along, forward: square_to(along), half, slot, level: 2 }
+            Ring::new(points[i], [along, square_to(along)], half, slot, 2)
         })
         .collect();
     tubes.tube(&rings, SIDES[level], level, -1.0);
@@ -40,7 +40,7 @@ fn arc(tubes: &mut Tubes, center: Vec3, radius: f32, turn: [f32; 2], half: [f32;
             let angle = turn[0] + (turn[1] - turn[0]) * k as f32 / steps as f32;
             let out = Vec3::new(sinf(angle), 0.0, cosf(angle));
             let along = Vec3::new(cosf(angle), 0.0, -sinf(angle));
-            Ring { center: center + out * radius, along, forward: out, half, slot, level: 2 }
+            Ring::new(center + out * radius, [along, out], half, slot, 2)
         })
         .collect();
     tubes.tube(&rings, [8, 6, 4][level], level, -1.0);
@@ -64,14 +64,7 @@ pub(super) fn wheel(bicycle: &Bicycle, level: usize) -> Tubes {
             let lead = if k % 4 < 2 { 0.9 } else { -0.9 };
             let ends = [at(angle + lead, 0.020, 0.032 * side), at(angle, r - 2.0 * tire - 0.01, 0.0)];
             let along = (ends[1] - ends[0]).normalize();
-            let rings = ends.map(|center| Ring {
-                center,
-                along,
-                forward: square_to(along),
-                half: [0.0011; 2],
-                slot: slot::METAL,
-                level: 2,
-            });
+            let rings = ends.map(|end| Ring::new(end, [along, square_to(along)], [0.0011; 2], slot::METAL, 2));
             tubes.tube(&rings, 3, level, -1.0);
         }
     }
@@ -150,13 +143,8 @@ fn add_handlebar(tubes: &mut Tubes, b: &Bicycle, head_top: Vec3, level: usize) {
 }
 
 fn add_saddle(tubes: &mut Tubes, top: Vec3, level: usize) {
-    let ring = |x: f32, y: f32, z: f32, level: usize| Ring {
-        center: top + Vec3::new(x, 0.0, -z),
-        along: Vec3::X,
-        forward: Vec3::Z,
-        half: [z, y],
-        slot: slot::SADDLE,
-        level,
+    let ring = |x: f32, y: f32, z: f32, level: usize| {
+        Ring::new(top + Vec3::new(x, 0.0, -z), [Vec3::X, Vec3::Z], [z, y], slot::SADDLE, level)
     };
     let rings = [
         ring(-0.13, 0.055, 0.020, 2),
@@ -199,13 +187,9 @@ fn add_fittings(tubes: &mut Tubes, b: &Bicycle, level: usize) {
 
 /// A box with round edges.
 fn block(tubes: &mut Tubes, center: Vec3, half: Vec3, slot: u8, level: usize) {
-    let ring = |z: f32, s: f32, level: usize| Ring {
-        center: center + Vec3::Z * (z * half.z),
-        along: Vec3::Z,
-        forward: Vec3::X,
-        half: [half.x * s * 1.15, half.y * s * 1.15],
-        slot,
-        level,
+    let ring = |z: f32, s: f32, level: usize| {
+        let half_xy = [half.x * s * 1.15, half.y * s * 1.15];
+        Ring::new(center + Vec3::Z * (z * half.z), [Vec3::Z, Vec3::X], half_xy, slot, level)
     };
     let rings = [ring(-1.0, 0.8, 2), ring(-0.9, 0.92, 0), ring(0.85, 1.0, 2), ring(1.0, 0.93, 1)];
     tubes.tube(&rings, [12, 8, 4][level], level, -1.0);
@@ -218,14 +202,7 @@ pub(super) fn add_cranks(tubes: &mut Tubes, b: &Bicycle, phase: f32, level: usiz
         let foot = Vec3::new(pedal.x, side * 0.065, pedal.z);
         bar(tubes, b.crank_axle() + Vec3::Y * (0.055 * side), foot, 0.011, slot::METAL, level);
         let ends = [foot, Vec3::new(pedal.x, side * (b.pedal_y + 0.045), pedal.z)];
-        let rings = ends.map(|center| Ring {
-            center,
-            along: Vec3::Y * side,
-            forward: Vec3::Z,
-            half: [PEDAL_HALF_M, 0.035],
-            slot: slot::PLASTIC,
-            level: 2,
-        });
+        let rings = ends.map(|end| Ring::new(end, [Vec3::Y * side, Vec3::Z], [PEDAL_HALF_M, 0.035], slot::PLASTIC, 2));
         tubes.tube(&rings, SIDES[level].max(4), level, -1.0);
     }
 }

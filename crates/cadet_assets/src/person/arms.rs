@@ -75,48 +75,33 @@ pub(crate) fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, line: &
     let (sleeve, bare) = (slot::TOP, if short { slot::SKIN } else { slot::TOP });
     let low = if short { 0.0 } else { loose };
     let thin = if p.kind == PersonKind::Woman { 0.90 } else { 1.0 };
-    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
-        center,
-        along,
-        forward: if along.z.abs() > 0.7 { forward } else { Vec3::Z },
-        half: [r * g * thin + extra; 2],
-        slot,
-        level,
-    };
     let on_upper = |t: f32| shoulder + upper * (p.upper_arm_m * t);
     let on_fore = |t: f32| elbow + fore * (p.forearm_m * t);
     // One reference direction along the whole arm, so that the tube does not twist.
-    let reference = {
-        let c = upper.cross(fore);
-        if c.length_squared() > 1e-4 { c.normalize() } else { left }
+    let aside = upper.cross(fore);
+    let is_bent = aside.length_squared() > 1e-4;
+    let reference = if is_bent { aside.normalize() } else { left };
+    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| {
+        Ring::new(center, [along, reference], [r * g * thin + extra; 2], slot, level)
     };
-    let mut rings = [
+    let rings = [
         ring(on_upper(-0.04), upper, 0.030, 0.5 * loose, sleeve, 0),
         ring(on_upper(0.03), upper, 0.046, loose, sleeve, 2),
         ring(on_upper(0.25), upper, 0.052, loose, sleeve, 0),
         ring(on_upper(0.55), upper, 0.049, if short { 0.018 } else { loose }, bare, 1),
-        ring(on_upper(0.57), upper, 0.046, low, bare, if short { 0 } else { 9 }),
+        ring(on_upper(0.57), upper, 0.046, low, bare, 0),
         ring(on_upper(0.85), upper, 0.043, low, bare, 0),
         ring(elbow, (upper + fore).normalize(), 0.042, low, bare, 2),
         ring(on_fore(0.22), fore, 0.043, low, bare, 0),
         ring(on_fore(0.60), fore, 0.036, low, bare, 1),
         ring(on_fore(0.98), fore, 0.028, low, slot::SKIN, 2),
     ];
-    for r in &mut rings {
-        r.forward = reference;
-        if r.level == 9 {
-            r.level = 0;
-        }
-    }
+
     tubes.tube(&rings, SIDES[level][2], level, -1.0);
     let scale = p.hand_m / 0.19;
-    let flat = |t: f32, a: f32, b: f32, level: usize| Ring {
-        center: wrist + fore * (t * p.hand_m),
-        along: fore,
-        forward: if upper.cross(fore).length_squared() > 1e-4 { fold } else { forward },
-        half: [a * scale, b * scale],
-        slot: slot::SKIN,
-        level,
+    let palm = if is_bent { fold } else { forward };
+    let flat = |t: f32, a: f32, b: f32, level: usize| {
+        Ring::new(wrist + fore * (t * p.hand_m), [fore, palm], [a * scale, b * scale], slot::SKIN, level)
     };
     let hand = [
         flat(-0.05, 0.026, 0.020, 2),
@@ -131,17 +116,11 @@ pub(crate) fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, line: &
 
 /// An upright soft box.
 fn sack(tubes: &mut Tubes, center: Vec3, forward: Vec3, half: Vec3, level: usize) {
-    let rings: Vec<Ring> = [(-1.0, 0.70, 1), (-0.85, 1.0, 2), (0.0, 1.05, 0), (0.75, 0.92, 2), (1.0, 0.6, 1)]
-        .iter()
-        .map(|(z, s, keep)| Ring {
-            center: center + Vec3::Z * (z * half.z),
-            along: Vec3::Z,
-            forward,
-            half: [half.x * s * 1.12, half.y * s * 1.12],
-            slot: slot::BAG,
-            level: *keep,
-        })
-        .collect();
+    let rings =
+        [(-1.0, 0.70, 1), (-0.85, 1.0, 2), (0.0, 1.05, 0), (0.75, 0.92, 2), (1.0, 0.6, 1)].map(|(z, s, keep)| {
+            let half_xy = [half.x * s * 1.12, half.y * s * 1.12];
+            Ring::new(center + Vec3::Z * (z * half.z), [Vec3::Z, forward], half_xy, slot::BAG, keep)
+        });
     tubes.tube(&rings, SIDES[level][2], level, -1.0);
 }
 
@@ -161,18 +140,8 @@ pub(crate) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Frame, wrists
             let center = frame.spine(z) + left * (0.168 * frame.girth_scale + 0.065) - f * 0.08;
             sack(tubes, center, f, Vec3::new(0.16, 0.055, 0.14), level);
             if level < 2 {
-                let strap: Vec<Ring> =
-                    [center + Vec3::Z * 0.12, frame.spine(1.08 * p.trunk_m) + left * (0.8 * p.shoulder_half_m)]
-                        .iter()
-                        .map(|c| Ring {
-                            center: *c,
-                            along: Vec3::Z,
-                            forward: f,
-                            half: [0.02, 0.008],
-                            slot: slot::BAG,
-                            level: 2,
-                        })
-                        .collect();
+                let ends = [center + Vec3::Z * 0.12, frame.spine(1.08 * p.trunk_m) + left * (0.8 * p.shoulder_half_m)];
+                let strap = ends.map(|end| Ring::new(end, [Vec3::Z, f], [0.02, 0.008], slot::BAG, 2));
                 tubes.tube(&strap, 4, level, -1.0);
             }
         }

@@ -55,16 +55,10 @@ fn leg_line(p: &Proportions, posture: &Posture, side: f32, leg: Leg) -> LegLine 
     let foot_y = side * p.step_half_width_m.max(if p.speed_mps == 0.0 { 0.10 } else { 0.0 });
     let slope = (foot_y - hip.y) / (p.thigh_m + p.shank_m);
     let slanted = |v: Vec3| Vec3::new(v.x, v.y - slope * v.z, v.z);
-    let forward =
-        Vec3::new(cosf(0.5 * (leg.thigh_rad + leg.shank_rad)), 0.0, sinf(0.5 * (leg.thigh_rad + leg.shank_rad)));
-    LegLine {
-        hip,
-        thigh: slanted(down(leg.thigh_rad)),
-        shank: slanted(down(leg.shank_rad)),
-        forward,
-        sole_rad: leg.sole_rad,
-        side,
-    }
+    let middle_rad = 0.5 * (leg.thigh_rad + leg.shank_rad);
+    let forward = Vec3::new(cosf(middle_rad), 0.0, sinf(middle_rad));
+    let [thigh, shank] = [leg.thigh_rad, leg.shank_rad].map(|angle_rad| slanted(down(angle_rad)));
+    LegLine { hip, thigh, shank, forward, sole_rad: leg.sole_rad, side }
 }
 
 /// Adds a leg and its foot; returns the knee.
@@ -83,13 +77,8 @@ pub(crate) fn add_leg(tubes: &mut Tubes, p: &Proportions, line: &LegLine, level:
     let upper = if p.legwear == Legwear::Skirt { slot::SKIN } else { slot::LEGS };
     let loose = if bare { 0.0 } else { wide };
     let bend = (thigh + shank).normalize();
-    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
-        center,
-        along: along.normalize(),
-        forward,
-        half: [r * g + extra, 0.95 * r * g + extra],
-        slot,
-        level,
+    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| {
+        Ring::new(center, [along.normalize(), forward], [r * g + extra, 0.95 * r * g + extra], slot, level)
     };
     let hem = if p.legwear == Legwear::Shorts { 0.030 } else { wide };
     let on_thigh = |t: f32| hip + thigh * (p.thigh_m * t);
@@ -139,14 +128,7 @@ fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole_rad: f32, side
         } else {
             (ankle + along * (x * p.foot_m) - up * p.ankle_height_m, along, up)
         };
-        Ring {
-            center: ground - normal * (CUT * half),
-            along: direction,
-            forward: normal,
-            half: [half, half_width * scale],
-            slot: slot::SHOES,
-            level,
-        }
+        Ring::new(ground - normal * (CUT * half), [direction, normal], [half, half_width * scale], slot::SHOES, level)
     };
     let rings = [
         ring(-0.255, 0.060, 0.022, 1),
@@ -165,10 +147,7 @@ fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole_rad: f32, side
 pub(crate) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
     let g = frame.girth_scale;
     let t = p.trunk_m;
-    let (hips, chest) = match p.kind {
-        PersonKind::Woman => (1.04, 0.93),
-        _ => (1.0, 1.0),
-    };
+    let (hips, chest, bust) = if p.kind == PersonKind::Woman { (1.04, 0.93, 0.022) } else { (1.0, 1.0, 0.0) };
     let loose = match p.top {
         Top::TShirt | Top::Shirt => 0.010,
         Top::Jacket => 0.028,
@@ -180,7 +159,7 @@ pub(crate) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level
         frame.ring(z * t, dx, [x * g + loose, y * g + loose], slot, level)
     };
     let belly = p.belly_m;
-    let bust = if p.kind == PersonKind::Woman { 0.022 } else { 0.0 };
+
     let rings = [
         frame.ring(-0.14 * t, 0.0, [0.075 * g, 0.100 * g], bottom, 0),
         frame.ring(-0.07 * t, -0.005, [0.105 * g, 0.150 * hips * g], bottom, 2),
@@ -216,26 +195,16 @@ fn add_skirts(tubes: &mut Tubes, p: &Proportions, frame: &Frame, knees: [Vec3; 2
     } else {
         (slot::LEGS, [0.112 * g + 0.012, 0.160 * g + 0.012], 0.14 * p.trunk_m, 1.0)
     };
-    let rings: Vec<Ring> = [(0.0_f32, 2), (0.25, 1), (0.55, 0), (0.8, 1), (1.0, 2)]
-        .iter()
-        .map(|(s, level)| {
-            let s = *s;
-            let along = s * reach;
-            let [a, b] = knees.map(|k| k * along);
-            let (front, back) = (a.x.max(b.x), a.x.min(b.x));
-            let spread = 0.5 * (front - back);
-            let z = top_z * (1.0 - s) + s * reach * (0.5 * (knees[0].z + knees[1].z));
-            let ease = s * (2.0 - s);
-            let half = [top_half[0] + spread + 0.012 * ease, top_half[1] + 0.02 * ease];
-            Ring {
-                center: Vec3::new(0.5 * (front + back), frame.posture.sway_m * (1.0 - 0.5 * s), z),
-                along: Vec3::NEG_Z,
-                forward: Vec3::X,
-                half,
-                slot,
-                level: *level,
-            }
-        })
-        .collect();
+    let rings = [(0.0_f32, 2), (0.25, 1), (0.55, 0), (0.8, 1), (1.0, 2)].map(|(s, level)| {
+        let along = s * reach;
+        let [a, b] = knees.map(|k| k * along);
+        let (front, back) = (a.x.max(b.x), a.x.min(b.x));
+        let spread = 0.5 * (front - back);
+        let z = top_z * (1.0 - s) + s * reach * (0.5 * (knees[0].z + knees[1].z));
+        let ease = s * (2.0 - s);
+        let half = [top_half[0] + spread + 0.012 * ease, top_half[1] + 0.02 * ease];
+        let center = Vec3::new(0.5 * (front + back), frame.posture.sway_m * (1.0 - 0.5 * s), z);
+        Ring::new(center, [Vec3::NEG_Z, Vec3::X], half, slot, level)
+    });
     tubes.tube(&rings, SIDES[level][0], level, -1.0);
 }

@@ -45,7 +45,7 @@ impl<'a> Frame<'a> {
 
     pub fn ring(&self, z: f32, forward_m: f32, half: [f32; 2], slot: u8, level: usize) -> Ring {
         let forward = self.forward(z);
-        Ring { center: self.spine(z) + forward * forward_m, along: self.up(), forward, half, slot, level }
+        Ring::new(self.spine(z) + forward * forward_m, [self.up(), forward], half, slot, level)
     }
 }
 

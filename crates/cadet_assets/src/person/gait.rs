@@ -14,7 +14,7 @@ const ANKLE_DEG: [f32; 10] = [0.0, -3.0, 4.0, 7.0, 9.0, 6.0, -16.0, -8.0, -1.0, 
 const STANCE: f32 = 0.6;
 
 /// A leg in its sagittal plane, radians: angles from straight down, positive forward.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Leg {
     /// The thigh's direction.
     pub thigh_rad: f32,
@@ -25,7 +25,7 @@ pub(crate) struct Leg {
 }
 
 /// An arm, radians.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Arm {
     /// The upper arm's swing, forward positive.
     pub swing_rad: f32,
@@ -38,7 +38,7 @@ pub(crate) struct Arm {
 }
 
 /// A whole posture; index 0 is the left side.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Posture {
     pub legs: [Leg; 2],
     pub arms: [Arm; 2],
@@ -170,11 +170,10 @@ pub(crate) fn standing(p: &Proportions) -> Posture {
     Posture {
         legs: if is_left { [straight, bent] } else { [bent, straight] },
         arms: p.arms.map(|a| held_arm(p, a, 0.0)),
-        phase: 0.0,
-        pelvis_yaw_rad: 0.0,
         shoulder_yaw_rad: if is_left { 0.06 } else { -0.06 },
         sway_m: if is_left { 0.035 } else { -0.035 },
         lean_rad: p.lean_rad,
+        ..Posture::default()
     }
 }
 

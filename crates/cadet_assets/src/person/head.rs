@@ -8,16 +8,10 @@ use cadet_base::math::Vec3;
 
 pub(crate) fn add_head(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
     let k = p.head_m / 0.223;
-    let forward = Vec3::X;
     // The head stays upright whatever the trunk does.
     let chin = frame.spine(p.chin_m) + Vec3::X * 0.012;
-    let ring = |z: f32, dx: f32, x: f32, y: f32, slot: u8, level: usize| Ring {
-        center: chin + Vec3::new(dx * k, 0.0, z * p.head_m),
-        along: Vec3::Z,
-        forward,
-        half: [x * k, y * k],
-        slot,
-        level,
+    let ring = |z: f32, dx: f32, x: f32, y: f32, slot: u8, level: usize| {
+        Ring::new(chin + Vec3::new(dx * k, 0.0, z * p.head_m), [Vec3::Z, Vec3::X], [x * k, y * k], slot, level)
     };
     let skin = slot::SKIN;
     let head = [

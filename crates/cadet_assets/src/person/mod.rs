@@ -18,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 use crate::annotation;
 use crate::belongings::{Belonging, Thing};
 use cadet_base::actor::AnnotatedBox;
-use cadet_base::geometry::{Bounds, LazyMesh, LodSet};
+use cadet_base::geometry::{Bounds, LodSet};
 use cadet_base::material::Palette;
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
@@ -176,17 +176,9 @@ impl PersonModel {
         let k = if self.proportions.speed_mps > 0.0 { (wrapped * NUM_PHASES as f64) as usize % NUM_PHASES } else { 0 };
         let shape = self.shapes[k].get_or_init(|| {
             // Most people are far away, and few are seen in more than one phase from near by.
-            let level = |i: usize| {
-                let (p, name, offset) = (Arc::clone(&self.proportions), self.name.clone(), self.offset);
-                let sitting = self.sitting;
-                (
-                    LEVEL_LIMITS_M[i],
-                    LazyMesh::new(move || grounded(&p, sitting.as_ref(), k, i).into_mesh(&name, offset)),
-                )
-            };
-            let finest = grounded(&self.proportions, self.sitting.as_ref(), k, 0);
-            let bounds = Bounds::of(finest.vertices.iter().map(|v| *v + self.offset));
-            LodSet { bounds, levels: (0..3).map(level).collect(), coarse_shadow_proxies: 2 }
+            let (p, sitting) = (Arc::clone(&self.proportions), self.sitting);
+            let make = move |level: usize| grounded(&p, sitting.as_ref(), k, level);
+            Tubes::lods(&self.name, LEVEL_LIMITS_M, self.offset, make)
         });
         shape.clone()
     }

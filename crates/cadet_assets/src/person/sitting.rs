@@ -59,14 +59,6 @@ impl Sitting {
             let shank_rad = acosf(drop) * if self.is_stretched { 1.0 } else { -1.0 };
             Leg { thigh_rad: acosf(slope), shank_rad, sole_rad: 0.0 }
         };
-        Posture {
-            legs: self.slopes.map(leg),
-            arms: self.arms,
-            phase: 0.0,
-            pelvis_yaw_rad: 0.0,
-            shoulder_yaw_rad: 0.0,
-            sway_m: 0.0,
-            lean_rad: self.lean,
-        }
+        Posture { legs: self.slopes.map(leg), arms: self.arms, lean_rad: self.lean, ..Posture::default() }
     }
 }

@@ -1,9 +1,9 @@
 //! Tubes of elliptical rings with smooth normals: limbs, trunk, head.
 
 use std::borrow::Cow;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use cadet_base::geometry::{IndexedFaces, Mesh};
+use cadet_base::geometry::{Bounds, IndexedFaces, LazyMesh, LodSet, Mesh};
 use cadet_base::math::{Vec3, cosf, sinf};
 
 /// One ring of a tube.
@@ -20,6 +20,13 @@ pub(crate) struct Ring {
     pub slot: u8,
     /// The coarsest level of detail that keeps the ring.
     pub level: usize,
+}
+
+impl Ring {
+    /// A ring whose axes are the directions of `along` and `forward`.
+    pub fn new(center: Vec3, [along, forward]: [Vec3; 2], half: [f32; 2], slot: u8, level: usize) -> Self {
+        Self { center, along, forward, half, slot, level }
+    }
 }
 
 /// Points of the unit circle at `k / sides` of a turn: cosine and sine.
@@ -89,8 +96,25 @@ impl Tubes {
         self.slots.push(slot);
     }
 
+    /// The shape of tubes, moved by an offset, whose levels of detail end at these distances and are made when they are
+    /// needed.
+    pub fn lods(
+        name: &str,
+        limits_m: [f32; 3],
+        offset: Vec3,
+        make: impl Fn(usize) -> Self + Send + Sync + 'static,
+    ) -> LodSet {
+        let bounds = Bounds::of(make(0).vertices.iter().map(|v| *v + offset));
+        let make = Arc::new(make);
+        let levels = limits_m.into_iter().enumerate().map(|(level, limit_m)| {
+            let (make, name) = (Arc::clone(&make), name.to_owned());
+            (limit_m, LazyMesh::new(move || make(level).into_mesh(&name, offset)))
+        });
+        LodSet { bounds, levels: levels.collect(), coarse_shadow_proxies: 2 }
+    }
+
     /// The mesh with area-weighted smooth normals, moved by an offset.
-    pub fn into_mesh(mut self, name: &str, offset: Vec3) -> Mesh {
+    fn into_mesh(mut self, name: &str, offset: Vec3) -> Mesh {
         for v in &mut self.vertices {
             *v += offset;
         }
