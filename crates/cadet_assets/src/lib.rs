@@ -6,6 +6,8 @@ pub mod cyclist;
 pub mod imported;
 pub mod person;
 pub mod props;
+#[cfg(test)]
+mod rays;
 pub mod scenery;
 pub mod source_mesh;
 pub mod vehicle;

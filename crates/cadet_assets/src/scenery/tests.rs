@@ -6,31 +6,9 @@ use super::materials::{house_slot, plant_slot};
 use super::tree::TreeDesign;
 use super::*;
 use crate::props::*;
+use crate::rays::hits;
 use cadet_base::math::Vec3;
 use cadet_base::rng::Stream;
-
-/// Distances at which a ray meets the faces of a mesh that a filter lets through, by Moeller and Trumbore.
-pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u8) -> bool) -> Vec<(f32, u8)> {
-    let mut found = Vec::new();
-    for ([a, b, c], slot) in mesh.triangles().filter(|(_, s)| wanted(*s)) {
-        let (e1, e2) = (b - a, c - a);
-        let p = direction.cross(e2);
-        let det = e1.dot(p);
-        if det.abs() < 1e-9 {
-            continue;
-        }
-        let t = origin - a;
-        let u = t.dot(p) / det;
-        let q = t.cross(e1);
-        let v = direction.dot(q) / det;
-        let distance = e2.dot(q) / det;
-        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 {
-            found.push((distance, slot));
-        }
-    }
-    found.sort_by(|x, y| x.0.total_cmp(&y.0));
-    found
-}
 
 fn every_model() -> Vec<SceneryModel> {
     let [houses, trees, hedges] = num_variants();
@@ -105,13 +83,13 @@ fn windows_are_openings_with_rooms_behind() {
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
             let seen =
                 hits(mesh, middle + normal * 0.6, -normal, |s| s != house_slot::SHUTTER && s != house_slot::FRAME);
-            if seen.first().is_none_or(|h| h.1 != house_slot::GLASS) {
+            if seen.first().is_none_or(|h| h.slot != house_slot::GLASS) {
                 continue; // A downpipe, a step or a balcony before it.
             }
             panes += 1;
-            let behind = seen.iter().find(|h| h.1 != house_slot::GLASS).unwrap();
-            assert!([house_slot::ROOM, house_slot::CURTAIN].contains(&behind.1), "{kind:?}: slot {}", behind.1);
-            assert!(behind.0 - seen[0].0 > 0.05, "{kind:?}: {seen:?}");
+            let behind = seen.iter().find(|h| h.slot != house_slot::GLASS).unwrap();
+            assert!([house_slot::ROOM, house_slot::CURTAIN].contains(&behind.slot), "{kind:?}: {behind:?}");
+            assert!(behind.distance - seen[0].distance > 0.05, "{kind:?}: {seen:?}");
         }
         assert!(panes >= 10, "{kind:?}: {panes} panes");
     }
@@ -173,7 +151,7 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_meter() {
                     let p = blob.center + draw::direction(&mut s) * (blob.radius_m * 0.75 * s.unit() as f32);
                     let d = draw::direction(&mut s);
                     let near = hits(mesh, p - d * 0.5, d, |slot| slot != plant_slot::BARK);
-                    open += usize::from(near.first().is_none_or(|h| h.0 > 1.0));
+                    open += usize::from(near.first().is_none_or(|h| h.distance > 1.0));
                     all += 1;
                 }
             }
@@ -234,9 +212,9 @@ fn signs_are_retro_reflective_and_face_the_driver() {
     let model = ZONE_SIGN.model(0);
     let mesh: &Mesh = &model.shape.levels[0].1;
     let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
-    assert!(model.palette.materials()[usize::from(first.1)].lidar.retro);
+    assert!(model.palette.materials()[usize::from(first.slot)].lidar.retro);
     let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];
-    assert!(!model.palette.materials()[usize::from(behind.1)].lidar.retro);
+    assert!(!model.palette.materials()[usize::from(behind.slot)].lidar.retro);
 }
 
 #[test]
@@ -247,8 +225,8 @@ fn backs_of_signs_are_gray_metal() {
         for (_, mesh) in &sign.shape.levels {
             // From behind, beside the post.
             let met = hits(mesh, Vec3::new(-5.0, 0.12, 2.42), Vec3::X, |_| true);
-            let (_, slot) = met.first().unwrap_or_else(|| panic!("{} has no back", sign.name));
-            let [r, g, b] = sign.palette.materials()[usize::from(*slot)].albedo;
+            let first = met.first().unwrap_or_else(|| panic!("{} has no back", sign.name));
+            let [r, g, b] = sign.palette.materials()[usize::from(first.slot)].albedo;
             assert!(g > 0.25 && (r - g).abs().max((b - g).abs()) < 0.05, "{}: {r} {g} {b}", sign.name);
         }
     }

@@ -1,7 +1,8 @@
 //! Noses and tails have the depths of real ones.
 
-use super::tests::{Target, is_pane};
+use super::tests::is_pane;
 use super::*;
+use crate::rays::Target;
 
 /// Where ends are seen from, as in KITTI, front and rear; and by how much its boxes stand over the ground and end below the roof.
 const AWAY_M: f32 = 14.0;

@@ -2,6 +2,7 @@
 
 use super::paint::slot;
 use super::*;
+use crate::rays::hits;
 use cadet_base::geometry::Mesh;
 
 /// Places and normals of a slot's faces.
@@ -12,20 +13,7 @@ fn faces_of(mesh: &Mesh, of: u8) -> Vec<(Vec3, Vec3)> {
 
 /// Whether nothing of the mesh lies between a place on it and the open, along a direction.
 fn is_open(mesh: &Mesh, from: Vec3, along: Vec3) -> bool {
-    let is_hit = |[a, b, c]: [Vec3; 3]| {
-        let (u, v, normal) = (b - a, c - a, (b - a).cross(c - a));
-        let facing = normal.dot(along);
-        if facing.abs() < 1e-9 {
-            return false;
-        }
-        let t = normal.dot(a - from) / facing;
-        let p = from + along * t - a;
-        let (uu, uv, vv, pu, pv) = (u.dot(u), u.dot(v), v.dot(v), p.dot(u), p.dot(v));
-        let whole = uu * vv - uv * uv;
-        let (s, r) = ((vv * pu - uv * pv) / whole, (uu * pv - uv * pu) / whole);
-        t > 1e-3 && s >= 0.0 && r >= 0.0 && s + r <= 1.0
-    };
-    !mesh.triangles().any(|(corners, _)| is_hit(corners))
+    hits(mesh, from, along, |_| true).iter().all(|hit| hit.distance <= 1e-3)
 }
 
 #[test]

@@ -1,42 +1,8 @@
-use parry3d::query::{Ray, RayCast};
-use parry3d::shape::TriMesh;
-
 use super::*;
+use crate::rays::Target;
 use cadet_base::geometry::{Mesh, PackedNormal};
 
 const SEEDS: u64 = 200;
-
-/// The faces of some slots, for casting rays at.
-pub(super) struct Target {
-    shape: TriMesh,
-    faces: Vec<([Vec3; 3], u8)>,
-}
-
-pub(super) struct Hit {
-    pub(super) point: Vec3,
-    pub(super) distance: f32,
-    pub(super) slot: u8,
-    /// The face's outside was hit.
-    is_outside: bool,
-}
-
-impl Target {
-    pub(super) fn new(mesh: &Mesh, keep: impl Fn(u8) -> bool) -> Self {
-        let faces: Vec<([Vec3; 3], u8)> = mesh.triangles().filter(|(_, s)| keep(*s)).collect();
-        let vertices = faces.iter().flat_map(|(c, _)| *c).collect();
-        let indices = (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        Self { shape: TriMesh::new(vertices, indices).unwrap(), faces }
-    }
-
-    pub(super) fn cast(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        let direction = direction.normalize();
-        let hit = self.shape.cast_local_ray_and_get_normal(&Ray::new(origin, direction), 100.0, false)?;
-        let ([a, b, c], slot) = self.faces[hit.subshape as usize];
-        let distance = hit.time_of_impact;
-        let is_outside = (b - a).cross(c - a).dot(direction) < 0.0;
-        Some(Hit { point: origin + direction * distance, distance, slot, is_outside })
-    }
-}
 
 pub(super) fn is_pane(slot: u8) -> bool {
     (slot::SCREEN..=slot::REAR_GLASS).contains(&slot)

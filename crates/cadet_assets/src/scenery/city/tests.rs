@@ -3,9 +3,9 @@
 use strum::VariantArray;
 
 use super::super::materials::house_slot;
-use super::super::tests::hits;
 use super::super::{HouseKind, SceneryModel, city_house, house, num_variants};
 use super::*;
+use crate::rays::hits;
 use cadet_base::math::{cosf, sinf};
 
 fn every_house() -> impl Iterator<Item = (CityKind, SceneryModel, Option<CityCorner>)> {
@@ -34,42 +34,14 @@ fn walls_and_roofs_are_closed_from_every_side() {
                 let away = Vec3::new(cosf(angle), sinf(angle), range(&mut s, -0.01, 0.8));
                 let from = target + away * 60.0;
                 let toward = (target - from).normalize();
-                let mut first: Option<(f32, bool)> = None;
-                for ([a, b, c], _) in mesh.triangles() {
-                    let normal = (b - a).cross(c - a);
-                    let one = SingleFace([a, b, c]);
-                    if let Some(t) = one.hit(from, toward)
-                        && first.is_none_or(|(nearest, _)| t < nearest)
-                    {
-                        first = Some((t, normal.dot(toward) < 0.0));
-                    }
-                }
-                let (_, faces_us) = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}"));
+                let first = hits(mesh, from, toward, |_| true).first().copied();
+                let faces_us = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}")).is_outside;
                 (num_rays, num_backs) = (num_rays + 1, num_backs + usize::from(!faces_us));
             }
         }
     }
     // Panels lie a finger before walls, letters before boards: along the wall a ray may get behind one.
     assert!(500 * num_backs <= num_rays, "{num_backs} of {num_rays} rays meet the back of a face first");
-}
-
-struct SingleFace([Vec3; 3]);
-
-impl SingleFace {
-    /// Distance along a ray, by Moeller and Trumbore.
-    fn hit(&self, from: Vec3, toward: Vec3) -> Option<f32> {
-        let [a, b, c] = self.0;
-        let (e1, e2) = (b - a, c - a);
-        let p = toward.cross(e2);
-        let det = e1.dot(p);
-        if det.abs() < 1e-9 {
-            return None;
-        }
-        let t = from - a;
-        let (u, q) = (t.dot(p) / det, t.cross(e1));
-        let (v, distance) = (toward.dot(q) / det, e2.dot(q) / det);
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some(distance)
-    }
 }
 
 #[test]
@@ -95,14 +67,15 @@ fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
             // At the eyes' height of somebody on the sidewalk.
             let seen = hits(mesh, Vec3::new(front + 3.0, y, 1.6), -Vec3::X, |_| true);
             y += 0.37;
-            let Some((near, slot)) = seen.first() else { panic!("{}: a hole at {y}", model.name) };
-            if *slot != house_slot::GLASS {
+            let Some(near) = seen.first() else { panic!("{}: a hole at {y}", model.name) };
+            if near.slot != house_slot::GLASS {
                 continue;
             }
-            let behind = seen.iter().find(|hit| hit.1 != house_slot::GLASS);
-            let (far, slot) = behind.unwrap_or_else(|| panic!("{}: nothing behind glass at {y}", model.name));
-            assert!(far - near > 0.04 && far - near < 4.5, "{}: {seen:?}", model.name);
-            num_deep += usize::from(far - near > 1.5 && *slot == city_slot::INSIDE);
+            let behind = seen.iter().find(|hit| hit.slot != house_slot::GLASS);
+            let far = behind.unwrap_or_else(|| panic!("{}: nothing behind glass at {y}", model.name));
+            let deep_m = far.distance - near.distance;
+            assert!(deep_m > 0.04 && deep_m < 4.5, "{}: {seen:?}", model.name);
+            num_deep += usize::from(deep_m > 1.5 && far.slot == city_slot::INSIDE);
         }
     }
     // Most panes show the room behind the goods: no wall stands directly behind the glass.
@@ -123,7 +96,7 @@ fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
             let door = (y0 + y1) / 2.0;
             // Somebody who walks in at the door meets nothing in front of the wall.
             let front = model.footprint_max.x as f32;
-            let first = hits(mesh, Vec3::new(front + 2.0, door as f32, 1.2), -Vec3::X, |_| true)[0].0;
+            let first = hits(mesh, Vec3::new(front + 2.0, door as f32, 1.2), -Vec3::X, |_| true)[0].distance;
             assert!(first > 1.99, "{}: something {first} m before the door at {door}", model.name);
         }
     }

@@ -4,24 +4,11 @@ use strum::VariantArray;
 
 use super::super::{SceneryModel, hall};
 use super::*;
+use crate::rays::hits;
 use cadet_base::math::{cosf, sinf};
 
 fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
     HallKind::VARIANTS.iter().flat_map(|&kind| (0..HALL_VARIANTS).map(move |k| (kind, hall(kind, k))))
-}
-
-/// Distance to the nearest face along a ray, whether it looks back, and its slot (Moeller and Trumbore).
-fn first_hit(mesh: &Mesh, from: Vec3, toward: Vec3) -> Option<(f32, bool, u8)> {
-    let hit = |[a, b, c]: [Vec3; 3]| {
-        let (e1, e2, t) = (b - a, c - a, from - a);
-        let (p, q) = (toward.cross(e2), t.cross(e1));
-        let det = e1.dot(p);
-        let (u, v, distance) = (t.dot(p) / det, toward.dot(q) / det, e2.dot(q) / det);
-        (det.abs() > 1e-9 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0)
-            .then(|| (distance, e1.cross(e2).dot(toward) < 0.0))
-    };
-    let hits = mesh.triangles().filter_map(|(corners, slot)| hit(corners).map(|(t, f)| (t, f, slot)));
-    hits.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 #[test]
@@ -36,8 +23,8 @@ fn walls_and_roofs_are_closed_from_every_side() {
                     + Vec3::Z * range(&mut s, 0.3, model.height_m as f32 * 0.85);
                 let angle = range(&mut s, 0.0, std::f32::consts::TAU);
                 let from = target + Vec3::new(cosf(angle), sinf(angle), range(&mut s, -0.01, 0.8)) * 90.0;
-                let first = first_hit(mesh, from, (target - from).normalize());
-                let (_, faces_us, _) = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}"));
+                let first = hits(mesh, from, (target - from).normalize(), |_| true).first().copied();
+                let faces_us = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}")).is_outside;
                 (num_rays, num_backs) = (num_rays + 1, num_backs + usize::from(!faces_us));
             }
         }

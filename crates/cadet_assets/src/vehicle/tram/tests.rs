@@ -1,10 +1,8 @@
 //! The bodies of trams: they fill their boxes, are closed, and are as long as KITTI's labels say.
 
-use parry3d::query::{Ray, RayCast};
-use parry3d::shape::TriMesh;
-
 use super::super::paint::slot;
 use super::*;
+use crate::rays::Target;
 use crate::scenery::WIRE_HEIGHT_M;
 use cadet_base::geometry::Mesh;
 
@@ -21,29 +19,12 @@ fn trains() -> Vec<Vec<Arc<VehicleModel>>> {
     trains
 }
 
-/// A mesh to cast rays at.
-struct Target(Vec<u8>, TriMesh);
-
-impl Target {
-    fn new(mesh: &Mesh) -> Self {
-        let vertices = mesh.triangles().flat_map(|(corners, _)| corners).collect();
-        let faces = (0..mesh.num_faces() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        Self(mesh.slots().collect(), TriMesh::new(vertices, faces).unwrap())
-    }
-
-    fn first_hit(&self, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
-        let direction = (to - from).normalize();
-        let hit = self.1.cast_local_ray_and_get_normal(&Ray::new(from, direction), 100.0, false)?;
-        Some((self.0[hit.subshape as usize], from + direction * hit.time_of_impact))
-    }
-}
-
 #[test]
 fn cars_fill_their_boxes_and_are_closed_at_every_level() {
     for car in trains().iter().flatten() {
         let size = car.size_lwh.as_vec3();
         for (level, (_, mesh)) in car.body.levels.iter().enumerate() {
-            let (b, name, target) = (mesh.bounds, &car.name, Target::new(mesh));
+            let (b, name, target) = (mesh.bounds, &car.name, Target::new(mesh, |_| true));
             let out = [b.max.x - size.x / 2.0, b.min.x + size.x / 2.0];
             assert!(out.iter().all(|d| d.abs() < 2e-3), "{name} level {level}: {b:?}, {size} long");
             // Wheels stand on the rails.
@@ -54,18 +35,17 @@ fn cars_fill_their_boxes_and_are_closed_at_every_level() {
                 let x = reach * (2.0 * k as f32 / 19.0 - 1.0) + 0.003;
                 for z in [0.5, 0.75, 1.2, 1.9, 2.4] {
                     for side in [1.0, -1.0] {
-                        let from = Vec3::new(x, side * 4.0, z);
-                        let (_, at) = target.first_hit(from, Vec3::new(x, 0.0, z)).expect("a flank");
+                        let at = target.cast(Vec3::new(x, side * 4.0, z), Vec3::Y * -side).expect("a flank").point;
                         assert!(side * at.y > 0.5 * size.y - 0.30, "{name} level {level}: {at} lies deep inside");
                     }
                 }
                 // From above: the roof, what stands on it, or the pantograph.
-                let (_, at) = target.first_hit(Vec3::new(x, 0.2, 9.0), Vec3::new(x, 0.2, 0.0)).expect("a roof");
+                let at = target.cast(Vec3::new(x, 0.2, 9.0), Vec3::NEG_Z).expect("a roof").point;
                 assert!(at.z > size.z - 0.9, "{name} level {level}: {at} below an open roof");
             }
-            let (_, at) = target.first_hit(Vec3::new(20.0, 0.3, 0.9), Vec3::new(0.0, 0.3, 0.9)).expect("an end");
+            let at = target.cast(Vec3::new(20.0, 0.3, 0.9), Vec3::NEG_X).expect("an end").point;
             assert!(at.x > size.x / 2.0 - 0.4, "{name} level {level}: open in front, {at}");
-            let (_, at) = target.first_hit(Vec3::new(-20.0, 0.3, 0.9), Vec3::new(0.0, 0.3, 0.9)).expect("an end");
+            let at = target.cast(Vec3::new(-20.0, 0.3, 0.9), Vec3::X).expect("an end").point;
             assert!(at.x < 0.4 - size.x / 2.0, "{name} level {level}: open behind, {at}");
         }
     }
@@ -86,12 +66,9 @@ fn one_looks_in_through_screen_and_windows_and_far_ones_are_cheap() {
     for train in trains() {
         let front = &train[0].body.levels;
         let screen = |mesh: &Mesh| {
-            let target = Target::new(mesh);
-            let hits = (0..30).filter_map(|k| {
-                let z = 1.2 + 0.05 * k as f32;
-                target.first_hit(Vec3::new(30.0, 0.3, z), Vec3::new(0.0, 0.3, z))
-            });
-            hits.filter(|(s, _)| *s == slot::SCREEN).count()
+            let target = Target::new(mesh, |_| true);
+            let eyes = (0..30).map(|k| Vec3::new(30.0, 0.3, 1.2 + 0.05 * k as f32));
+            eyes.filter_map(|eye| target.cast(eye, Vec3::NEG_X)).filter(|hit| hit.slot == slot::SCREEN).count()
         };
         assert!(screen(&front[0].1) >= 8 && screen(&front[3].1) == 0, "{}", train[0].name);
         for car in &train {
