@@ -1,13 +1,11 @@
 //! What grows beside country roads: tall grass and herbs of the verges, rows of maize.
 
-use std::sync::Arc;
-
 use super::draw::{direction, range};
 use super::leaves::Leaves;
 use super::materials::{herbs_palette, maize_palette, plant_slot as slot};
 use super::{Detail, Mesh, SceneryModel};
 use cadet_base::geometry::{Memo, MeshBuilder};
-use cadet_base::math::{DVec2, Vec3};
+use cadet_base::math::Vec3;
 use cadet_base::rng::Stream;
 
 /// How many variants of each there are.
@@ -32,7 +30,7 @@ pub fn herbs(variant: usize) -> SceneryModel {
     MODELS.get(variant, || {
         let palette = herbs_palette(&mut Stream::from_seed("herbs", variant as u64));
         let shape = Detail::levels([12.0, 28.0, 75.0], move |d| herbs_mesh(variant, d));
-        strip(format!("herbs/{variant}"), shape, palette, HERBS_M, HERB_HEIGHTS_M[variant].into())
+        SceneryModel::along_x(format!("herbs/{variant}"), shape, palette, HERBS_M, HERB_HEIGHTS_M[variant].into())
     })
 }
 
@@ -44,19 +42,8 @@ pub fn maize(variant: usize) -> SceneryModel {
     MODELS.get(variant, || {
         let palette = maize_palette(&mut Stream::from_seed("maize", variant as u64));
         let shape = Detail::levels([18.0, 40.0, 180.0], move |d| maize_mesh(variant, d));
-        strip(format!("maize/{variant}"), shape, palette, MAIZE_M, MAIZE_TOP_M.1.into())
+        SceneryModel::along_x(format!("maize/{variant}"), shape, palette, MAIZE_M, MAIZE_TOP_M.1.into())
     })
-}
-
-fn strip(
-    name: String,
-    shape: Arc<cadet_base::geometry::LodSet>,
-    palette: Arc<cadet_base::material::Palette>,
-    (length_m, half_m): (f64, f64),
-    height_m: f64,
-) -> SceneryModel {
-    let (footprint_min, footprint_max) = (DVec2::new(0.0, -half_m), DVec2::new(length_m, half_m));
-    SceneryModel { name, shape, palette, footprint_min, footprint_max, height_m }
 }
 
 /// Blades in clumps, with a few broad leaves between.

@@ -80,6 +80,13 @@ pub(super) struct WallShape {
     pub face: u8,
 }
 
+impl WallShape {
+    /// A wall without a gable.
+    pub fn level(width_m: f32, bottom_m: f32, top_m: f32, face: u8) -> Self {
+        Self { width_m, bottom_m, eaves_m: top_m, apex_m: top_m, face }
+    }
+}
+
 /// How deep window frames lie behind the wall's face.
 pub(super) const REVEAL_M: f32 = 0.16;
 const FRAME_M: f32 = 0.08;
@@ -149,7 +156,7 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         _ => {}
     }
     let sides = if matches!(opening.filling, Filling::GarageDoor | Filling::RollerGate) { 0.22 } else { REVEAL_M };
-    plane.reveal(b, opening.rect, 0.0, sides, face);
+    plane.sides(b, opening.rect, 0.0, sides, face);
     match opening.filling {
         Filling::Shop(_) | Filling::Gate => {}
         Filling::GarageDoor => {
@@ -242,7 +249,7 @@ fn frame(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], dep
         plane.rect(b, bar, depth, slot::FRAME);
     }
     if detail == Detail::Near {
-        plane.reveal(b, [u0 + f, u1 - f, v0 + f, v1 - f], depth, depth + 0.03, slot::FRAME);
+        plane.sides(b, [u0 + f, u1 - f, v0 + f, v1 - f], depth, depth + 0.03, slot::FRAME);
     }
 }
 
@@ -251,7 +258,7 @@ fn room(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], fron
     if curtain == Curtain::Net {
         return plane.rect(b, [u0, u1, v0, v1], front + CURTAIN_DEPTH_M, slot::CURTAIN);
     }
-    plane.reveal(b, [u0, u1, v0, v1], front, front + ROOM_M, slot::ROOM);
+    plane.sides(b, [u0, u1, v0, v1], front, front + ROOM_M, slot::ROOM);
     plane.rect(b, [u0, u1, v0, v1], front + ROOM_M, slot::ROOM);
     if curtain == Curtain::Sides {
         let w = (u1 - u0) * 0.3;

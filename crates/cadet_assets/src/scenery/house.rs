@@ -218,32 +218,17 @@ impl HouseDesign {
         let mut b = MeshBuilder::new();
         let (x, y) = (self.depth_m / 2.0, self.width_m / 2.0);
         let roof = self.roof();
-        for (i, plane) in [
-            WallPlane { origin: Vec3::new(x, -y, 0.0), u: Vec3::Y },
-            WallPlane { origin: Vec3::new(x, y, 0.0), u: -Vec3::X },
-            WallPlane { origin: Vec3::new(-x, y, 0.0), u: -Vec3::Y },
-            WallPlane { origin: Vec3::new(-x, -y, 0.0), u: Vec3::X },
-        ]
-        .into_iter()
-        .enumerate()
-        {
+        for (i, (plane, width_m)) in WallPlane::around(self.depth_m, self.width_m).into_iter().enumerate() {
             let openings = self.openings(i);
-            let rise = if self.has_gable(i) { self.rise() } else { 0.0 };
-            let width_m = self.side_width(i);
-            let shape = WallShape {
-                width_m,
-                bottom_m: self.plinth_m - 0.05,
-                eaves_m: self.eaves_m,
-                apex_m: self.eaves_m + rise,
-                face: slot::WALL,
-            };
+            let mut shape = WallShape::level(width_m, self.plinth_m - 0.05, self.eaves_m, slot::WALL);
+            shape.apex_m += if self.has_gable(i) { self.rise() } else { 0.0 };
             wall(&mut b, &plane, &shape, &openings, detail);
             if detail != Detail::Far {
                 self.attach(&mut b, &plane, &openings, i == 0);
             }
         }
-        let foot = Vec3::new(x + 0.03, y + 0.03, 0.0);
-        b.cuboid(Vec3::new(-foot.x, -foot.y, -1.5), Vec3::new(foot.x, foot.y, self.plinth_m), slot::PLINTH);
+        let (foot_x, foot_y) = (x + 0.03, y + 0.03);
+        b.cuboid(Vec3::new(-foot_x, -foot_y, -1.5), Vec3::new(foot_x, foot_y, self.plinth_m), slot::PLINTH);
         if self.flat_roof {
             flat(&mut b, x, y, self.eaves_m);
         } else {
@@ -322,38 +307,28 @@ impl HouseDesign {
             let back = ((roof.ridge() + 0.16 - top) / roof.slope - 0.3).max(0.0);
             let half = 0.95;
             let plane = WallPlane { origin: Vec3::new(x, y - half, 0.0), u: Vec3::Y };
-            let shape =
-                WallShape { width_m: 2.0 * half, bottom_m: foot - 0.4, eaves_m: top, apex_m: top, face: slot::WALL };
+            let shape = WallShape::level(2.0 * half, foot - 0.4, top, slot::WALL);
             let rect = [half - 0.6, half + 0.6, foot + 0.15, top - 0.12];
             let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: Curtain::None };
-            wall(
-                b,
-                &plane,
-                &shape,
-                &[Opening { rect, filling }],
-                if detail == Detail::Near { Detail::Mid } else { detail },
-            );
+            // Without a room behind its pane.
+            let detail = if detail == Detail::Near { Detail::Mid } else { detail };
+            wall(b, &plane, &shape, &[Opening { rect, filling }], detail);
             for s in [-1.0, 1.0] {
                 let w = y + s * half;
                 let [p, q, r] = [Vec3::new(x, w, foot - 0.4), Vec3::new(x, w, top), Vec3::new(back, w, top)];
                 if s > 0.0 { b.triangle(p, r, q, slot::WOOD) } else { b.triangle(p, q, r, slot::WOOD) }
             }
-            let (lo, hi) =
-                (Vec3::new(back - 0.3, y - half - 0.2, top), Vec3::new(x + 0.25, y + half + 0.2, top + 0.13));
-            b.cuboid(lo, hi, slot::ROOF);
+            let low = Vec3::new(back - 0.3, y - half - 0.2, top);
+            b.cuboid(low, Vec3::new(x + 0.25, y + half + 0.2, top + 0.13), slot::ROOF);
         }
     }
 
     fn downpipes(&self, b: &mut MeshBuilder, roof: &Pitched) {
-        let (x, y) = (self.depth_m / 2.0 + 0.07, self.width_m / 2.0 - 0.25);
+        // Under the eaves, beside the corners.
+        let (dx, dy) = if self.gable_to_street { (-0.25, 0.07) } else { (0.07, -0.25) };
+        let (x, y) = (self.depth_m / 2.0 + dx, self.width_m / 2.0 + dy);
         let top = if self.flat_roof { self.eaves_m } else { roof.top_at(roof.span_m / 2.0 + roof.overhang_m) - 0.1 };
-        let corners = if self.gable_to_street {
-            let (x, y) = (self.depth_m / 2.0 - 0.25, self.width_m / 2.0 + 0.07);
-            [(x, y), (x, -y), (-x, y), (-x, -y)]
-        } else {
-            [(x, y), (x, -y), (-x, y), (-x, -y)]
-        };
-        for (px, py) in corners {
+        for (px, py) in [(x, y), (x, -y), (-x, y), (-x, -y)] {
             b.tube(&[(Vec3::new(px, py, -0.3), 0.05), (Vec3::new(px, py, top), 0.05)], 5, slot::METAL);
         }
     }

@@ -1,7 +1,5 @@
 //! The prototypes: each is made once a process, when it is first asked for, and depends on its kind and variant only.
 
-use std::sync::Arc;
-
 use super::building::{Design, House};
 use super::city::CityDesign;
 use super::hall::HallDesign;
@@ -12,8 +10,7 @@ use super::{
     CityKind, Detail, HALL_VARIANTS, HallKind, HouseKind, NUM_CITY_HOUSES, SceneryModel, TreeKind, city_palette,
     garage as garages, hall_palette, hedge as hedges,
 };
-use cadet_base::geometry::{LodSet, Memo};
-use cadet_base::material::Palette;
+use cadet_base::geometry::Memo;
 use cadet_base::math::DVec2;
 use cadet_base::rng::Stream;
 
@@ -34,10 +31,6 @@ pub fn num_variants() -> [usize; 3] {
 
 type Models<K> = Memo<K, SceneryModel>;
 
-fn model(name: String, shape: Arc<LodSet>, palette: Arc<Palette>, half: DVec2, height_m: f64) -> SceneryModel {
-    SceneryModel { name, shape, palette, footprint_min: -half, footprint_max: half, height_m }
-}
-
 /// A house; x is its depth (the front at +x), y its width along the street.
 #[must_use]
 pub fn house(kind: HouseKind, variant: usize) -> House {
@@ -51,7 +44,7 @@ pub fn house(kind: HouseKind, variant: usize) -> House {
         let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
         let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
-        model(name, shape, palette, half, height_m)
+        SceneryModel::about_origin(name, shape, palette, half, height_m)
     });
     House { model, design: Design::Garden(design) }
 }
@@ -69,7 +62,7 @@ pub fn city_house(kind: CityKind, variant: usize) -> House {
         let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
         let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
-        model(name, shape, palette, half, height_m)
+        SceneryModel::about_origin(name, shape, palette, half, height_m)
     });
     House { model, design: Design::Row(design) }
 }
@@ -86,7 +79,7 @@ pub fn hall(kind: HallKind, variant: usize) -> SceneryModel {
         let half = DVec2::new(f64::from(design.depth_m), f64::from(design.width_m)) / 2.0;
         let height_m = f64::from(design.height());
         let shape = Detail::levels([50.0, 100.0, f32::INFINITY], move |d| design.mesh(d));
-        model(name, shape, palette, half, height_m)
+        SceneryModel::about_origin(name, shape, palette, half, height_m)
     })
 }
 
@@ -100,7 +93,7 @@ pub fn garage(bays: usize) -> SceneryModel {
         let palette = house_palette(&mut Stream::from_seed(&name, 0), true);
         let half = DVec2::new(f64::from(garages::DEPTH_M), f64::from(garages::BAY_M) * bays as f64) / 2.0;
         let shape = Detail::levels([38.0, 88.0, f32::INFINITY], move |d| garages::mesh(bays, d));
-        model(name, shape, palette, half, f64::from(garages::HEIGHT_M) + 0.2)
+        SceneryModel::about_origin(name, shape, palette, half, f64::from(garages::HEIGHT_M) + 0.2)
     })
 }
 
@@ -115,7 +108,7 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
         let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
         let half = DVec2::splat(f64::from(design.crown_radius_m));
         let height_m = f64::from(design.height_m);
-        model(name, Arc::new(design.shape()), palette, half, height_m)
+        SceneryModel::about_origin(name, design.shape().into(), palette, half, height_m)
     })
 }
 
@@ -131,13 +124,6 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
         let name = format!("hedge/{variant}/{length_m}");
         let palette = plant_palette(&mut Stream::from_seed("hedge", variant as u64), variant % 2 == 0);
         let shape = Detail::levels([18.0, 40.0, 180.0], move |d| hedges::mesh(variant, length_m as f32, d));
-        SceneryModel {
-            name,
-            shape,
-            palette,
-            footprint_min: DVec2::new(0.0, -f64::from(depth) / 2.0),
-            footprint_max: DVec2::new(length_m, f64::from(depth) / 2.0),
-            height_m: f64::from(height),
-        }
+        SceneryModel::along_x(name, shape, palette, (length_m, f64::from(depth) / 2.0), height.into())
     })
 }

@@ -67,6 +67,22 @@ pub struct SceneryModel {
 }
 
 impl SceneryModel {
+    /// A model that stands on a rectangle about the origin.
+    fn about_origin(name: String, shape: Arc<LodSet>, palette: Arc<Palette>, half: DVec2, height_m: f64) -> Self {
+        Self { name, shape, palette, footprint_min: -half, footprint_max: half, height_m }
+    }
+
+    /// A piece of a length along +x, as deep to both sides of y = 0.
+    fn along_x(
+        name: String,
+        shape: Arc<LodSet>,
+        palette: Arc<Palette>,
+        (length_m, half_m): (f64, f64),
+        height_m: f64,
+    ) -> Self {
+        let (footprint_min, footprint_max) = (DVec2::new(0.0, -half_m), DVec2::new(length_m, half_m));
+        Self { name, shape, palette, footprint_min, footprint_max, height_m }
+    }
     /// The model placed in the world, in its own colors.
     #[must_use]
     pub fn at(&self, world_from_local: DPose3) -> Instance {

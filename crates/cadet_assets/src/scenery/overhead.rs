@@ -47,22 +47,15 @@ pub fn tram_mast(variant: usize, arm_m: f64) -> SceneryModel {
             // A tube out over the track with a stay above it, an insulator at the mast, and the arm that holds the wire.
             b.tube(&[(v(0.0, 0.0, 6.55), thin), (v(reach, 0.0, 6.6), thin)], 5, slot::BODY);
             b.tube(&[(v(0.0, 0.0, 7.7), 0.5 * thin), (v(reach * 0.92, 0.0, 6.63), 0.5 * thin)], 4, slot::BODY);
-            b.tube(
-                &[
-                    (v(side * 0.25, 0.0, 6.1), 0.8 * thin),
-                    (v(side * arm_m, 0.0, WIRE_HEIGHT_M as f32 + 0.02), 0.5 * thin),
-                ],
-                4,
-                slot::BODY,
-            );
+            let at_wire = v(side * arm_m, 0.0, WIRE_HEIGHT_M as f32 + 0.02);
+            b.tube(&[(v(side * 0.25, 0.0, 6.1), 0.8 * thin), (at_wire, 0.5 * thin)], 4, slot::BODY);
             if detail != Detail::Far {
                 b.tube(&[(v(side * 0.14, 0.0, 6.555), 0.05), (v(side * 0.42, 0.0, 6.56), 0.05)], 6, slot::ACCENT);
             }
         }
         b.build("tram-mast", CREASE_RAD)
     });
-    let foot = DVec2::splat(0.15);
-    SceneryModel { name, height_m: 8.4, shape, palette, footprint_min: -foot, footprint_max: foot }
+    SceneryModel::about_origin(name, shape, palette, DVec2::splat(0.15), 8.4)
 }
 
 /// A contact wire through points, with the wire that carries it.
@@ -71,13 +64,11 @@ pub fn contact_wire(points: &[DVec3], palette: Arc<Palette>) -> Instance {
     let origin = points[0];
     let local: Vec<Vec3> = points.iter().map(|p| (*p - origin).as_vec3()).collect();
     let length_m = (local[local.len() - 1] - local[0]).length().max(0.1);
-    let carried: Vec<Vec3> = local
-        .iter()
-        .map(|p| {
-            let t = 2.0 * (*p - local[0]).length() / length_m - 1.0;
-            *p + Vec3::Z * (CARRIED_M.1 + (CARRIED_M.0 - CARRIED_M.1) * t * t)
-        })
-        .collect();
+    let over = |p: &Vec3| {
+        let t = 2.0 * (*p - local[0]).length() / length_m - 1.0;
+        *p + Vec3::Z * (CARRIED_M.1 + (CARRIED_M.0 - CARRIED_M.1) * t * t)
+    };
+    let carried: Vec<Vec3> = local.iter().map(over).collect();
     wire(origin, palette, move |b, grown| {
         let run = |points: &[Vec3], radius: f32| points.iter().map(|p| (*p, radius)).collect::<Vec<_>>();
         b.tube(&run(&local, CONTACT_M * grown), 4, slot::DARK);

@@ -86,10 +86,7 @@ pub fn signal_post(kind: SignalPost) -> SceneryModel {
     MODELS.get(number, || {
         let shape = Detail::levels(LIMITS_M, move |d| post_mesh(kind, d));
         let height_m = f64::from(shape.bounds.max.z);
-        let half = DVec2::splat(0.12);
-        let name = format!("signal-post/{number}");
-        let palette = post_palette();
-        SceneryModel { name, shape, palette, footprint_min: -half, footprint_max: half, height_m }
+        SceneryModel::about_origin(format!("signal-post/{number}"), shape, post_palette(), DVec2::splat(0.12), height_m)
     })
 }
 
@@ -167,22 +164,16 @@ fn head_palette(lit: [bool; 3]) -> Palette {
 /// The back of a head is at x = 0, its bottom at z = 0; it faces +x.
 fn head_mesh(kind: HeadKind, detail: Detail) -> Mesh {
     let mut b = MeshBuilder::new();
-    let chambers = if kind == HeadKind::Walk { 2 } else { 3 };
-    let height = CHAMBER * chambers as f32;
+    // From below: green, yellow for vehicles alone, red.
+    let colors: &[u8] = if kind == HeadKind::Walk { &[2, 0] } else { &[2, 1, 0] };
+    let height = CHAMBER * colors.len() as f32;
     if kind == HeadKind::Backed {
         b.block(v(0.035, 0.0, height / 2.0), v(0.012, 0.62, height + 0.34), slot::RIM);
         b.block(v(0.043, 0.0, height / 2.0), v(0.012, 0.54, height + 0.26), slot::BOARD);
     }
-    for k in 0..chambers {
+    for (k, color) in colors.iter().enumerate() {
         let z = CHAMBER * (k as f32 + 0.5);
-        // The lowest chamber is green.
-        let lens = if k == 0 {
-            slot::LENS + 2
-        } else if k == chambers - 1 {
-            slot::LENS
-        } else {
-            slot::LENS + 1
-        };
+        let lens = slot::LENS + color;
         b.block(v(FRONT / 2.0, 0.0, z), v(FRONT, 0.29, CHAMBER - 0.012), slot::HOUSING);
         if kind == HeadKind::Walk {
             b.disc(v(FRONT + 0.004, 0.0, z), LENS_RADIUS, detail.pick(20, 12, 8), 0.0, slot::MASK);

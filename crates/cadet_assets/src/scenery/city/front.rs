@@ -1,7 +1,7 @@
 //! The fronts of a house in a closed row: windows in columns over shops or flats, and what stands out.
 
 use super::super::Detail;
-use super::super::draw::range;
+
 use super::super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::super::materials::house_slot as slot;
 use super::super::wall_plane::WallPlane;
@@ -38,11 +38,9 @@ struct Layout {
 /// Draws a wall to a street. `is_crossing` marks the narrow one at a corner.
 pub(super) fn draw(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, width_m: f32, index: usize, detail: Detail) {
     let (layout, mut s) = lay_out(d, width_m, index);
-    let shape = WallShape { width_m, bottom_m: -0.3, eaves_m: d.ground_m, apex_m: d.ground_m, face: city_slot::BASE };
-    wall(b, plane, &shape, &layout.ground, detail);
+    wall(b, plane, &WallShape::level(width_m, -0.3, d.ground_m, city_slot::BASE), &layout.ground, detail);
     let top = d.cornice_m();
-    let shape = WallShape { width_m, bottom_m: d.ground_m, eaves_m: top, apex_m: top, face: slot::WALL };
-    wall(b, plane, &shape, &layout.upper, detail);
+    wall(b, plane, &WallShape::level(width_m, d.ground_m, top, slot::WALL), &layout.upper, detail);
     if let Some(bay) = layout.bay {
         draw_bay(b, d, plane, layout.columns[bay], detail, &mut s);
     }
@@ -86,8 +84,7 @@ pub(super) fn draw_plain(
             }
         }
     }
-    let top = d.cornice_m();
-    let shape = WallShape { width_m, bottom_m: -0.3, eaves_m: top, apex_m: top, face: slot::WALL };
+    let shape = WallShape::level(width_m, -0.3, d.cornice_m(), slot::WALL);
     wall(b, plane, &shape, &openings, if detail == Detail::Near { Detail::Mid } else { detail });
 }
 
@@ -230,15 +227,9 @@ fn draw_bay(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, u: f32, deta
         openings.push(Opening { rect: [width_m / 2.0 - half, width_m / 2.0 + half, v, v + d.window.1], filling });
         story += 1;
     }
-    let shape = WallShape { width_m, bottom_m: low, eaves_m: high, apex_m: high, face: slot::STONE };
     // Rooms of this depth would come out of the wall behind, where there is none to be seen.
-    wall(b, &front, &shape, &openings, detail);
-    plane.ring(b, [u0, u1, low, high], -BAY_DEPTH_M, 0.0, slot::STONE);
+    wall(b, &front, &WallShape::level(width_m, low, high, slot::STONE), &openings, detail);
+    plane.sides(b, [u0, u1, low, high], 0.0, -BAY_DEPTH_M, slot::STONE);
     plane.block(b, [u0 - 0.08, u1 + 0.08, high, high + 0.12], -BAY_DEPTH_M - 0.08, 0.0, slot::METAL);
     plane.block(b, [u0 + 0.3, u1 - 0.3, low - 0.3, low], -BAY_DEPTH_M + 0.2, 0.0, slot::STONE);
-}
-
-/// Draws the house's measures that fronts share.
-pub(super) fn draw_window(s: &mut Stream) -> (f32, f32) {
-    (range(s, 1.0, 1.3), range(s, 1.65, 2.05))
 }

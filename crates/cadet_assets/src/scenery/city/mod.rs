@@ -99,7 +99,7 @@ impl CityDesign {
             story_m: range(s, 3.2, 3.6),
             roof: if is_corner || s.chance(0.5) { Roof::Mansard } else { Roof::Pitched },
             column_m: range(s, 2.2, 2.7),
-            window: front::draw_window(s),
+            window: (range(s, 1.0, 1.3), range(s, 1.65, 2.05)),
             sashes: 1 + u8::from(s.chance(0.75)),
             has_shops: s.chance(if is_corner { 0.9 } else { 0.65 }),
             has_gate: s.chance(0.35),

@@ -62,7 +62,7 @@ impl Shop {
         }
         door_leaf(b, plane, [door[0], door[1], v0, v1], detail);
         if detail == Detail::Near {
-            plane.reveal(b, [u0 + 0.02, u1 - 0.02, v0, v1], DOOR_DEPTH_M + 0.04, ROOM_DEPTH_M, city_slot::INSIDE);
+            plane.sides(b, [u0 + 0.02, u1 - 0.02, v0, v1], DOOR_DEPTH_M + 0.04, ROOM_DEPTH_M, city_slot::INSIDE);
             plane.rect(b, [u0, u1, v0, v1], ROOM_DEPTH_M, city_slot::INSIDE);
             // Shelves along the back wall.
             let mut u = u0 + 0.3;
@@ -155,7 +155,7 @@ fn shelf(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1]: [f32; 2], v: f32, [fr
 fn door_leaf(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], detail: Detail) {
     let top = (v0 + DOOR_HEIGHT_M).min(v1 - 0.15);
     let d = DOOR_DEPTH_M;
-    plane.reveal(b, [u0, u1, v0, v1], 0.0, d, slot::FRAME);
+    plane.sides(b, [u0, u1, v0, v1], 0.0, d, slot::FRAME);
     let glass = if detail == Detail::Near { slot::GLASS } else { slot::DARK_GLASS };
     plane.rect(b, [u0, u1, top, v1], d, glass);
     let stile = 0.11;
@@ -205,7 +205,7 @@ fn awning(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1]: [f32; 2], v: f32, re
 /// Two wooden leaves of a gateway under a lintel.
 pub(in super::super) fn gate(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], detail: Detail) {
     let d = 0.55;
-    plane.reveal(b, [u0, u1, v0, v1], 0.0, d, city_slot::BASE);
+    plane.sides(b, [u0, u1, v0, v1], 0.0, d, city_slot::BASE);
     plane.rect(b, [u0, u1, v0, v1], d, slot::DOOR);
     if detail == Detail::Near {
         let half = (u1 - u0) / 2.0;

@@ -29,14 +29,9 @@ pub fn span_lamp(span_m: f64) -> Option<SceneryModel> {
     let model = MODELS.get(length_m, || {
         let mut s = Stream::from_seed("span lamp", length_m as u64);
         let shape = Detail::levels([30.0, 60.0, 120.0], move |d| mesh(length_m as f32 / 2.0, d));
-        SceneryModel {
-            name: format!("span-lamp/{length_m}"),
-            height_m: f64::from(shape.bounds.max.z),
-            shape,
-            palette: furniture_palette(&mut s, Semantic::Pole, [0.30, 0.31, 0.32], [0.50, 0.50, 0.48]),
-            footprint_min: DVec2::splat(-0.1),
-            footprint_max: DVec2::splat(0.1),
-        }
+        let height_m = f64::from(shape.bounds.max.z);
+        let palette = furniture_palette(&mut s, Semantic::Pole, [0.30, 0.31, 0.32], [0.50, 0.50, 0.48]);
+        SceneryModel::about_origin(format!("span-lamp/{length_m}"), shape, palette, DVec2::splat(0.1), height_m)
     });
     Some(model)
 }

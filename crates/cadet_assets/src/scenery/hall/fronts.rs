@@ -42,7 +42,7 @@ pub(super) fn draw(
         HallKind::Office | HallKind::Institute => floors(d, width_m, side, &mut s),
     };
     let apex_m = d.eaves_m + rise_m;
-    let shape = WallShape { width_m, bottom_m: FOOT_M, eaves_m: d.eaves_m, apex_m, face: d.faces() };
+    let shape = WallShape { width_m, bottom_m: FOOT_M, eaves_m: d.eaves_m, apex_m, face: slot::WALL };
     wall(b, plane, &shape, &openings, detail);
     if detail != Detail::Far {
         clad(b, d, plane, width_m, &openings, detail);
@@ -187,7 +187,7 @@ fn clad(b: &mut MeshBuilder, d: &HallDesign, plane: &WallPlane, width: f32, open
             for k in 0..count {
                 let u = from + RIB_PITCH_M * k as f32;
                 for [low, high] in free(openings, [u - 0.05, u + 0.36], [0.14, d.eaves_m - 0.15], 1) {
-                    plane.block(b, [u, u + 0.31, low, high], -RIB_DEPTH_M, 0.0, d.faces());
+                    plane.block(b, [u, u + 0.31, low, high], -RIB_DEPTH_M, 0.0, slot::WALL);
                 }
             }
         }

@@ -11,11 +11,11 @@ pub use colors::hall_palette;
 use strum::{AsRefStr, VariantArray};
 
 use super::draw::{CREASE_RAD, range};
-use super::materials::house_slot as slot;
+
 use super::wall_plane::WallPlane;
 use super::{Detail, Mesh, roof};
 use cadet_base::geometry::MeshBuilder;
-use cadet_base::math::Vec3;
+
 use cadet_base::rng::Stream;
 
 /// How many buildings of each kind there are.
@@ -102,17 +102,9 @@ impl HallDesign {
     /// Draws the building.
     pub fn mesh(&self, detail: Detail) -> Mesh {
         let mut b = MeshBuilder::new();
-        let (x, y) = (self.depth_m / 2.0, self.width_m / 2.0);
-        let v = Vec3::new;
-        let sides = [
-            (v(x, -y, 0.0), Vec3::Y, self.width_m),
-            (v(x, y, 0.0), -Vec3::X, self.depth_m),
-            (v(-x, y, 0.0), -Vec3::Y, self.width_m),
-            (v(-x, -y, 0.0), Vec3::X, self.depth_m),
-        ];
-        for (i, (origin, u, width)) in sides.into_iter().enumerate() {
-            let rise = if self.has_gables && i % 2 == 1 { SHALLOW * self.depth_m / 2.0 } else { 0.0 };
-            fronts::draw(&mut b, self, &WallPlane { origin, u }, (width, rise), i, detail);
+        for (i, (plane, length_m)) in WallPlane::around(self.depth_m, self.width_m).iter().enumerate() {
+            let rise_m = if self.has_gables && i % 2 == 1 { SHALLOW * self.depth_m / 2.0 } else { 0.0 };
+            fronts::draw(&mut b, self, plane, (*length_m, rise_m), i, detail);
         }
         if self.has_gables {
             let pitched = roof::Pitched {
@@ -126,7 +118,7 @@ impl HallDesign {
             // Sheets have no courses.
             pitched.draw(&mut b, if detail == Detail::Near { Detail::Mid } else { detail });
         } else {
-            roof::flat(&mut b, x, y, self.eaves_m - 0.1);
+            roof::flat(&mut b, self.depth_m / 2.0, self.width_m / 2.0, self.eaves_m - 0.1);
         }
         if detail != Detail::Far {
             parts::on_roof(&mut b, self);
@@ -143,10 +135,5 @@ impl HallDesign {
     fn floor(&self, story: usize) -> f32 {
         let each = (self.eaves_m - 0.4) / self.floors as f32;
         0.1 + each * story as f32
-    }
-
-    /// The slot of its walls on the ground floor, and above.
-    fn faces(&self) -> u8 {
-        slot::WALL
     }
 }

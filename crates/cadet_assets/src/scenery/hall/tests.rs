@@ -2,10 +2,11 @@
 
 use strum::VariantArray;
 
+use super::super::materials::house_slot as slot;
 use super::super::{SceneryModel, hall};
 use super::*;
 use crate::rays::hits;
-use cadet_base::math::{cosf, sinf};
+use cadet_base::math::{Vec3, cosf, sinf};
 
 fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
     HallKind::VARIANTS.iter().flat_map(|&kind| (0..HALL_VARIANTS).map(move |k| (kind, hall(kind, k))))

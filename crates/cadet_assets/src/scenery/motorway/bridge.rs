@@ -25,9 +25,8 @@ pub fn overpass(variant: usize, half_span_m: f64) -> SceneryModel {
     let palette = palette(&mut Stream::from_seed("overpass", variant as u64));
     let half_span = half_span_m as f32;
     let shape = Detail::levels([90.0, 220.0, f32::INFINITY], move |detail| mesh(variant, half_span, detail));
-    let footprint_max = DVec2::new(f64::from(HALF), half_span_m + RAMP_M);
     let height_m = f64::from(shape.bounds.max.z);
-    SceneryModel { name, shape, palette, footprint_min: -footprint_max, footprint_max, height_m }
+    SceneryModel::about_origin(name, shape, palette, DVec2::new(f64::from(HALF), half_span_m + RAMP_M), height_m)
 }
 
 fn mesh(variant: usize, half_span: f32, detail: Detail) -> Mesh {
@@ -37,13 +36,8 @@ fn mesh(variant: usize, half_span: f32, detail: Detail) -> Mesh {
     // Beams below, the deck's overhang with its edge over them.
     b.cuboid(v(-HALF + 1.1, -reach, low), v(HALF - 1.1, reach, top - 0.25), slot::CONCRETE);
     b.cuboid(v(-HALF, -reach, top - 0.4), v(HALF, reach, top), slot::CONCRETE);
-    b.quad(
-        v(-3.2, -reach, top + 0.01),
-        v(3.2, -reach, top + 0.01),
-        v(3.2, reach, top + 0.01),
-        v(-3.2, reach, top + 0.01),
-        slot::ASPHALT,
-    );
+    let [p, q, r, s] = [(-3.2, -reach), (3.2, -reach), (3.2, reach), (-3.2, reach)].map(|(x, y)| v(x, y, top + 0.01));
+    b.quad(p, q, r, s, slot::ASPHALT);
     for side in [-1.0, 1.0] {
         let x = side * (HALF - 0.12);
         b.block(v(x, 0.0, top + 0.05), v(0.3, 2.0 * reach, 0.3), slot::CONCRETE);
@@ -53,11 +47,8 @@ fn mesh(variant: usize, half_span: f32, detail: Detail) -> Mesh {
     for side in [-1.0, 1.0] {
         let y = side * half_span;
         // The wall, and wing walls that go back along the ramp.
-        b.block(
-            v(0.0, y + side * 0.7, (top + DEPTH) / 2.0 - 0.1),
-            v(2.0 * HALF, 1.4, top - DEPTH - 0.2),
-            slot::CONCRETE,
-        );
+        let middle = v(0.0, y + side * 0.7, (top + DEPTH) / 2.0 - 0.1);
+        b.block(middle, v(2.0 * HALF, 1.4, top - DEPTH - 0.2), slot::CONCRETE);
         for wing in [-1.0, 1.0] {
             let x = wing * (HALF - 0.2);
             b.block(v(x, y + side * WINGS / 2.0, (top + DEPTH) / 2.0), v(0.4, WINGS, top - DEPTH), slot::CONCRETE);
@@ -109,10 +100,7 @@ fn ramp(b: &mut MeshBuilder, side: f32, half_span: f32, top: f32) {
     for pair in stations.windows(2) {
         let [near, far] = [pair[0], pair[1]].map(|(behind, fall, _)| (side * (half_span + behind), top + fall + 0.01));
         let [a, c] = [near, far].map(|(y, z)| [v(-3.2, y, z), v(3.2, y, z)]);
-        if side > 0.0 {
-            b.quad(a[0], a[1], c[1], c[0], slot::ASPHALT);
-        } else {
-            b.quad(a[1], a[0], c[0], c[1], slot::ASPHALT);
-        }
+        let (l, r) = if side > 0.0 { (0, 1) } else { (1, 0) };
+        b.quad(a[l], a[r], c[r], c[l], slot::ASPHALT);
     }
 }

@@ -1,7 +1,5 @@
 //! Gantries over carriageways; their boards face +x.
 
-use std::sync::Arc;
-
 use super::super::draw::{CREASE_RAD, v};
 use super::super::letters::{width, write};
 use super::super::{Detail, Mesh, SceneryModel};
@@ -43,8 +41,7 @@ pub fn gantry(variant: usize, half_m: f64, num_lanes: usize) -> SceneryModel {
     let half = half_m as f32;
     let shape = Detail::levels([60.0, 140.0, 600.0], move |detail| gantry_mesh(variant, half, num_lanes, detail));
     let height_m = f64::from(shape.bounds.max.z);
-    let footprint_max = DVec2::new(0.6, half_m + 0.3);
-    SceneryModel { name, shape: Arc::clone(&shape), palette, footprint_min: -footprint_max, footprint_max, height_m }
+    SceneryModel::about_origin(name, shape, palette, DVec2::new(0.6, half_m + 0.3), height_m)
 }
 
 fn gantry_mesh(variant: usize, half: f32, num_lanes: usize, detail: Detail) -> Mesh {
