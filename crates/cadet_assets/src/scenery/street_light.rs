@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::materials::furniture_slot as slot;
-use cadet_base::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
+use cadet_base::lamp::{Lamp, LampBeam};
 use cadet_base::material::{Palette, Pattern};
 use cadet_base::math::Vec3;
 use cadet_base::rng::Stream;
@@ -68,14 +68,8 @@ impl StreetLight {
         let mut materials = palette.materials().to_vec();
         let lens = &mut materials[usize::from(head.lens)];
         (lens.albedo, lens.pattern) = (color.map(|c| c * head.radiance), Pattern::Lamp);
-        let lamp = Lamp {
-            beam: if head.is_globe { GLOBE } else { CUT_OFF },
-            at: head.at,
-            ahead: -Vec3::Z,
-            left: Vec3::Y,
-            intensity: color.map(|c| c * (head.downward_cd / CD_PER_INTENSITY)),
-            reach_m: head.reach_m,
-        };
+        let beam = if head.is_globe { GLOBE } else { CUT_OFF };
+        let lamp = Lamp::of_candela(beam, head.at, [-Vec3::Z, Vec3::Y], color, head.downward_cd, head.reach_m);
         let at_night = Palette::new(materials).with_lamps(vec![lamp]);
         Arc::new(Palette::clone(palette).with_night(at_night))
     }

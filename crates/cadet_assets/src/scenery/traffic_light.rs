@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use super::draw::{CREASE_RAD, v};
 use super::{Detail, SceneryModel};
 use cadet_base::geometry::{LodSet, Memo, Mesh, MeshBuilder};
-use cadet_base::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
+use cadet_base::lamp::{Lamp, LampBeam};
 use cadet_base::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use cadet_base::math::{DVec2, PI, Vec3, cosf, sinf};
 
@@ -149,13 +149,9 @@ fn head_palette(lit: [bool; 3]) -> Palette {
     let rim = sign([0.62, 0.62, 0.60], 0.75);
     let visor = sign([0.016, 0.017, 0.017], 0.08);
     let board = sign([0.018, 0.018, 0.019], 0.09);
-    let lamps = (0..3).filter(|k| lit[*k]).map(|k| Lamp {
-        beam: LampBeam::Lens,
-        at: v(FRONT + 0.02, 0.0, CHAMBER * (2.5 - k as f32)),
-        ahead: Vec3::X,
-        left: Vec3::Y,
-        intensity: LIT[k].map(|c| c * (LENS_CD / CD_PER_INTENSITY)),
-        reach_m: REACH_M,
+    let lamps = (0..3).filter(|k| lit[*k]).map(|k| {
+        let at = v(FRONT + 0.02, 0.0, CHAMBER * (2.5 - k as f32));
+        Lamp::of_candela(LampBeam::Lens, at, [Vec3::X, Vec3::Y], LIT[k], LENS_CD, REACH_M)
     });
     Palette::new(vec![housing, visor, lens(0), lens(1), lens(2), board, rim, sign([0.012; 3], 0.12)])
         .with_lamps(lamps.collect())

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::VehicleModel;
 use super::paint::{slot, work_slot};
 use cadet_base::actor::ObjectClass;
-use cadet_base::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
+use cadet_base::lamp::{Lamp, LampBeam};
 use cadet_base::material::{Material, Palette, Pattern};
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
@@ -56,13 +56,9 @@ pub struct LitLamps {
 pub fn low_beams(size_lwh: DVec3, color: [f32; 3]) -> [Lamp; 2] {
     let size = size_lwh.as_vec3();
     let z = (HEIGHT_SHARE * size.z).clamp(HEIGHTS_M.0, HEIGHTS_M.1);
-    [1.0, -1.0].map(|side| Lamp {
-        beam: LampBeam::LowBeam,
-        at: Vec3::new(0.5 * size.x + BEFORE_LENS_M, side * ASIDE_SHARE * size.y, z),
-        ahead: Vec3::X,
-        left: Vec3::Y,
-        intensity: color.map(|c| c * (LOW_BEAM_CD / CD_PER_INTENSITY)),
-        reach_m: LOW_BEAM_REACH_M,
+    [1.0, -1.0].map(|side| {
+        let at = Vec3::new(0.5 * size.x + BEFORE_LENS_M, side * ASIDE_SHARE * size.y, z);
+        Lamp::of_candela(LampBeam::LowBeam, at, [Vec3::X, Vec3::Y], color, LOW_BEAM_CD, LOW_BEAM_REACH_M)
     })
 }
 
@@ -126,14 +122,9 @@ impl VehicleModel {
         if lit.low_beams || lit.brake {
             let size = self.size_lwh.as_vec3();
             let z = (1.3 * HEIGHT_SHARE * size.z).clamp(HEIGHTS_M.0, 1.2 * HEIGHTS_M.1);
-            lamps.push(Lamp {
-                beam: LampBeam::Lens,
-                at: Vec3::new(-0.5 * size.x - BEFORE_LENS_M, 0.0, z),
-                ahead: -Vec3::X,
-                left: -Vec3::Y,
-                intensity: RED.map(|c| c * (candela / CD_PER_INTENSITY)),
-                reach_m: TAIL_REACH_M,
-            });
+            let at = Vec3::new(-0.5 * size.x - BEFORE_LENS_M, 0.0, z);
+            let axes = [-Vec3::X, -Vec3::Y];
+            lamps.push(Lamp::of_candela(LampBeam::Lens, at, axes, RED, candela, TAIL_REACH_M));
         }
         lamps
     }

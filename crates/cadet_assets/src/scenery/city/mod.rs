@@ -24,7 +24,7 @@ use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
 use super::{Detail, Mesh};
 use cadet_base::geometry::MeshBuilder;
-use cadet_base::lamp::{CD_PER_INTENSITY, Lamp, LampBeam};
+use cadet_base::lamp::{Lamp, LampBeam};
 use cadet_base::material::Palette;
 use cadet_base::math::Vec3;
 use cadet_base::rng::Stream;
@@ -166,13 +166,10 @@ impl CityDesign {
         let are_lit = self.has_shops && Stream::from_seed("lit shops", self.seed).chance(LIT_SHOPS);
         let count = if are_lit { (self.width_m / SHOP_M).floor().max(1.0) as usize } else { 0 };
         let y = |k: usize| self.width_m * ((k as f32 + 0.5) / count as f32 - 0.5);
-        let lamps = (0..count).map(|k| Lamp {
-            beam: LampBeam::Luminaire { cos_ends: -0.2, cos_full: 0.6 },
-            at: Vec3::new(0.5 * self.depth_m + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1),
-            ahead: -Vec3::Z,
-            left: Vec3::Y,
-            intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CD_PER_INTENSITY)),
-            reach_m: SHOP_REACH_M,
+        let lamps = (0..count).map(|k| {
+            let beam = LampBeam::Luminaire { cos_ends: -0.2, cos_full: 0.6 };
+            let at = Vec3::new(0.5 * self.depth_m + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1);
+            Lamp::of_candela(beam, at, [-Vec3::Z, Vec3::Y], SHOP_COLOR, SHOP_CD, SHOP_REACH_M)
         });
         light_shops(palette, &lamps.collect::<Vec<_>>())
     }
