@@ -63,11 +63,8 @@ pub(super) fn add_mirrors_and_aerial(
     if level < 2 {
         let glass = upright(back, [center.y - w, center.y + w], [center.z - h, center.z + h]);
         surface.panel_pair(&glass, Outward::Along(Vec3::NEG_X), slot::CHROME);
-        surface.cuboid_pair(
-            foot + Vec3::new(-0.04, -0.02, 0.0),
-            Vec3::new(x + 0.04, center.y - 0.5 * size.y, foot.z + 0.05),
-            slot::PLASTIC,
-        );
+        let arm_end = Vec3::new(x + 0.04, center.y - 0.5 * size.y, foot.z + 0.05);
+        surface.cuboid_pair(foot + Vec3::new(-0.04, -0.02, 0.0), arm_end, slot::PLASTIC);
     }
     if fittings.aerial && level == 0 {
         let root = Vec3::new(house.rear_header_x + 0.15, 0.0, house.roof_z(house.rear_header_x + 0.15) - 0.01);

@@ -54,7 +54,7 @@ fn columns(o: &Outline) -> Vec<Column> {
     let mut xs: Vec<f32> = arches.chain([o.nose_x, o.tail_x, o.screen_foot_x, o.backlight_foot_x]).collect();
     xs.retain(|x| (o.tail_x..=o.nose_x).contains(x));
     xs.sort_by(|a, b| b.total_cmp(a));
-    let side = xs.into_iter().map(|x| Column { x, face: Face::Side, arch_z: None, is_seam: false });
+    let side = xs.into_iter().map(|x| Column::whole(x, Face::Side));
     let nose = ENDS.iter().map(|f| o.end_column(*f, true));
     nose.chain(side).chain(ENDS.iter().rev().map(|f| o.end_column(*f, false))).collect()
 }

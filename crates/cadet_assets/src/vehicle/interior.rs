@@ -83,13 +83,8 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
         let center = rear + Vec3::new(-0.14, 0.0, 0.24 * seats.scale);
         surface.block(center, Vec3::new(0.06, half_width, 0.29 * seats.scale), leaning(0.45), sides, slot::CLOTH);
         if level == 0 {
-            surface.block(
-                rear + Vec3::new(0.12, 0.0, -0.09),
-                Vec3::new(0.25, half_width, 0.08),
-                leaning(0.1),
-                sides,
-                slot::CLOTH,
-            );
+            let cushion = rear + Vec3::new(0.12, 0.0, -0.09);
+            surface.block(cushion, Vec3::new(0.25, half_width, 0.08), leaning(0.1), sides, slot::CLOTH);
             let head = center + leaning(0.45) * Vec3::new(0.0, 0.24 * d.width_m, 0.35 * seats.scale);
             surface.block_pair(head, Vec3::new(0.04, 0.12, 0.07), leaning(0.3), sides, slot::CLOTH);
         }

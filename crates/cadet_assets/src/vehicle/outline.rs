@@ -1,7 +1,7 @@
 //! The lower body as a surface over (place along the half ring, height): plan, section and belt line.
 
 use super::dimensions::Dimensions;
-use cadet_base::math::{Vec3, powf};
+use cadet_base::math::{Vec3, cosf, powf, sinf};
 
 /// Height fractions at which the section bends, and how far the flank lies inside the widest line there, meters.
 const SECTION: [(f32, f32); 11] = [
@@ -36,6 +36,13 @@ pub(super) struct Column {
     pub arch_z: Option<f32>,
     /// The cells between this column and the one before are no surface: the two stand above each other.
     pub is_seam: bool,
+}
+
+impl Column {
+    /// A column down to the sill.
+    pub fn whole(x: f32, face: Face) -> Self {
+        Self { x, face, arch_z: None, is_seam: false }
+    }
 }
 
 /// The part of the half ring.
@@ -92,8 +99,7 @@ impl Outline {
         let half = d.length_m / 2.0;
         let nose_x = d.axles_x[0] + d.arch_radius_m + 0.02;
         let tail_x = d.axles_x[1] - d.arch_radius_m - 0.02;
-        let screen_bow = if d.is_van { 0.10 } else { 0.15 };
-        let backlight_bow = if d.is_van { 0.03 } else { 0.08 };
+        let (screen_bow, backlight_bow) = if d.is_van { (0.10, 0.03) } else { (0.15, 0.08) };
         let backlight_x = -half + tail_setback(&d, TAIL_SETBACK.len() - 1) + 0.02 + d.boot_m;
         Self {
             nose_x,
@@ -165,21 +171,12 @@ impl Outline {
         let d = &self.d;
         let f = column.face.lateral();
         let top = self.top_z(column.x) + self.crown(column.x) * (1.0 - f * f);
-        let mut z = d.clearance_m + v * (top - d.clearance_m);
+        let z = d.clearance_m + v * (top - d.clearance_m);
         match column.face {
-            Face::Side => {
-                if let Some(low) = column.arch_z {
-                    z = z.max(low);
-                }
-                self.flank(column.x, z)
-            }
+            Face::Side => self.flank(column.x, column.arch_z.map_or(z, |low| z.max(low))),
             Face::Nose(f) | Face::Tail(f) => {
                 let is_nose = matches!(column.face, Face::Nose(_));
-                let (root, tip, n) = if is_nose {
-                    (self.nose_x, d.length_m / 2.0, d.corner_exponent[0])
-                } else {
-                    (self.tail_x, -d.length_m / 2.0, d.corner_exponent[1])
-                };
+                let (root, tip, n) = self.end(is_nose);
                 let reach = (tip - root).abs();
                 let setback = |k: usize| if is_nose { NOSE_SETBACK[k] } else { tail_setback(d, k) };
                 let back = interpolate(|k| (SECTION[k].0, setback(k)), SECTION.len(), v).min(0.6 * reach);
@@ -200,23 +197,17 @@ impl Outline {
 
     /// Half width of the shell's upper edge at x, rounded off toward nose and tail.
     pub fn edge_y(&self, x: f32) -> f32 {
-        let half = self.d.length_m / 2.0;
-        let lateral = |root: f32, tip: f32, back: f32, n: f32| {
+        let lateral = |is_nose: bool, setback: f32| {
+            let (root, tip, n) = self.end(is_nose);
+            let back = setback.min(0.6 * (tip - root).abs());
             let along = ((x - root) / ((tip - root) * (1.0 - back / (tip - root).abs()))).clamp(0.0, 1.0);
             powf((1.0 - powf(along, n)).max(0.0), 1.0 / n)
         };
-        let f = if x > self.nose_x {
-            lateral(
-                self.nose_x,
-                half,
-                NOSE_SETBACK[NOSE_SETBACK.len() - 1].min(0.6 * (half - self.nose_x)),
-                self.d.corner_exponent[0],
-            )
-        } else if x < self.tail_x {
-            let back = tail_setback(&self.d, TAIL_SETBACK.len() - 1);
-            lateral(self.tail_x, -half, back.min(0.6 * (half + self.tail_x)), self.d.corner_exponent[1])
-        } else {
-            1.0
+        let last = SECTION.len() - 1;
+        let f = match x {
+            _ if x > self.nose_x => lateral(true, NOSE_SETBACK[last]),
+            _ if x < self.tail_x => lateral(false, tail_setback(&self.d, last)),
+            _ => 1.0,
         };
         f * self.half_width(x, 1.0)
     }
@@ -234,18 +225,18 @@ impl Outline {
 
     /// The column of nose or tail at a lateral fraction.
     pub fn end_column(&self, fraction: f32, is_nose: bool) -> Column {
+        let (root, tip, n) = self.end(is_nose);
+        let x = root + (tip - root) * powf((1.0 - powf(fraction, n)).max(0.0), 1.0 / n);
+        Column::whole(x, if is_nose { Face::Nose(fraction) } else { Face::Tail(fraction) })
+    }
+
+    /// x of nose or tail where it begins and where it ends, and its plan's exponent.
+    fn end(&self, is_nose: bool) -> (f32, f32, f32) {
         let d = &self.d;
-        let (root, tip, n) = if is_nose {
+        if is_nose {
             (self.nose_x, d.length_m / 2.0, d.corner_exponent[0])
         } else {
             (self.tail_x, -d.length_m / 2.0, d.corner_exponent[1])
-        };
-        let x = root + (tip - root) * powf((1.0 - powf(fraction, n)).max(0.0), 1.0 / n);
-        Column {
-            x,
-            face: if is_nose { Face::Nose(fraction) } else { Face::Tail(fraction) },
-            arch_z: None,
-            is_seam: false,
         }
     }
 
@@ -257,42 +248,32 @@ impl Outline {
             &[0.0, 0.58, 0.90],
         ];
         let d = &self.d;
-        let column = |x, face| Column { x, face, arch_z: None, is_seam: false };
-        let end = |f: f32, is_nose: bool| self.end_column(f, is_nose);
-        let mut columns: Vec<Column> = ENDS[level].iter().map(|f| end(*f, true)).collect();
-        let mut side: Vec<Column> = vec![column(self.nose_x, Face::Side), column(self.tail_x, Face::Side)];
+        let flank = |x| Column::whole(x, Face::Side);
+        let mut columns: Vec<Column> = ENDS[level].iter().map(|f| self.end_column(*f, true)).collect();
+        let mut side: Vec<Column> = vec![flank(self.nose_x), flank(self.tail_x)];
         let segments = [14, 8, 4][level];
         for axle in d.axles_x {
             for k in 0..=segments {
                 let angle = (0.5 - k as f32 / segments as f32) * std::f32::consts::PI;
-                let (sin, cos) = (cadet_base::math::sinf(angle), cadet_base::math::cosf(angle));
-                let (x, low) = (axle + d.arch_radius_m * sin, d.wheel_radius_m + d.arch_radius_m * cos.max(0.0));
+                let x = axle + d.arch_radius_m * sinf(angle);
+                let low = d.wheel_radius_m + d.arch_radius_m * cosf(angle).max(0.0);
                 let is_first = k == 0;
                 if is_first || k == segments {
                     // The arch's upright edge: one column down to the sill, one from the axle's height.
-                    side.push(column(x + if is_first { 1e-4 } else { -1e-4 }, Face::Side));
+                    side.push(flank(x + if is_first { 1e-4 } else { -1e-4 }));
                 }
-                side.push(Column { x, face: Face::Side, arch_z: Some(low), is_seam: is_first });
+                side.push(Column { arch_z: Some(low), is_seam: is_first, ..flank(x) });
             }
         }
         let covered = |x: f32| d.axles_x.iter().any(|a| (x - a).abs() < d.arch_radius_m + 0.02);
         for x in [self.screen_foot_x, self.backlight_foot_x] {
-            if covered(x) || x < self.tail_x {
+            if !covered(x) && x >= self.tail_x {
+                side.push(flank(x));
+            } else if x > self.tail_x {
                 // On an arch the column takes the arch's height.
-                let low = d.axles_x.iter().filter_map(|a| {
-                    let square = d.arch_radius_m * d.arch_radius_m - (x - a) * (x - a);
-                    (square > 0.0).then(|| d.wheel_radius_m + square.sqrt())
-                });
-                if x > self.tail_x {
-                    side.push(Column {
-                        x,
-                        face: Face::Side,
-                        arch_z: low.fold(None, |a, b| Some(a.map_or(b, |a: f32| a.max(b)))),
-                        is_seam: false,
-                    });
-                }
-            } else {
-                side.push(column(x, Face::Side));
+                let square = |a: &f32| d.arch_radius_m * d.arch_radius_m - (x - a) * (x - a);
+                let low = d.axles_x.iter().map(square).filter(|s| *s > 0.0).map(|s| d.wheel_radius_m + s.sqrt());
+                side.push(Column { arch_z: low.reduce(f32::max), ..flank(x) });
             }
         }
         let doors = [7, 3, 2][level];
@@ -300,7 +281,7 @@ impl Outline {
         for k in 1..doors {
             let x = from + (to - from) * k as f32 / doors as f32;
             if (x - self.screen_foot_x).abs() > 0.06 {
-                side.push(column(x, Face::Side));
+                side.push(flank(x));
             }
         }
         side.sort_by(|a, b| b.x.total_cmp(&a.x));
@@ -311,7 +292,7 @@ impl Outline {
             }
         }
         columns.extend(side);
-        columns.extend(ENDS[level].iter().rev().map(|f| end(*f, false)));
+        columns.extend(ENDS[level].iter().rev().map(|f| self.end_column(*f, false)));
         columns
     }
 

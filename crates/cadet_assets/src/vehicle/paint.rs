@@ -161,18 +161,17 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
     set(slot::PLATE, plate);
     set(slot::LETTERS, coated(semantic, [0.02; 3], 0.5, 0.03, 0.2));
     let cloth = s.range(0.025, 0.14) as f32;
-    set(
-        slot::CLOTH,
-        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.012, 0.12) as f32),
-    );
-    set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.010, 0.025) as f32));
-    set(slot::LINER, Material::matt(semantic, [0.008; 3], Pattern::Plain, 0.01));
+    let fabric = |albedo: [f32; 3], reflectance: f32| Material::matt(semantic, albedo, Pattern::Cloth, reflectance);
+    let plain = |albedo: [f32; 3], reflectance: f32| Material::matt(semantic, albedo, Pattern::Plain, reflectance);
+    set(slot::CLOTH, fabric([cloth, cloth, cloth * 1.05], s.range(0.012, 0.12) as f32));
+    set(slot::DARK, plain([0.025; 3], s.range(0.010, 0.025) as f32));
+    set(slot::LINER, plain([0.008; 3], 0.01));
     let skin = s.range(0.75, 1.1) as f32;
-    set(slot::SKIN, Material::matt(semantic, [0.45 * skin, 0.28 * skin, 0.20 * skin], Pattern::Plain, 0.55));
+    set(slot::SKIN, plain([0.45 * skin, 0.28 * skin, 0.20 * skin], 0.55));
     let hair = s.range(0.3, 2.5) as f32;
-    set(slot::HAIR, Material::matt(semantic, [0.05 * hair, 0.035 * hair, 0.022 * hair], Pattern::Cloth, 0.4));
+    set(slot::HAIR, fabric([0.05 * hair, 0.035 * hair, 0.022 * hair], 0.4));
     let shirt = [s.range(0.03, 0.55) as f32, s.range(0.03, 0.5) as f32, s.range(0.03, 0.55) as f32];
-    set(slot::SHIRT, Material::matt(semantic, shirt, Pattern::Cloth, s.range(0.3, 0.7) as f32));
+    set(slot::SHIRT, fabric(shirt, s.range(0.3, 0.7) as f32));
     set(slot::CHROME, coated(semantic, [0.55; 3], 0.1, 0.5, 0.01));
     // Later draws from the stream give shapes: this one looks ahead and takes nothing.
     let is_clear = Stream::from_seed("signal lenses", s.clone().next_u64()).chance(CLEAR_SIGNALS);

@@ -112,6 +112,11 @@ impl Surface {
         self.block(mirrored(center), half, mirror * axes * mirror, sides, mirrored_slot(slot));
     }
 
+    /// Adds a plain box from and to along x, y, and z.
+    pub fn cuboid(&mut self, [x0, x1]: [f32; 2], [y0, y1]: [f32; 2], [z0, z1]: [f32; 2], slot: u8) {
+        self.builder.cuboid(Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1), slot);
+    }
+
     /// Adds a plain box and its mirror image.
     pub fn cuboid_pair(&mut self, min: Vec3, max: Vec3, slot: u8) {
         self.builder.cuboid(min, max, slot);

@@ -48,15 +48,11 @@ pub(super) fn add_roof_boxes(surface: &mut Surface, p: &CarPlan, level: usize) {
         let at = if count == 1 { 0.0 } else { half - 1.8 - room * (k as f32 + 0.5) / count as f32 };
         let long = if count == 1 { 1.1 } else { (0.26 + 0.1 * p.detail[k]) * room / count as f32 * 1.6 };
         let top = if k == 0 { p.height_m } else { p.height_m - 0.05 * p.detail[2] };
-        let (min, max) = (Vec3::new(at - long, -w, base), Vec3::new(at + long, w, top));
-        surface.builder.cuboid(min, max, work_slot::LOAD);
+        surface.cuboid([at - long, at + long], [-w, w], [base, top], work_slot::LOAD);
         if level < 2 {
-            // Slots for air in the flanks, and a lid.
-            let grille = |y0: f32, y1: f32| {
-                (Vec3::new(at - 0.7 * long, y0, base + 0.10), Vec3::new(at + 0.7 * long, y1, top - 0.05))
-            };
-            for (min, max) in [grille(w - 0.01, w + 0.004), grille(-w - 0.004, 0.01 - w)] {
-                surface.builder.cuboid(min, max, slot::GRILLE);
+            // Slots for air in the flanks.
+            for y in [[w - 0.01, w + 0.004], [-w - 0.004, 0.01 - w]] {
+                surface.cuboid([at - 0.7 * long, at + 0.7 * long], y, [base + 0.10, top - 0.05], slot::GRILLE);
             }
         }
     }
@@ -66,13 +62,10 @@ pub(super) fn add_roof_boxes(surface: &mut Surface, p: &CarPlan, level: usize) {
 pub(super) fn add_bogies(surface: &mut Surface, p: &CarPlan, level: usize) {
     let half = p.length_m / 2.0;
     let [front, rear] = p.ends.map(|e| half - if e == End::Cab { 0.9 } else { 0.4 });
-    surface.builder.cuboid(
-        Vec3::new(-rear, -0.44 * p.width_m, 0.34),
-        Vec3::new(front, 0.44 * p.width_m, 0.52_f32.min(p.floor_z - 0.02).max(0.36)),
-        slot::LINER,
-    );
+    let (half_y, top) = (0.44 * p.width_m, 0.52_f32.min(p.floor_z - 0.02).max(0.36));
+    surface.cuboid([-rear, front], [-half_y, half_y], [0.34, top], slot::LINER);
     for x in &p.bogies {
-        surface.builder.cuboid(Vec3::new(x - 1.25, -0.52, 0.22), Vec3::new(x + 1.25, 0.52, 0.45), slot::LINER);
+        surface.cuboid([x - 1.25, x + 1.25], [-0.52, 0.52], [0.22, 0.45], slot::LINER);
         if level == 3 {
             continue;
         }
@@ -80,8 +73,7 @@ pub(super) fn add_bogies(surface: &mut Surface, p: &CarPlan, level: usize) {
         for axle in [-0.9, 0.9] {
             for side in [-1.0, 1.0] {
                 let y = side * HALF_TRACK_M;
-                let (a, b) =
-                    (Vec3::new(x + axle, y - 0.06, WHEEL_RADIUS_M), Vec3::new(x + axle, y + 0.06, WHEEL_RADIUS_M));
+                let [a, b] = [y - 0.06, y + 0.06].map(|y| Vec3::new(x + axle, y, WHEEL_RADIUS_M));
                 limb(surface, a, b, WHEEL_RADIUS_M, WHEEL_RADIUS_M, sides, slot::RIM);
             }
         }
@@ -113,11 +105,8 @@ pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
                 let y = (k as f32 - letters as f32 / 2.0) * 0.085;
                 let (a, b) = span(x - 0.14, x - 0.045);
                 let tall = 0.06 + 0.02 * ((k * 7) % 3) as f32 / 2.0;
-                surface.builder.cuboid(
-                    Vec3::new(a, y, p.header_z + 0.14 - tall),
-                    Vec3::new(b, y + 0.055, p.header_z + 0.14 + tall),
-                    work_slot::AMBER,
-                );
+                let middle_z = p.header_z + 0.14;
+                surface.cuboid([a, b], [y, y + 0.055], [middle_z - tall, middle_z + tall], work_slot::AMBER);
             }
         }
     }
@@ -137,38 +126,21 @@ pub(super) fn add_what_sticks_out(surface: &mut Surface, p: &CarPlan, level: usi
     let x = if p.ends[0] == End::Cab { -0.9 } else { 0.9 };
     let thin = [0.025, 0.03, 0.045, 0.06][level];
     let base = top + ROOF_BOX_M + 0.02;
-    surface.builder.cuboid(
-        Vec3::new(x - 0.75, -0.55, top - 0.02),
-        Vec3::new(x + 0.75, 0.55, base - 0.08),
-        work_slot::FRAME,
-    );
+    surface.cuboid([x - 0.75, x + 0.75], [-0.55, 0.55], [top - 0.02, base - 0.08], work_slot::FRAME);
     // One arm: the lower leads back to the knee, the upper forward to the head.
     let foot = Vec3::new(x + 0.55, 0.0, base - 0.06);
     let knee = Vec3::new(x - 1.05, 0.0, base + 0.48 * (wire - base));
     let head = Vec3::new(x + 0.30, 0.0, wire - 0.06);
     let sides = [8, 6, 4, 4][level];
-    limb(surface, foot, knee, 1.6 * thin, 1.3 * thin, sides, work_slot::FRAME);
+    let mut rod = |from: Vec3, to: Vec3, [r0, r1]: [f32; 2], sides: usize| {
+        limb(surface, from, to, r0 * thin, r1 * thin, sides, work_slot::FRAME);
+    };
+    rod(foot, knee, [1.6, 1.3], sides);
     if level < 2 {
-        limb(
-            surface,
-            foot + Vec3::new(-0.25, 0.12, 0.0),
-            knee + Vec3::new(0.1, 0.06, -0.08),
-            0.6 * thin,
-            0.6 * thin,
-            5,
-            work_slot::FRAME,
-        );
+        rod(foot + Vec3::new(-0.25, 0.12, 0.0), knee + Vec3::new(0.1, 0.06, -0.08), [0.6, 0.6], 5);
     }
     for y in [-0.38, 0.38] {
-        limb(
-            surface,
-            knee + Vec3::new(0.0, 0.2 * y, 0.0),
-            head + Vec3::new(0.0, y, 0.0),
-            thin,
-            0.8 * thin,
-            sides,
-            work_slot::FRAME,
-        );
+        rod(knee + Vec3::new(0.0, 0.2 * y, 0.0), head + Vec3::new(0.0, y, 0.0), [1.0, 0.8], sides);
     }
     for dx in [-0.16, 0.16] {
         let bar = [(-0.82, -0.16), (-0.55, 0.035), (0.55, 0.035), (0.82, -0.16)];

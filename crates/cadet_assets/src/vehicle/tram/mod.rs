@@ -43,11 +43,8 @@ pub fn train_of_traffic(seed: u64) -> Vec<Arc<VehicleModel>> {
         plan::train(&mut s).iter().map(|car| Arc::new(model(car, number as u64, &mut s))).collect()
     });
     // One palette for all: a stream of its own for each car's box.
-    let palette = Arc::new(work_paint::palette(
-        ObjectClass::Tram,
-        Livery::Tram,
-        &mut Stream::from_seed("vehicle paint", paint_seed),
-    ));
+    let mut paint = Stream::from_seed("vehicle paint", paint_seed);
+    let palette = Arc::new(work_paint::palette(ObjectClass::Tram, Livery::Tram, &mut paint));
     let cars = design.iter().map(|car| {
         let annotated = VehicleModel::clone(car).annotated_by(s.next_u64());
         Arc::new(VehicleModel { palette: Arc::clone(&palette), ..annotated })
@@ -101,13 +98,9 @@ fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
         [only] => (only + 0.9, only - 0.9),
         _ => (p.bogies[0], p.bogies[p.bogies.len() - 1]),
     };
-    let wheel_centers = std::array::from_fn(|k| {
-        Vec3::new(
-            if k < 2 { front } else { rear },
-            if k % 2 == 0 { HALF_TRACK_M } else { -HALF_TRACK_M },
-            WHEEL_RADIUS_M,
-        )
-    });
+    let (left, right) = (HALF_TRACK_M, -HALF_TRACK_M);
+    let wheels = [(front, left), (front, right), (rear, left), (rear, right)];
+    let wheel_centers = wheels.map(|(x, y)| Vec3::new(x, y, WHEEL_RADIUS_M));
     let size: DVec3 = size.as_dvec3();
     VehicleModel {
         name: format!("{}/{number}", p.name),
