@@ -14,14 +14,6 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     cov / (sum(&|i| square(a[i] - ma)) * sum(&|i| square(b[i] - mb))).sqrt()
 }
 
-/// Quantiles (5, 16, 50, 84, 95 %) of length, width and height and their correlations (l-w, l-h, w-h), over every
-/// label of KITTI's training set.
-struct Labels {
-    quantiles: [[f64; 5]; 3],
-    correlations: [f64; 3],
-    tolerance_m: [f64; 3],
-}
-
 fn check_quantiles(sizes: &[DVec3], labels: &[[f64; 5]; 3], tolerance_m: [f64; 3]) {
     for (k, quantiles) in labels.iter().enumerate() {
         let mut axis: Vec<f64> = sizes.iter().map(|s| s[k]).collect();
@@ -32,10 +24,13 @@ fn check_quantiles(sizes: &[DVec3], labels: &[[f64; 5]; 3], tolerance_m: [f64; 3
     }
 }
 
-fn check(sizes: &[DVec3], labels: &Labels) {
-    check_quantiles(sizes, &labels.quantiles, labels.tolerance_m);
+/// Compares sizes with every label of KITTI's training set: quantiles (5, 16, 50, 84, 95 %) of length, width and height,
+/// which may differ by so much, and their correlations (l-w, l-h, w-h).
+fn check(sizes: impl Fn(u64) -> DVec3, labels: [[f64; 5]; 3], tolerance_m: [f64; 3], correlations: [f64; 3]) {
+    let sizes: Vec<DVec3> = (0..20_000).map(sizes).collect();
+    check_quantiles(&sizes, &labels, tolerance_m);
     let axes: [Vec<f64>; 3] = std::array::from_fn(|k| sizes.iter().map(|s| s[k]).collect());
-    for ((a, b), expected) in [(0, 1), (0, 2), (1, 2)].into_iter().zip(labels.correlations) {
+    for ((a, b), expected) in [(0, 1), (0, 2), (1, 2)].into_iter().zip(correlations) {
         let got = correlation(&axes[a], &axes[b]);
         assert!((got - expected).abs() < 0.06, "axes {a} and {b}: {got}, labels {expected}");
     }
@@ -43,43 +38,18 @@ fn check(sizes: &[DVec3], labels: &Labels) {
 
 #[test]
 fn annotated_sizes_are_those_of_kittis_labels() {
-    let sizes = |class| (0..20_000).map(move |k| vehicle_size(class, &mut Stream::from_seed("size", k)).unwrap());
-    check(
-        &sizes(ObjectClass::Car).collect::<Vec<_>>(),
-        &Labels {
-            quantiles: [[3.20, 3.46, 3.88, 4.33, 4.52], [1.47, 1.54, 1.63, 1.72, 1.80], [1.36, 1.41, 1.50, 1.64, 1.78]],
-            correlations: [0.349, 0.173, 0.305],
-            tolerance_m: [0.05, 0.02, 0.03],
-        },
-    );
-    check(
-        &sizes(ObjectClass::Van).collect::<Vec<_>>(),
-        &Labels {
-            quantiles: [[3.92, 4.27, 4.98, 5.96, 6.64], [1.64, 1.75, 1.88, 2.06, 2.20], [1.78, 1.87, 2.13, 2.58, 2.75]],
-            correlations: [0.648, 0.821, 0.667],
-            tolerance_m: [0.25, 0.05, 0.06],
-        },
-    );
-    let people: Vec<DVec3> =
-        (0..20_000).map(|k| person_box(&mut Stream::from_seed("person box", k)).size_lwh).collect();
-    check(
-        &people,
-        &Labels {
-            quantiles: [[0.42, 0.56, 0.88, 1.06, 1.17], [0.43, 0.52, 0.65, 0.82, 0.91], [1.57, 1.64, 1.77, 1.87, 1.93]],
-            correlations: [0.196, 0.273, 0.133],
-            tolerance_m: [0.06, 0.03, 0.03],
-        },
-    );
-    let cyclists: Vec<DVec3> =
-        (0..20_000).map(|k| cyclist_box(&mut Stream::from_seed("cyclist box", k)).size_lwh).collect();
-    check(
-        &cyclists,
-        &Labels {
-            quantiles: [[1.50, 1.59, 1.76, 1.95, 2.02], [0.34, 0.50, 0.60, 0.69, 0.83], [1.59, 1.64, 1.75, 1.82, 1.86]],
-            correlations: [0.321, 0.369, 0.130],
-            tolerance_m: [0.06, 0.07, 0.03],
-        },
-    );
+    let cars = |k| vehicle_size(ObjectClass::Car, &mut Stream::from_seed("size", k)).unwrap();
+    let labels = [[3.20, 3.46, 3.88, 4.33, 4.52], [1.47, 1.54, 1.63, 1.72, 1.80], [1.36, 1.41, 1.50, 1.64, 1.78]];
+    check(cars, labels, [0.05, 0.02, 0.03], [0.349, 0.173, 0.305]);
+    let vans = |k| vehicle_size(ObjectClass::Van, &mut Stream::from_seed("size", k)).unwrap();
+    let labels = [[3.92, 4.27, 4.98, 5.96, 6.64], [1.64, 1.75, 1.88, 2.06, 2.20], [1.78, 1.87, 2.13, 2.58, 2.75]];
+    check(vans, labels, [0.25, 0.05, 0.06], [0.648, 0.821, 0.667]);
+    let people = |k| person_box(&mut Stream::from_seed("person box", k)).size_lwh;
+    let labels = [[0.42, 0.56, 0.88, 1.06, 1.17], [0.43, 0.52, 0.65, 0.82, 0.91], [1.57, 1.64, 1.77, 1.87, 1.93]];
+    check(people, labels, [0.06, 0.03, 0.03], [0.196, 0.273, 0.133]);
+    let cyclists = |k| cyclist_box(&mut Stream::from_seed("cyclist box", k)).size_lwh;
+    let labels = [[1.50, 1.59, 1.76, 1.95, 2.02], [0.34, 0.50, 0.60, 0.69, 0.83], [1.59, 1.64, 1.75, 1.82, 1.86]];
+    check(cyclists, labels, [0.06, 0.07, 0.03], [0.321, 0.369, 0.130]);
 }
 
 #[test]

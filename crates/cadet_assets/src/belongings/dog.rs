@@ -18,7 +18,7 @@ const SAG_M: f32 = 0.10;
 /// A dog beside somebody.
 #[derive(Debug, Clone)]
 pub(super) struct Dog {
-    hand: Vec3,
+    pub hand: Vec3,
     /// On the ground below its middle.
     at: Vec3,
     /// Height of the withers.
@@ -51,10 +51,6 @@ impl Dog {
             strides: strides as u32,
             stride_m: if strides > 0.0 { owner_cycle_m / strides } else { 0.0 },
         }
-    }
-
-    pub fn hand(&self) -> Vec3 {
-        self.hand
     }
 
     /// Adds the dog at a phase of its owner's gait.

@@ -72,7 +72,7 @@ impl Belonging {
         let (hands, design) = match thing {
             Thing::Umbrella => {
                 let umbrella = Umbrella::draw(stature, side, &mut s);
-                (one(umbrella.hand()), Design::Umbrella(umbrella))
+                (one(umbrella.hand), Design::Umbrella(umbrella))
             }
             Thing::Pram => {
                 let pram = Pram::draw(stature, &mut s);
@@ -80,11 +80,11 @@ impl Belonging {
             }
             Thing::Dog => {
                 let dog = Dog::draw(stature, side, cycle_m, &mut s);
-                (one(dog.hand()), Design::Dog(dog))
+                (one(dog.hand), Design::Dog(dog))
             }
             Thing::Case => {
                 let case = Case::draw(stature, side, &mut s);
-                (one(case.hand()), Design::Case(case))
+                (one(case.hand), Design::Case(case))
             }
             Thing::Rollator => {
                 let rollator = Rollator::draw(stature, &mut s);

@@ -102,13 +102,8 @@ impl Pram {
         let shell = [(0.0, 0.03, 1.0, 2), (0.05, 0.04, 1.0, 1), (0.42, 0.035, 1.0, 1), (0.52, 0.02, 0.8, 2)];
         pod(tubes, back, &shell.map(|(t, h, k, keeps)| (seat + back * t, [h, k * w], keeps)), slot::CLOTH, level);
         let cushion = [(0.0, 0.035, 0.9, 2), (0.05, 0.045, 1.0, 1), (0.26, 0.04, 0.95, 2), (0.30, 0.02, 0.8, 2)];
-        pod(
-            tubes,
-            Vec3::X,
-            &cushion.map(|(x, h, k, keeps)| (seat + Vec3::X * x, [h, k * w], keeps)),
-            slot::CLOTH,
-            level,
-        );
+        let cushion = cushion.map(|(x, h, k, keeps)| (seat + Vec3::X * x, [h, k * w], keeps));
+        pod(tubes, Vec3::X, &cushion, slot::CLOTH, level);
         // Trunk and head lean on the back; thighs on the seat, feet on the rest.
         let trunk = [(0.05, 0.07, 0.09, 2), (0.16, 0.075, 0.10, 1), (0.26, 0.07, 0.105, 2), (0.31, 0.04, 0.05, 1)];
         let on_back = |t: f32| seat + back * t + Vec3::X * 0.10;

@@ -9,7 +9,7 @@ use cadet_base::rng::Stream;
 /// A case on two wheels that is pulled behind.
 #[derive(Debug, Clone)]
 pub(super) struct Case {
-    hand: Vec3,
+    pub hand: Vec3,
     /// Up the back of the case, from the wheels.
     axis: Vec3,
     /// From the wheels to the handle.
@@ -27,10 +27,6 @@ impl Case {
         let height_m = s.range(0.45, 0.62) as f32;
         let half = [s.range(0.16, 0.22) as f32, s.range(0.10, 0.14) as f32];
         Self { hand, axis, length_m: (hand.z - 0.05) / axis.z, half, height_m }
-    }
-
-    pub fn hand(&self) -> Vec3 {
-        self.hand
     }
 
     pub fn add(&self, tubes: &mut Tubes, level: usize) {

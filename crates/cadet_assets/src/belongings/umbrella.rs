@@ -14,7 +14,7 @@ const RIBS: usize = 8;
 /// An umbrella over somebody.
 #[derive(Debug, Clone)]
 pub(super) struct Umbrella {
-    hand: Vec3,
+    pub hand: Vec3,
     /// Up the shaft.
     axis: Vec3,
     /// From the hand to the tip.
@@ -35,10 +35,6 @@ impl Umbrella {
             Vec3::new(s.range(0.0, 0.16) as f32, side * s.range(0.02, 0.10) as f32, stature_m + OVER_HEAD_M + dome_m);
         let shaft = over - hand;
         Self { hand, axis: shaft.normalize(), length_m: shaft.length(), radius_m, dome_m }
-    }
-
-    pub fn hand(&self) -> Vec3 {
-        self.hand
     }
 
     pub fn add(&self, tubes: &mut Tubes, level: usize) {

@@ -84,11 +84,9 @@ impl CyclistModel {
             .map(|k| Bounds::of(design.legs(phase_legs(k), 0).vertices))
             .fold(Bounds::of(riding.vertices), |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
         let wheels_half = design.bicycle.wheelbase_m / 2.0 + design.bicycle.wheel_radius_m;
-        let size_lwh = DVec3::new(
-            f64::from(2.0 * wheels_half.max(bounds.max.x).max(-bounds.min.x)),
-            f64::from(2.0 * bounds.max.y.max(-bounds.min.y)),
-            f64::from(bounds.max.z),
-        );
+        let half_length = wheels_half.max(bounds.max.x).max(-bounds.min.x);
+        let half_width = bounds.max.y.max(-bounds.min.y);
+        let size_lwh = Vec3::new(2.0 * half_length, 2.0 * half_width, bounds.max.z).as_dvec3();
         let bodies = [false, true].map(|stands| {
             let make = Arc::clone(&design);
             levels(&name, move |level| make.body(stands, level))

@@ -109,11 +109,8 @@ fn cyclists_are_about_as_large_as_the_boxes_drawn_round_them() {
     for cyclist in cyclists(200) {
         let annotated = cyclist.annotated;
         for (k, off) in off.iter_mut().enumerate() {
-            off.push(
-                cyclist.size_lwh[k]
-                    - annotated.size_lwh[k]
-                    - if k == 2 { annotated.bottom_center_in_box.z } else { 0.0 },
-            );
+            let low = if k == 2 { annotated.bottom_center_in_box.z } else { 0.0 };
+            off.push(cyclist.size_lwh[k] - annotated.size_lwh[k] - low);
         }
         lean.push(cyclist.design.riding.lean_rad);
         children += usize::from(cyclist.name.starts_with("child"));

@@ -57,16 +57,9 @@ pub(crate) fn palette(kind: PersonKind, headwear: Headwear, s: &mut Stream) -> P
         Material::matt(Semantic::Person, albedo, Pattern::Cloth, reflectance as f32)
     };
     let tone = if s.chance(0.9) { s.range(0.8, 1.1) } else { s.range(0.15, 0.6) } as f32;
-    let skin = Material {
-        roughness: 0.55,
-        specular: 0.03,
-        ..Material::matt(
-            Semantic::Person,
-            [0.46 * tone, 0.29 * tone, 0.21 * tone],
-            Pattern::Plain,
-            s.range(0.50, 0.60) as f32,
-        )
-    };
+    let complexion = [0.46 * tone, 0.29 * tone, 0.21 * tone];
+    let skin = Material::matt(Semantic::Person, complexion, Pattern::Plain, s.range(0.50, 0.60) as f32);
+    let skin = Material { roughness: 0.55, specular: 0.03, ..skin };
     let hair = match headwear {
         Headwear::Hat | Headwear::Helmet => pick(&TOPS, s),
         _ => pick(&HAIR[..if kind == PersonKind::Child { 4 } else { 5 }], s),

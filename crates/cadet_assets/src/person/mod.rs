@@ -99,7 +99,7 @@ impl PersonModel {
         let (size, center) = (bounds.size(), bounds.center());
         Self {
             name: format!("{}/{model_seed}", p.kind.as_ref()),
-            size_lwh: DVec3::new(f64::from(size.x), f64::from(size.y), f64::from(bounds.max.z)),
+            size_lwh: size.with_z(bounds.max.z).as_dvec3(),
             annotated,
             walking_speed_mps: f64::from(p.speed_mps),
             cycle_length_m: f64::from(p.cycle_length_m),

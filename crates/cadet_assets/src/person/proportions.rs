@@ -152,36 +152,23 @@ impl Proportions {
         };
         // Step length grows with the root of speed; short people take shorter steps.
         let step = (speed * 60.0 * 0.0064 * stature_m / 1.75).sqrt();
-        let load_draw = s.unit();
-        let load = if kind == PersonKind::Child {
-            if load_draw < 0.4 { Load::Backpack } else { Load::None }
-        } else if load_draw < 0.25 {
-            Load::ShoulderBag
-        } else if load_draw < 0.40 {
-            Load::Backpack
-        } else if load_draw < 0.50 {
-            Load::Shopping
-        } else {
-            Load::None
+        let load = match (kind, s.unit()) {
+            (PersonKind::Child, ..0.40) => Load::Backpack,
+            (PersonKind::Child, _) => Load::None,
+            (_, ..0.25) => Load::ShoulderBag,
+            (_, ..0.40) => Load::Backpack,
+            (_, ..0.50) => Load::Shopping,
+            _ => Load::None,
         };
         let arms = Self::draw_arms(s, is_standing, load);
         let is_woman = kind == PersonKind::Woman;
-        let legwear_draw = s.unit();
-        let legwear = if is_woman && legwear_draw < 0.15 {
-            Legwear::Skirt
-        } else if legwear_draw > 0.85 {
-            Legwear::Shorts
-        } else if legwear_draw > 0.65 {
-            Legwear::WideTrousers
-        } else {
-            Legwear::Trousers
+        let legwear = match s.unit() {
+            ..0.15 if is_woman => Legwear::Skirt,
+            drawn if drawn > 0.85 => Legwear::Shorts,
+            drawn if drawn > 0.65 => Legwear::WideTrousers,
+            _ => Legwear::Trousers,
         };
-        let top = match s.weighted(&[0.40, 0.25, 0.25, 0.10]) {
-            0 => Top::TShirt,
-            1 => Top::Shirt,
-            2 => Top::Jacket,
-            _ => Top::Coat,
-        };
+        let top = [Top::TShirt, Top::Shirt, Top::Jacket, Top::Coat][s.weighted(&[0.40, 0.25, 0.25, 0.10])];
         let headwear = if s.chance(0.12) {
             Headwear::Hat
         } else if s.chance(if is_woman { 0.55 } else { 0.04 }) {
@@ -253,11 +240,7 @@ impl Proportions {
     fn draw_arms(s: &mut Stream, is_standing: bool, load: Load) -> [ArmPose; 2] {
         let free = |s: &mut Stream| {
             if is_standing {
-                match s.weighted(&[0.45, 0.2, 0.35]) {
-                    0 => ArmPose::Hang,
-                    1 => ArmPose::Phone,
-                    _ => ArmPose::Pocket,
-                }
+                [ArmPose::Hang, ArmPose::Phone, ArmPose::Pocket][s.weighted(&[0.45, 0.2, 0.35])]
             } else if s.chance(0.10) {
                 ArmPose::Pocket
             } else if s.chance(0.06) {

@@ -96,7 +96,8 @@ const ROOM_M: f32 = 1.2;
 const NET_SHARE: f64 = 0.45;
 const CURTAIN_DEPTH_M: f32 = 0.1;
 
-fn breaks(mut values: Vec<f32>) -> Vec<f32> {
+fn breaks(values: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut values: Vec<f32> = values.collect();
     values.sort_by(f32::total_cmp);
     values.dedup();
     values
@@ -107,20 +108,11 @@ pub(super) fn wall(b: &mut MeshBuilder, plane: &WallPlane, shape: &WallShape, op
     let cut: &[Opening] = if detail == Detail::Far { &[] } else { openings };
     let half = shape.width_m / 2.0;
     let gabled = shape.apex_m > shape.eaves_m;
-    let us = breaks(
-        [0.0, shape.width_m]
-            .into_iter()
-            .chain(gabled.then_some(half))
-            .chain(cut.iter().flat_map(|o| [o.rect[0], o.rect[1]]))
-            .collect(),
-    );
+    let across = cut.iter().flat_map(|o| [o.rect[0], o.rect[1]]);
+    let us = breaks([0.0, shape.width_m].into_iter().chain(gabled.then_some(half)).chain(across));
     let low = |o: &&Opening| o.rect[3] <= shape.eaves_m;
-    let vs = breaks(
-        [shape.bottom_m, shape.eaves_m]
-            .into_iter()
-            .chain(cut.iter().filter(low).flat_map(|o| [o.rect[2], o.rect[3]]))
-            .collect(),
-    );
+    let up = cut.iter().filter(low).flat_map(|o| [o.rect[2], o.rect[3]]);
+    let vs = breaks([shape.bottom_m, shape.eaves_m].into_iter().chain(up));
     let roofline = |u: f32| shape.eaves_m + (shape.apex_m - shape.eaves_m) * (1.0 - (u - half).abs() / half);
     for strip in us.windows(2) {
         let (u0, u1) = (strip[0], strip[1]);

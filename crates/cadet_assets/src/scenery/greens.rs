@@ -23,12 +23,11 @@ impl Cushion {
         let up = std::f32::consts::FRAC_PI_2 * t;
         let (x, y) = (bent(cosf(a), self.power), bent(sinf(a), self.power));
         let out = bent(cosf(up), 3.5);
-        let at = v(
-            self.half.0 * x * out,
-            self.half.1 * y * out,
-            self.low_m + (self.top_m - self.low_m) * bent(sinf(up), 3.0),
-        );
-        (at, v(x * cosf(up), y * cosf(up), sinf(up)).normalize_or(Vec3::Z))
+        let z = self.low_m + (self.top_m - self.low_m) * bent(sinf(up), 3.0);
+        (
+            v(self.half.0 * x * out, self.half.1 * y * out, z),
+            v(x * cosf(up), y * cosf(up), sinf(up)).normalize_or(Vec3::Z),
+        )
     }
 
     pub(crate) fn grow(&self, s: &mut Stream, core: &mut MeshBuilder, leaves: &mut Leaves, detail: Detail) {

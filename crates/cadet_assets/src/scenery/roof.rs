@@ -101,17 +101,13 @@ impl Pitched {
         let v = Vec3::new;
         let (up, low) = (self.top_at(x) + lift, self.top_at(x) - THICKNESS_M);
         for s in [-1.0, 1.0] {
-            b.quad(v(s * x, -s * y, low), v(s * x, s * y, low), v(s * x, s * y, up), v(s * x, -s * y, up), slot::WOOD);
+            let (x, y) = (s * x, s * y);
+            b.quad(v(x, -y, low), v(x, y, low), v(x, y, up), v(x, -y, up), slot::WOOD);
         }
         if self.hipped {
             for s in [-1.0, 1.0] {
-                b.quad(
-                    v(s * x, s * y, low),
-                    v(-s * x, s * y, low),
-                    v(-s * x, s * y, up),
-                    v(s * x, s * y, up),
-                    slot::WOOD,
-                );
+                let (x, y) = (s * x, s * y);
+                b.quad(v(x, y, low), v(-x, y, low), v(-x, y, up), v(x, y, up), slot::WOOD);
             }
             b.quad(v(-x, -y, low), v(-x, y, low), v(x, y, low), v(x, -y, low), slot::WOOD);
             return;

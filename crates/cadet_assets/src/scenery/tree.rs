@@ -77,38 +77,26 @@ impl TreeDesign {
     pub fn new(kind: TreeKind, variant: usize) -> Self {
         let mut stream = Stream::from_seed(kind.as_ref(), variant as u64);
         let s = &mut stream;
-        let (height_m, crown_radius_m, crown_base_m) = match kind {
-            TreeKind::Street => {
-                let h = range(s, 8.0, 14.0);
-                (h, range(s, 0.29, 0.38) * h, range(s, 2.6, 3.6))
-            }
-            TreeKind::Garden => {
-                let h = range(s, 4.5, 9.5);
-                (h, range(s, 0.30, 0.40) * h, range(s, 0.25, 0.36) * h)
-            }
-            TreeKind::Conifer => {
-                let h = range(s, 6.0, 15.0);
-                (h, range(s, 0.16, 0.24) * h, range(s, 0.2, 0.9))
-            }
-            TreeKind::Wood => {
-                let h = range(s, 10.0, 16.0);
-                (h, range(s, 0.30, 0.38) * h, range(s, 0.6, 1.4))
-            }
-            TreeKind::Shrub => {
-                let h = range(s, 0.7, 2.4);
-                (h, range(s, 0.45, 0.65) * h, 0.0)
-            }
+        // From and to: the height, and the crown's radius as a share of it.
+        let (heights_m, spread) = match kind {
+            TreeKind::Street => ((8.0, 14.0), (0.29, 0.38)),
+            TreeKind::Garden => ((4.5, 9.5), (0.30, 0.40)),
+            TreeKind::Conifer => ((6.0, 15.0), (0.16, 0.24)),
+            TreeKind::Wood => ((10.0, 16.0), (0.30, 0.38)),
+            TreeKind::Shrub => ((0.7, 2.4), (0.45, 0.65)),
+        };
+        let height_m = range(s, heights_m.0, heights_m.1);
+        let crown_radius_m = range(s, spread.0, spread.1) * height_m;
+        let crown_base_m = match kind {
+            TreeKind::Street => range(s, 2.6, 3.6),
+            TreeKind::Garden => range(s, 0.25, 0.36) * height_m,
+            TreeKind::Conifer => range(s, 0.2, 0.9),
+            TreeKind::Wood => range(s, 0.6, 1.4),
+            TreeKind::Shrub => 0.0,
         };
         let trunk_radius_m = (0.012 * height_m + 0.03) * range(s, 0.85, 1.3);
-        let mut design = Self {
-            kind,
-            height_m,
-            crown_radius_m,
-            crown_base_m,
-            trunk_radius_m,
-            blobs: Vec::new(),
-            seed: s.next_u64(),
-        };
+        let (blobs, seed) = (Vec::new(), s.next_u64());
+        let mut design = Self { kind, height_m, crown_radius_m, crown_base_m, trunk_radius_m, blobs, seed };
         if kind != TreeKind::Conifer {
             design.blobs = design.draw_blobs(s);
         }

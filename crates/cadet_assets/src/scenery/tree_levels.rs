@@ -26,15 +26,10 @@ const FEWEST: f32 = 40.0;
 
 /// A shrub's levels.
 pub(super) fn of_shrub() -> Vec<Level> {
-    let level = |to_m, leaf_triangles, per_cluster| Level {
-        to_m,
-        leaf_triangles,
-        per_cluster,
-        sides: 3,
-        limbs: 0,
-        is_bent: false,
-    };
-    vec![level(25.0, 900.0, 10), level(55.0, 200.0, 4), level(160.0, 20.0, 1)]
+    let levels = [(25.0, 900.0, 10), (55.0, 200.0, 4), (160.0, 20.0, 1)].map(|(to_m, leaf_triangles, per_cluster)| {
+        Level { to_m, leaf_triangles, per_cluster, sides: 3, limbs: 0, is_bent: false }
+    });
+    levels.to_vec()
 }
 
 /// The levels of a tree with `most` triangles of leaves at most, each with half as many as the one before.

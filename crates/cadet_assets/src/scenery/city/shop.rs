@@ -177,28 +177,19 @@ fn door_leaf(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4],
 fn awning(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1]: [f32; 2], v: f32, reach: f32, is_striped: bool) {
     let low = v - 0.42 * reach;
     let count = if is_striped { ((u1 - u0) / 0.35).round().max(1.0) as usize } else { 1 };
-    let p = |u: f32, v: f32, out: f32| plane.at(u, v, -out);
     for k in 0..count {
         let at = |k: usize| u0 + (u1 - u0) * k as f32 / count as f32;
         let (a, z) = (at(k), at(k + 1));
         let cloth = if k % 2 == 0 { city_slot::AWNING } else { city_slot::LIGHT_GOODS };
-        let (wall, edge, drop) = (v, low, low - 0.2);
-        b.quad(p(a, edge, reach), p(z, edge, reach), p(z, wall, 0.0), p(a, wall, 0.0), cloth);
-        b.quad(
-            p(a, wall - 0.02, 0.0),
-            p(z, wall - 0.02, 0.0),
-            p(z, edge - 0.02, reach),
-            p(a, edge - 0.02, reach),
-            cloth,
-        );
-        b.quad(p(a, drop, reach), p(z, drop, reach), p(z, edge, reach), p(a, edge, reach), cloth);
-        b.quad(
-            p(z, drop, reach - 0.01),
-            p(a, drop, reach - 0.01),
-            p(a, edge, reach - 0.01),
-            p(z, edge, reach - 0.01),
-            cloth,
-        );
+        // A strip between two edges, each by its height and how far it is out.
+        let mut strip = |a: f32, z: f32, (v0, out0): (f32, f32), (v1, out1): (f32, f32)| {
+            let p = |u: f32, v: f32, out: f32| plane.at(u, v, -out);
+            b.quad(p(a, v0, out0), p(z, v0, out0), p(z, v1, out1), p(a, v1, out1), cloth);
+        };
+        strip(a, z, (low, reach), (v, 0.0));
+        strip(a, z, (v - 0.02, 0.0), (low - 0.02, reach));
+        strip(a, z, (low - 0.2, reach), (low, reach));
+        strip(z, a, (low - 0.2, reach - 0.01), (low, reach - 0.01));
     }
 }
 
