@@ -175,6 +175,12 @@ impl Material {
         }
     }
 
+    /// Returns this surface under a coat: its roughness, and its reflectance at normal incidence.
+    #[must_use]
+    pub const fn polished(self, roughness: f32, specular: f32) -> Self {
+        Self { roughness, specular, ..self }
+    }
+
     /// Makes it a room at night, that is lit by so much light: its radiance in units of 31.8 cd/m² is that times its albedo.
     pub fn shine(&mut self, irradiance: f32) {
         self.albedo = self.albedo.map(|a| a * (irradiance / NIGHT_LAMP_RADIANCE));

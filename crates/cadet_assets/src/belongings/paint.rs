@@ -68,18 +68,18 @@ pub(super) fn palette(thing: Thing, s: &mut Stream) -> Palette {
     let coat = pick(&COATS, s);
     let muzzle = if s.chance(0.4) { coat.map(|c| 0.35 * c) } else { coat.map(|c| (1.25 * c + 0.02).min(0.7)) };
     let fur = s.range(0.35, 0.65);
-    let smooth = |m: Material, roughness: f32| Material { specular: 0.04, roughness, ..m };
+
     Palette::new(vec![
         cloth(color, bright),
         cloth(color.map(|c| 0.7 * c), bright),
-        Material { specular: 0.25, roughness: 0.35, ..plain(metal, 0.45) },
-        smooth(plain([0.03; 3], 0.08), 0.5),
+        plain(metal, 0.45).polished(0.35, 0.25),
+        plain([0.03; 3], 0.08).polished(0.5, 0.04),
         plain([0.03; 3], 0.06),
-        smooth(plain([0.46 * tone, 0.29 * tone, 0.21 * tone], 0.55), 0.55),
+        plain([0.46 * tone, 0.29 * tone, 0.21 * tone], 0.55).polished(0.55, 0.04),
         cloth(clothes, s.range(0.3, 0.7)),
         cloth(coat, fur),
         cloth(muzzle, fur),
-        smooth(plain([0.012; 3], 0.1), 0.4),
+        plain([0.012; 3], 0.1).polished(0.4, 0.04),
         cloth(trousers, 0.45),
     ])
 }

@@ -36,17 +36,13 @@ const FRAMES: [(f64, [f32; 3], f64); 9] = [
 pub(super) fn palette(p: &Proportions, s: &mut Stream) -> Palette {
     let person = clothes::palette(p.kind, p.headwear, s);
     let rider = person.materials().iter().map(|m| Material { semantic: Semantic::Cyclist, ..*m });
-    let plain = |albedo: [f32; 3], roughness: f32, specular: f32, reflectance: f32| Material {
-        roughness,
-        specular,
-        ..Material::matt(Semantic::Cyclist, albedo, Pattern::Plain, reflectance)
+    let plain = |albedo: [f32; 3], roughness: f32, specular: f32, reflectance: f32| {
+        Material::matt(Semantic::Cyclist, albedo, Pattern::Plain, reflectance).polished(roughness, specular)
     };
     let (_, albedo, reflectance) = FRAMES[s.weighted(&FRAMES.map(|f| f.0))];
     let light = s.range(0.8, 1.25) as f32;
-    let frame = Material {
-        lidar: LidarMaterial { coat_index: LidarMaterial::LACQUER_INDEX, ..LidarMaterial::diffuse(reflectance as f32) },
-        ..plain(albedo.map(|a| (a * light).min(0.8)), 0.35, 0.045, reflectance as f32)
-    };
+    let mut frame = plain(albedo.map(|a| (a * light).min(0.8)), 0.35, 0.045, reflectance as f32);
+    frame.lidar.coat_index = LidarMaterial::LACQUER_INDEX;
     let metal = plain([0.36; 3], 0.55, 0.12, 0.2);
     let black = plain([0.02; 3], 0.6, 0.03, 0.06);
     let mudguard = if s.chance(0.65) { black } else { plain([0.40; 3], 0.5, 0.06, 0.2) };

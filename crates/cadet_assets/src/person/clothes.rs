@@ -59,7 +59,7 @@ pub(crate) fn palette(kind: PersonKind, headwear: Headwear, s: &mut Stream) -> P
     let tone = if s.chance(0.9) { s.range(0.8, 1.1) } else { s.range(0.15, 0.6) } as f32;
     let complexion = [0.46 * tone, 0.29 * tone, 0.21 * tone];
     let skin = Material::matt(Semantic::Person, complexion, Pattern::Plain, s.range(0.50, 0.60) as f32);
-    let skin = Material { roughness: 0.55, specular: 0.03, ..skin };
+
     let hair = match headwear {
         Headwear::Hat | Headwear::Helmet => pick(&TOPS, s),
         _ => pick(&HAIR[..if kind == PersonKind::Child { 4 } else { 5 }], s),
@@ -69,7 +69,7 @@ pub(crate) fn palette(kind: PersonKind, headwear: Headwear, s: &mut Stream) -> P
     let bag_is_leather = s.chance(0.35);
     let bag = pick(&TOPS[1..], s);
     Palette::new(vec![
-        skin,
+        skin.polished(0.55, 0.03),
         cloth(hair, s.range(0.30, 0.55)),
         cloth(pick(&TOPS, s), s.range(0.30, 0.70)),
         cloth(pick(&LEGS, s), s.range(0.30, 0.70)),

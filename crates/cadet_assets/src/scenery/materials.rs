@@ -77,7 +77,7 @@ pub(crate) fn jitter(stream: &mut Stream, rgb: [f32; 3], value_share: f64, hue_s
     rgb.map(|c| (c * v * stream.range(1.0 - hue_share, 1.0 + hue_share) as f32).clamp(0.004, 0.92))
 }
 
-fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
+pub(super) fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
     Material::matt(Semantic::Building, albedo, pattern, reflectance)
 }
 
@@ -88,19 +88,10 @@ const DOUBLE_GLAZING: (f32, f32) = (0.14, 0.078);
 const BEHIND_PANE: (f32, f32) = (0.4, 0.28);
 
 fn pane() -> Material {
-    Material {
-        albedo: [0.03, 0.035, 0.035],
-        roughness: 0.03,
-        specular: DOUBLE_GLAZING.1,
-        transmission: 0.55,
-        pattern: Pattern::Plain,
-        semantic: Semantic::Building,
-        lidar: LidarMaterial {
-            coat_index: LidarMaterial::LACQUER_INDEX,
-            transmission: 0.72,
-            ..LidarMaterial::diffuse(0.03)
-        },
-    }
+    let coat_index = LidarMaterial::LACQUER_INDEX;
+    let lidar = LidarMaterial { coat_index, transmission: 0.72, ..LidarMaterial::diffuse(0.03) };
+    let pane = building([0.03, 0.035, 0.035], Pattern::Plain, 0.03).polished(0.03, DOUBLE_GLAZING.1);
+    Material { transmission: 0.55, lidar, ..pane }
 }
 
 /// Panes of homes at night: share that is lit, radiance, whiteness; see [`Pattern::Window`].
@@ -133,21 +124,11 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     };
     let roof = jitter(stream, roof, 0.25, 0.08);
     let frame = if stream.chance(0.72) { [0.70, 0.70, 0.68] } else { [0.11, 0.06, 0.035] };
-    let door = match stream.below(5) {
-        0 => [0.16, 0.08, 0.04],
-        1 => [0.55, 0.55, 0.53],
-        2 => [0.10, 0.12, 0.11],
-        3 => [0.22, 0.22, 0.23],
-        _ => [0.07, 0.10, 0.06],
-    };
+    let doors = [[0.16, 0.08, 0.04], [0.55, 0.55, 0.53], [0.10, 0.12, 0.11], [0.22, 0.22, 0.23], [0.07, 0.10, 0.06]];
+    let door = doors[stream.below(5)];
     let shutter = if stream.chance(0.6) { [0.52, 0.52, 0.50] } else { [0.20, 0.16, 0.12] };
     let metal = if stream.chance(0.7) { [0.30, 0.31, 0.32] } else { [0.17, 0.09, 0.06] };
     let curtain = if stream.chance(0.7) { [0.60, 0.59, 0.55] } else { [0.40, 0.33, 0.24] };
-    let gloss = |mut m: Material, roughness: f32| {
-        m.roughness = roughness;
-        m.specular = 0.04;
-        m
-    };
     let plain = |c: [f32; 3], r: f32| building(c, Pattern::Plain, r);
     let plinth = wall.map(|c| c * 0.5 + 0.03);
     let mut dark_glass = pane();
@@ -159,15 +140,15 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let house = Palette::new(vec![
         building(wall, wall_pattern, wall_905),
         building(plinth, Pattern::Render, 0.35),
-        gloss(building(roof, if flat_roof { Pattern::Plain } else { Pattern::Tiles }, 0.30), 0.7),
-        gloss(plain(frame, 0.55), 0.4),
+        building(roof, if flat_roof { Pattern::Plain } else { Pattern::Tiles }, 0.30).polished(0.7, 0.04),
+        plain(frame, 0.55).polished(0.4, 0.04),
         pane(),
         plain([0.045, 0.042, 0.038], 0.35),
         building(curtain, Pattern::Cloth, 0.55),
-        gloss(plain(jitter(stream, door, 0.2, 0.05), 0.40), 0.5),
-        gloss(plain(metal, 0.35), 0.45),
+        plain(jitter(stream, door, 0.2, 0.05), 0.40).polished(0.5, 0.04),
+        plain(metal, 0.35).polished(0.45, 0.04),
         building([0.24, 0.11, 0.08], Pattern::Bricks, 0.34),
-        gloss(plain(jitter(stream, shutter, 0.1, 0.03), 0.45), 0.5),
+        plain(jitter(stream, shutter, 0.1, 0.03), 0.45).polished(0.5, 0.04),
         plain([0.30, 0.29, 0.27], 0.36),
         building([0.15, 0.085, 0.05], Pattern::Wood, 0.45),
         dark_glass,
@@ -180,10 +161,25 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
 const LEAF_SKIN: f32 = 0.02;
 
 fn leaf(albedo: [f32; 3], reflectance: f32) -> Material {
-    let mut m = Material::matt(Semantic::Vegetation, albedo.map(|a| a + LEAF_SKIN), Pattern::Leaves, reflectance);
-    m.roughness = 0.45;
-    m.specular = 0.04;
-    m
+    let albedo = albedo.map(|a| a + LEAF_SKIN);
+    Material::matt(Semantic::Vegetation, albedo, Pattern::Leaves, reflectance).polished(0.45, 0.04)
+}
+
+/// The materials of a plant in the order of [`plant_slot`]: of leaves the base, light and dark ones by their shares of it,
+/// and the reflectance of each.
+fn plant(
+    base: [f32; 3],
+    light: [f32; 3],
+    dark: f32,
+    [r0, r1, r2]: [f32; 3],
+    (bark, r3): ([f32; 3], f32),
+) -> Arc<Palette> {
+    Arc::new(Palette::new(vec![
+        leaf(base, r0),
+        leaf(std::array::from_fn(|k| base[k] * light[k]), r1),
+        leaf(base.map(|c| c * dark), r2),
+        Material::matt(Semantic::Vegetation, bark, Pattern::Wood, r3),
+    ]))
 }
 
 /// The colors of one plant: `evergreen` ones are darker and bluer; a few broad-leaved ones are copper or turning.
@@ -203,12 +199,8 @@ pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
     let base = jitter(stream, base, 0.22, 0.07);
     let reflectance = stream.range(0.45, 0.55) as f32;
     let bark = jitter(stream, [0.125, 0.105, 0.085], 0.3, 0.06);
-    Arc::new(Palette::new(vec![
-        leaf(base, reflectance),
-        leaf([base[0] * 1.55, base[1] * 1.42, base[2] * 1.25], reflectance + 0.02),
-        leaf(base.map(|c| c * 0.42), reflectance - 0.05),
-        Material::matt(Semantic::Vegetation, bark, Pattern::Wood, 0.30),
-    ]))
+    let reflectances = [reflectance, reflectance + 0.02, reflectance - 0.05];
+    plant(base, [1.55, 1.42, 1.25], 0.42, reflectances, (bark, 0.30))
 }
 
 /// Tall grass and herbs: from green to dry.
@@ -217,12 +209,7 @@ pub fn herbs_palette(stream: &mut Stream) -> Arc<Palette> {
     let dry = stream.unit() as f32;
     let base = [0.062 + 0.085 * dry * dry, 0.098 + 0.030 * dry * dry, 0.034 + 0.030 * dry * dry];
     let base = jitter(stream, base, 0.12, 0.04);
-    Arc::new(Palette::new(vec![
-        leaf(base, 0.45),
-        leaf([base[0] * 1.5, base[1] * 1.3, base[2] * 1.2], 0.47),
-        leaf(base.map(|c| c * 0.6), 0.42),
-        Material::matt(Semantic::Vegetation, [0.12, 0.11, 0.07], Pattern::Wood, 0.40),
-    ]))
+    plant(base, [1.5, 1.3, 1.2], 0.6, [0.45, 0.47, 0.42], ([0.12, 0.11, 0.07], 0.40))
 }
 
 /// A field of maize in late summer: from green to straw.
@@ -231,12 +218,7 @@ pub fn maize_palette(stream: &mut Stream) -> Arc<Palette> {
     let ripe = stream.unit() as f32;
     let base = [0.078 + 0.055 * ripe, 0.122 + 0.006 * ripe, 0.044 + 0.016 * ripe];
     let base = jitter(stream, base, 0.12, 0.04);
-    Arc::new(Palette::new(vec![
-        leaf(base, 0.50),
-        leaf([base[0] * 1.45, base[1] * 1.3, base[2] * 1.2], 0.52),
-        leaf(base.map(|c| c * 0.55), 0.45),
-        Material::matt(Semantic::Vegetation, [0.16, 0.13, 0.07], Pattern::Wood, 0.40),
-    ]))
+    plant(base, [1.45, 1.3, 1.2], 0.55, [0.50, 0.52, 0.45], ([0.16, 0.13, 0.07], 0.40))
 }
 
 /// A house as a barn: weathered boards or bricks, wide gates of wood.
@@ -256,11 +238,9 @@ pub fn barn_palette(stream: &mut Stream) -> Arc<Palette> {
 }
 
 fn plate(semantic: Semantic, albedo: [f32; 3]) -> Material {
-    let mut m = Material::matt(semantic, albedo, Pattern::Plain, 0.9);
-    m.roughness = 0.5;
-    m.specular = 0.04;
-    m.lidar.retro = true;
-    m
+    let mut plate = Material::matt(semantic, albedo, Pattern::Plain, 0.9).polished(0.5, 0.04);
+    plate.lidar.retro = true;
+    plate
 }
 
 /// The colors of poles, signs and other furniture; `semantic` is the class of the body, plates are signs.
@@ -268,10 +248,7 @@ fn plate(semantic: Semantic, albedo: [f32; 3]) -> Material {
 pub fn furniture_palette(stream: &mut Stream, semantic: Semantic, body: [f32; 3], accent: [f32; 3]) -> Arc<Palette> {
     let body = jitter(stream, body, 0.15, 0.03);
     let gloss = |albedo: [f32; 3], reflectance: f32| {
-        let mut m = Material::matt(semantic, albedo, Pattern::Plain, reflectance);
-        m.roughness = 0.45;
-        m.specular = 0.04;
-        m
+        Material::matt(semantic, albedo, Pattern::Plain, reflectance).polished(0.45, 0.04)
     };
     let sign = if semantic == Semantic::Furniture { Semantic::Furniture } else { Semantic::TrafficSign };
     Arc::new(Palette::new(vec![

@@ -66,8 +66,7 @@ const REACH_M: f32 = 45.0;
 /// The posts' paint, galvanized steel.
 fn post_palette() -> Arc<Palette> {
     static PALETTE: LazyLock<Arc<Palette>> = LazyLock::new(|| {
-        let mut steel = Material::matt(Semantic::Pole, [0.30, 0.31, 0.32], Pattern::Plain, 0.4);
-        (steel.specular, steel.roughness) = (0.04, 0.5);
+        let steel = Material::matt(Semantic::Pole, [0.30, 0.31, 0.32], Pattern::Plain, 0.4).polished(0.5, 0.04);
         let button = Material::matt(Semantic::Pole, [0.52, 0.36, 0.02], Pattern::Plain, 0.5);
         Arc::new(Palette::new(vec![steel, button]))
     });
@@ -128,23 +127,16 @@ pub fn signal_head(kind: HeadKind, lit: [bool; 3]) -> (Arc<LodSet>, Arc<Palette>
 
 fn head_palette(lit: [bool; 3]) -> Palette {
     let sign = |albedo, reflectance| Material::matt(Semantic::TrafficSign, albedo, Pattern::Plain, reflectance);
-    let mut housing = sign([0.020, 0.030, 0.024], 0.10);
-    (housing.specular, housing.roughness) = (0.04, 0.45);
+    let housing = sign([0.020, 0.030, 0.024], 0.10).polished(0.45, 0.04);
     let lens = |k: usize| {
-        let mut m = sign(if lit[k] { LIT[k] } else { DARK[k] }, 0.30);
-        if lit[k] {
-            m.pattern = Pattern::Lamp;
-        } else {
-            (m.specular, m.roughness) = (0.04, 0.25);
-        }
         // A smooth lens before a reflector: little comes back unless it is met square.
-        m.lidar = LidarMaterial {
-            coat_index: LidarMaterial::LACQUER_INDEX,
-            gloss: 0.04,
-            roughness: 0.1,
-            ..LidarMaterial::diffuse(0.30)
-        };
-        m
+        let coat_index = LidarMaterial::LACQUER_INDEX;
+        let lidar = LidarMaterial { coat_index, gloss: 0.04, roughness: 0.1, ..LidarMaterial::diffuse(0.30) };
+        if lit[k] {
+            Material { pattern: Pattern::Lamp, lidar, ..sign(LIT[k], 0.30) }
+        } else {
+            Material { lidar, ..sign(DARK[k], 0.30).polished(0.25, 0.04) }
+        }
     };
     let rim = sign([0.62, 0.62, 0.60], 0.75);
     let visor = sign([0.016, 0.017, 0.017], 0.08);

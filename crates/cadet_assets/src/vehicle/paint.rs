@@ -190,21 +190,12 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
     let (gloss, roughness) = coat.gloss();
     let light = s.range(-1.0, 1.0) as f32 * spread;
     let is_dull = s.chance(0.2);
-    Material {
-        albedo: albedo.map(|a| (a + light * (0.3 + a)).clamp(0.008, 0.85)),
-        roughness: if is_dull { s.range(0.15, 0.35) } else { s.range(0.03, 0.08) } as f32,
-        specular: if is_dull { 0.04 } else { s.range(0.04, 0.08) as f32 },
-        transmission: 0.0,
-        pattern: Pattern::Plain,
-        semantic,
-        lidar: LidarMaterial {
-            reflectance: s.range(reflectance.0, reflectance.1) as f32,
-            coat_index: LidarMaterial::LACQUER_INDEX,
-            gloss,
-            roughness,
-            ..LidarMaterial::diffuse(0.0)
-        },
-    }
+    let albedo = albedo.map(|a| (a + light * (0.3 + a)).clamp(0.008, 0.85));
+    let eye_roughness = if is_dull { s.range(0.15, 0.35) } else { s.range(0.03, 0.08) } as f32;
+    let specular = if is_dull { 0.04 } else { s.range(0.04, 0.08) as f32 };
+    let m = coated(semantic, albedo, eye_roughness, specular, s.range(reflectance.0, reflectance.1) as f32);
+    let coat_index = LidarMaterial::LACQUER_INDEX;
+    Material { lidar: LidarMaterial { coat_index, gloss, roughness, ..m.lidar }, ..m }
 }
 
 pub(crate) fn coated(
@@ -214,17 +205,11 @@ pub(crate) fn coated(
     specular: f32,
     reflectance: f32,
 ) -> Material {
-    Material { roughness, specular, ..Material::matt(semantic, albedo, Pattern::Plain, reflectance) }
+    Material::matt(semantic, albedo, Pattern::Plain, reflectance).polished(roughness, specular)
 }
 
 pub(crate) fn glass(semantic: Semantic, tint: [f32; 3], eye_transmission: f32, laser_transmission: f32) -> Material {
-    Material {
-        albedo: tint,
-        roughness: 0.02,
-        specular: 0.04,
-        transmission: eye_transmission,
-        pattern: Pattern::Plain,
-        semantic,
-        lidar: LidarMaterial { transmission: laser_transmission, ..LidarMaterial::diffuse(0.005) },
-    }
+    let mut pane = coated(semantic, tint, 0.02, 0.04, 0.005);
+    (pane.transmission, pane.lidar.transmission) = (eye_transmission, laser_transmission);
+    pane
 }

@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
-use super::super::materials::{LIT_PANES, house_palette, jitter};
+use super::super::materials::{LIT_PANES, building as paint, house_palette, house_slot as slot, jitter};
 use super::city_slot;
 use cadet_base::lamp::Lamp;
-use cadet_base::material::{Material, Palette, Pattern, Semantic};
+use cadet_base::material::{Material, Palette, Pattern};
 use cadet_base::rng::Stream;
-
-fn paint(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
-    Material::matt(Semantic::Building, albedo, pattern, reflectance)
-}
 
 /// Radiances of lit shops: of panes that are looked through, of those of coarser levels of detail, and of white things inside.
 const CLEAR_PANE: f32 = 0.008;
@@ -19,7 +15,6 @@ const INSIDE: f32 = 0.32;
 
 /// The palette of a house with the lamps of its shops, which are lit at night if there are any.
 pub(super) fn light_shops(palette: Arc<Palette>, lamps: &[Lamp]) -> Arc<Palette> {
-    use super::super::materials::house_slot as slot;
     let Some(at_night) = palette.at_night().filter(|_| !lamps.is_empty()) else { return palette };
     let mut materials = at_night.materials().to_vec();
     for (number, radiance) in [(slot::GLASS, CLEAR_PANE), (slot::DARK_GLASS, FAR_PANE)] {
@@ -48,7 +43,6 @@ pub fn city_palette(stream: &mut Stream) -> Arc<Palette> {
         _ => (jitter(stream, [0.50, 0.36, 0.29], 0.12, 0.05), Pattern::Render, 0.52, pale),
     };
     let mut set = |slot: u8, material: Material| materials[usize::from(slot)] = material;
-    use super::super::materials::house_slot as slot;
     set(slot::WALL, paint(wall, pattern, reflectance));
     set(slot::STONE, paint(stone, Pattern::Plain, 0.38));
     set(slot::PLINTH, paint(stone.map(|c| c * 0.6), Pattern::Blocks, 0.33));
@@ -69,8 +63,7 @@ pub fn city_palette(stream: &mut Stream) -> Arc<Palette> {
     let letter = if is_light { [0.05, 0.05, 0.06] } else { [0.62, 0.60, 0.55] };
     let awning = [[0.42, 0.06, 0.05], [0.05, 0.17, 0.10], [0.05, 0.09, 0.24], [0.55, 0.40, 0.12]][stream.below(4)];
     let goods = [[0.30, 0.05, 0.06], [0.06, 0.12, 0.28], [0.32, 0.22, 0.05], [0.10, 0.10, 0.10]][stream.below(4)];
-    let mut sign = paint(jitter(stream, board, 0.15, 0.05), Pattern::Plain, 0.45);
-    (sign.roughness, sign.specular) = (0.4, 0.04);
+    let sign = paint(jitter(stream, board, 0.15, 0.05), Pattern::Plain, 0.45).polished(0.4, 0.04);
     materials.resize(city_slot::COUNT, sign);
     let mut set = |slot: u8, material: Material| materials[usize::from(slot)] = material;
     set(city_slot::BASE, paint(base, Pattern::Blocks, 0.38));

@@ -3,27 +3,21 @@
 use strum::VariantArray;
 
 use super::super::materials::house_slot;
-use super::super::{HouseKind, SceneryModel, city_house, house, num_variants};
+use super::super::{House, HouseKind, city_house, house, num_variants};
 use super::*;
 use crate::rays::hits;
 use cadet_base::math::{cosf, sinf};
 
-fn every_house() -> impl Iterator<Item = (CityKind, SceneryModel, Option<CityCorner>)> {
-    CityKind::VARIANTS.iter().flat_map(|&kind| {
-        (0..NUM_CITY_HOUSES[kind as usize]).map(move |variant| {
-            let house = city_house(kind, variant);
-            let corner = house.corner();
-            let model = house.model;
-            (kind, model, corner)
-        })
-    })
+fn every_house() -> impl Iterator<Item = (CityKind, House)> {
+    let houses = |&kind: &CityKind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |k| (kind, city_house(kind, k)));
+    CityKind::VARIANTS.iter().flat_map(houses)
 }
 
 #[test]
 fn walls_and_roofs_are_closed_from_every_side() {
     let mut s = Stream::from_seed("closed city", 0);
     let (mut num_rays, mut num_backs) = (0, 0);
-    for (kind, model, _) in every_house() {
+    for (kind, House { model, .. }) in every_house() {
         let half = (model.footprint_size() / 2.0).as_vec2();
         for (k, (_, mesh)) in model.shape.levels.iter().enumerate() {
             for _ in 0..120 {
@@ -46,7 +40,7 @@ fn walls_and_roofs_are_closed_from_every_side() {
 
 #[test]
 fn heights_and_sizes_are_those_of_an_inner_city() {
-    for (_, model, _) in every_house() {
+    for (_, House { model, .. }) in every_house() {
         let size = model.footprint_size();
         // Of closed rows: 12 to 14 m deep, fronts of 12 to 20 m (narrower ones fill gaps), eaves at 10 to 17 m.
         assert!((12.0..=14.0).contains(&size.x) && (6.0..=20.0).contains(&size.y), "{}: {size}", model.name);
@@ -57,7 +51,7 @@ fn heights_and_sizes_are_those_of_an_inner_city() {
 #[test]
 fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
     let mut num_deep = 0;
-    for (_, model, _) in every_house() {
+    for (_, House { model, .. }) in every_house() {
         let mesh: &Mesh = &model.shape.levels[0].1;
         let glass = &model.palette.materials()[usize::from(house_slot::GLASS)].lidar;
         assert!((0.3..0.9).contains(&glass.transmission), "{}", glass.transmission);
@@ -84,9 +78,7 @@ fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
 
 #[test]
 fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
-    let rows = CityKind::VARIANTS.iter().flat_map(|&kind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |v| (kind, v)));
-    for (kind, variant) in rows {
-        let house = city_house(kind, variant);
+    for (kind, house) in every_house() {
         let (model, doorways) = (&house.model, house.doorways_m());
         if kind == CityKind::Row {
             assert!(!doorways.is_empty(), "{}", model.name);
@@ -104,7 +96,7 @@ fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
 
 #[test]
 fn doorways_are_where_doors_are_drawn_at_the_front() {
-    let rows = CityKind::VARIANTS.iter().flat_map(|&k| (0..NUM_CITY_HOUSES[k as usize]).map(move |v| city_house(k, v)));
+    let rows = every_house().map(|(_, house)| house);
     let [variants, ..] = num_variants();
     let in_gardens = HouseKind::VARIANTS.iter().flat_map(|&k| (0..variants).map(move |v| house(k, v)));
     for house in rows.chain(in_gardens) {

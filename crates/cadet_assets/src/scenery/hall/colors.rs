@@ -3,14 +3,10 @@
 use std::sync::Arc;
 
 use super::super::city::{city_palette, city_slot};
-use super::super::materials::{house_slot as slot, jitter};
+use super::super::materials::{building as paint, house_slot as slot, jitter};
 use super::HallKind;
-use cadet_base::material::{Material, Palette, Pattern, Semantic};
+use cadet_base::material::{Material, Palette, Pattern};
 use cadet_base::rng::Stream;
-
-fn paint(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
-    Material::matt(Semantic::Building, albedo, pattern, reflectance)
-}
 
 /// The colors of one large building: coated sheet, concrete, brick, or render.
 #[must_use]
@@ -35,23 +31,16 @@ pub fn hall_palette(kind: HallKind, s: &mut Stream) -> Arc<Palette> {
     let (wall, pattern) = if matches!(kind, HallKind::Market | HallKind::Works) {
         (sheets[s.weighted(&sheets.map(|c| c.1))].0, Pattern::Plain)
     } else {
-        let drawn = walls[s.weighted(&walls.map(|c| c.2))];
-        (drawn.0, drawn.1)
+        let (wall, pattern, _) = walls[s.weighted(&walls.map(|c| c.2))];
+        (wall, pattern)
     };
     let wall = jitter(s, wall, 0.12, 0.03);
-    let mut sheet = paint(wall, pattern, 0.42);
-    if pattern == Pattern::Plain {
-        (sheet.roughness, sheet.specular) = (0.55, 0.04);
-    }
+    let face = paint(wall, pattern, 0.42);
+    let face = if pattern == Pattern::Plain { face.polished(0.55, 0.04) } else { face };
     let seam = wall.map(|c| c * 0.62);
-    let gate = match s.below(4) {
-        0 => [0.40, 0.41, 0.42],
-        1 => [0.10, 0.14, 0.26],
-        2 => [0.50, 0.50, 0.48],
-        _ => [0.13, 0.14, 0.15],
-    };
+    let gate = [[0.40, 0.41, 0.42], [0.10, 0.14, 0.26], [0.50, 0.50, 0.48], [0.13, 0.14, 0.15]][s.below(4)];
     let mut set = |slot: u8, material: Material| materials[usize::from(slot)] = material;
-    set(slot::WALL, sheet);
+    set(slot::WALL, face);
     set(slot::PLINTH, paint([0.25, 0.245, 0.23], Pattern::Plain, 0.32));
     set(slot::ROOF, paint([0.20, 0.20, 0.20], Pattern::Plain, 0.3));
     set(slot::STONE, paint(wall.map(|c| c * 0.8), Pattern::Plain, 0.36));

@@ -38,16 +38,15 @@ fn palette(s: &mut Stream) -> Arc<Palette> {
         let scale = s.range(1.0 - by, 1.0 + by) as f32;
         rgb.map(|c| c * scale)
     };
-    let mut steel = Material::matt(Semantic::Fence, tint([0.34, 0.35, 0.36], 0.12), Pattern::Plain, 0.4);
-    (steel.roughness, steel.specular) = (0.5, 0.3);
+    let steel = Material::matt(Semantic::Fence, tint([0.34, 0.35, 0.36], 0.12), Pattern::Plain, 0.4);
     let plate = |albedo: [f32; 3], reflectance: f32| {
-        let mut m = Material::matt(Semantic::TrafficSign, albedo, Pattern::Plain, reflectance);
-        (m.roughness, m.specular, m.lidar.retro) = (0.5, 0.04, true);
-        m
+        let mut plate = Material::matt(Semantic::TrafficSign, albedo, Pattern::Plain, reflectance).polished(0.5, 0.04);
+        plate.lidar.retro = true;
+        plate
     };
     Arc::new(Palette::new(vec![
         Material::matt(Semantic::Building, tint([0.30, 0.295, 0.28], 0.12), Pattern::Render, 0.36),
-        steel,
+        steel.polished(0.5, 0.3),
         plate([0.012, 0.055, 0.29], 0.8),
         plate([0.70, 0.70, 0.68], 0.9),
         Material::matt(Semantic::TrafficSign, [0.36, 0.37, 0.38], Pattern::Plain, 0.35),
