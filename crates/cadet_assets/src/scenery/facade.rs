@@ -24,6 +24,14 @@ pub(super) enum Filling {
     Gate,
 }
 
+impl Filling {
+    /// Draws a window of a home, its shutter and curtain.
+    pub fn draw_window(sashes: u8, s: &mut Stream) -> Self {
+        let shutter = if s.chance(0.25) { [0.3, 0.5, 1.0][s.below(3)] } else { 0.0 };
+        Self::Window { sashes, shutter, curtain: Curtain::draw(s, 0.55) }
+    }
+}
+
 impl Opening {
     /// Where along the wall people or cars go in, if they do.
     pub fn doorway(&self) -> Option<[f32; 2]> {

@@ -147,11 +147,6 @@ impl HouseDesign {
         if self.flat_roof { self.eaves_m + 0.3 } else { self.roof().ridge() + 0.3 }
     }
 
-    fn window_filling(&self, s: &mut Stream) -> Filling {
-        let shutter = if s.chance(0.25) { [0.3, 0.5, 1.0][s.below(3)] } else { 0.0 };
-        Filling::Window { sashes: self.sashes, shutter, curtain: Curtain::draw(s, 0.55) }
-    }
-
     /// Length of a side's wall; sides go round counter-clockwise from the front.
     fn side_width(&self, side: usize) -> f32 {
         if side.is_multiple_of(2) { self.width_m } else { self.depth_m }
@@ -199,7 +194,7 @@ impl HouseDesign {
                         openings.push(Opening { rect, filling: Filling::Door });
                     } else if s.chance(density) {
                         let rect = [u - w / 2.0, u + w / 2.0, floor + 0.9, floor + 0.9 + h];
-                        openings.push(Opening { rect, filling: self.window_filling(s) });
+                        openings.push(Opening { rect, filling: Filling::draw_window(self.sashes, s) });
                     }
                 }
             }
@@ -208,7 +203,10 @@ impl HouseDesign {
             let u = width / 2.0;
             let half = (w / 2.0).min(0.55);
             let v = self.eaves_m + 0.25_f32.max(rise * 0.1);
-            openings.push(Opening { rect: [u - half, u + half, v, v + 1.15], filling: self.window_filling(s) });
+            openings.push(Opening {
+                rect: [u - half, u + half, v, v + 1.15],
+                filling: Filling::draw_window(self.sashes, s),
+            });
         }
         openings
     }

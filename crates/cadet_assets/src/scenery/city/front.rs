@@ -116,15 +116,10 @@ fn lay_out(d: &CityDesign, width_m: f32, index: usize) -> (Layout, Stream) {
             let to_balcony = balconies.contains(&k);
             let low = d.floor(story) + if to_balcony { 0.12 } else { 0.8 };
             let high = d.floor(story) + 0.8 + d.window.1;
-            upper.push(Opening { rect: [u - half, u + half, low, high], filling: window(d, s) });
+            upper.push(Opening { rect: [u - half, u + half, low, high], filling: Filling::draw_window(d.sashes, s) });
         }
     }
     (Layout { ground, upper, columns, balconies, bay }, stream)
-}
-
-fn window(d: &CityDesign, s: &mut Stream) -> Filling {
-    let shutter = if s.chance(0.25) { [0.3, 0.5, 1.0][s.below(3)] } else { 0.0 };
-    Filling::Window { sashes: d.sashes, shutter, curtain: Curtain::draw(s, 0.55) }
 }
 
 /// A ground floor of shops, with the house's door and perhaps a gateway between them.
@@ -166,7 +161,7 @@ fn flats(d: &CityDesign, columns: &[f32], is_narrow: bool, s: &mut Stream) -> Ve
             Opening { rect: [u - 0.6, u + 0.6, FOOT_M, 2.5], filling: Filling::Door }
         } else {
             let top = (sill + d.window.1).min(d.ground_m - 0.35);
-            Opening { rect: [u - half, u + half, sill, top], filling: window(d, s) }
+            Opening { rect: [u - half, u + half, sill, top], filling: Filling::draw_window(d.sashes, s) }
         }
     };
     columns.iter().enumerate().map(|(k, u)| opening(k, *u, s)).collect()
