@@ -229,7 +229,6 @@ impl VehicleModel {
             1.2,
             OCCUPANTS_TO_M,
         );
-        let mut wheel_centers = [Vec3::ZERO; 4];
         let wheel = levels_of(
             d.name,
             &mut |k| wheels::wheel(d.wheel_radius_m, d.tyre_width_m, rim, k),
@@ -237,12 +236,9 @@ impl VehicleModel {
             WHEELS_TO_M,
         );
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width_m / 2.0;
-        for (i, c) in wheel_centers.iter_mut().enumerate() {
-            let x = d.axles_x[i / 2];
-            let side = if i % 2 == 0 { 1.0 } else { -1.0 };
-            *c = fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius_m));
-            c.z = d.wheel_radius_m;
-        }
+        let [front, rear] = d.axles_x;
+        let wheel_centers = [(front, 1.0), (front, -1.0), (rear, 1.0), (rear, -1.0)]
+            .map(|(x, side)| fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius_m)).with_z(d.wheel_radius_m));
         Self {
             name: format!("{}/{model_seed}", d.name),
             class,
