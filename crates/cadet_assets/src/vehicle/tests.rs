@@ -13,6 +13,16 @@ fn outline(class: ObjectClass, seed: u64) -> Outline {
     Outline::new(Dimensions::of_seed(class, seed).unwrap())
 }
 
+/// The cars of so many seeds.
+fn cars(count: u64) -> impl Iterator<Item = VehicleModel> {
+    (0..count).map(|seed| VehicleModel::generate(ObjectClass::Car, seed).unwrap())
+}
+
+/// The same with their outlines.
+fn outlined_cars(count: u64) -> impl Iterator<Item = (VehicleModel, Outline)> {
+    cars(count).zip((0..).map(|seed| outline(ObjectClass::Car, seed)))
+}
+
 /// Bounds without mirrors and aerial: the width below the belt line, the height of paint and sunroof.
 fn label_bounds(mesh: &Mesh, belt: f32) -> Bounds {
     let painted = mesh.triangles().filter(|(_, s)| matches!(*s, slot::PAINT | slot::DARK_GLASS));
@@ -61,8 +71,7 @@ fn sizes_follow_the_labels_of_kitti() {
 
 #[test]
 fn wheels_stand_on_the_ground_inside_the_flanks() {
-    for seed in 0..SEEDS {
-        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
+    for model in cars(SEEDS) {
         let (size, r) = (model.size_lwh.as_vec3(), model.wheel_radius_m as f32);
         for (_, mesh) in &model.wheel.as_ref().unwrap().levels {
             assert!((mesh.bounds.min.z + r).abs() < 1e-4, "{}: a corner at the lowest point", model.name);
@@ -79,8 +88,7 @@ fn wheels_stand_on_the_ground_inside_the_flanks() {
 
 #[test]
 fn arches_are_cut_and_lined() {
-    for seed in 0..40 {
-        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
+    for model in cars(40) {
         let side = model.size_lwh.y as f32 / 2.0;
         for (_, mesh) in &model.body.levels[..2] {
             let body = Target::new(mesh, |s| !is_pane(s));
@@ -100,9 +108,8 @@ fn arches_are_cut_and_lined() {
 
 #[test]
 fn flanks_and_roof_are_closed_and_face_outward() {
-    for seed in 0..40 {
-        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
-        let (d, size) = (outline(ObjectClass::Car, seed).d, model.size_lwh.as_vec3());
+    for (model, o) in outlined_cars(40) {
+        let (d, size) = (&o.d, model.size_lwh.as_vec3());
         for (level, (_, mesh)) in model.body.levels.iter().enumerate() {
             let body = Target::new(mesh, |s| !is_pane(s));
             let (mut rays, mut outside) = (0, 0);
@@ -137,7 +144,6 @@ fn flanks_and_roof_are_closed_and_face_outward() {
                 }
             }
             assert!(outside as f32 > 0.99 * rays as f32, "{} level {level}: {outside} of {rays}", model.name);
-            let o = outline(ObjectClass::Car, seed);
             let house = Glasshouse::new(&o, slot::REAR_SIDE_GLASS);
             let x = 0.5 * (house.header_x + house.rear_header_x);
             let roof = body.cast(Vec3::new(x, 0.2, 4.0), Vec3::NEG_Z).expect("roof");
@@ -148,9 +154,7 @@ fn flanks_and_roof_are_closed_and_face_outward() {
 
 #[test]
 fn panes_lie_over_real_openings() {
-    for seed in 0..60 {
-        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
-        let o = outline(ObjectClass::Car, seed);
+    for (model, o) in outlined_cars(60) {
         let house = Glasshouse::new(&o, slot::REAR_SIDE_GLASS);
         for (level, (_, mesh)) in model.body.levels[..3].iter().enumerate() {
             let (glass, body) = (Target::new(mesh, is_pane), Target::new(mesh, |s| !is_pane(s)));
@@ -177,9 +181,7 @@ fn panes_lie_over_real_openings() {
 
 #[test]
 fn far_away_windows_are_dark_and_wheels_stand_in_dark_arches() {
-    for seed in 0..60 {
-        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
-        let o = outline(ObjectClass::Car, seed);
+    for (model, o) in outlined_cars(60) {
         let house = Glasshouse::new(&o, slot::REAR_SIDE_GLASS);
         let body = Target::new(&model.body.levels[3].1, |_| true);
         let seen = |from: Vec3, to: Vec3| {
@@ -232,8 +234,7 @@ fn three_hundred_seeds_give_sound_meshes() {
 
 #[test]
 fn occupants_sit_inside() {
-    for seed in 0..SEEDS {
-        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
+    for model in cars(SEEDS) {
         let size = model.size_lwh.as_vec3();
         let driver = model.driver.expect("cars have a driver").levels[0].1.bounds;
         assert!(driver.max.z < size.z - 0.01, "{}: head at {} of {}", model.name, driver.max.z, size.z);
@@ -253,9 +254,8 @@ fn a_seed_names_one_vehicle() {
 
 #[test]
 fn glass_passes_light_and_plates_are_retroreflective() {
-    for seed in 0..50 {
-        let palette = VehicleModel::generate(ObjectClass::Car, seed).unwrap().palette;
-        for (i, m) in palette.materials().iter().enumerate() {
+    for model in cars(50) {
+        for (i, m) in model.palette.materials().iter().enumerate() {
             assert_eq!(m.is_transparent(), is_pane(i as u8), "slot {i}");
             assert_eq!(m.lidar.transmission > 0.0, is_pane(i as u8), "slot {i}");
             assert_eq!(m.lidar.retro, i as u8 == slot::PLATE, "slot {i}");

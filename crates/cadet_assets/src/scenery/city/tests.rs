@@ -3,10 +3,10 @@
 use strum::VariantArray;
 
 use super::super::materials::house_slot;
+use super::super::tests::check_closed;
 use super::super::{House, HouseKind, city_house, house, num_variants};
 use super::*;
 use crate::rays::hits;
-use cadet_base::math::{cosf, sinf};
 
 fn every_house() -> impl Iterator<Item = (CityKind, House)> {
     let houses = |&kind: &CityKind| (0..NUM_CITY_HOUSES[kind as usize]).map(move |k| (kind, city_house(kind, k)));
@@ -15,27 +15,7 @@ fn every_house() -> impl Iterator<Item = (CityKind, House)> {
 
 #[test]
 fn walls_and_roofs_are_closed_from_every_side() {
-    let mut s = Stream::from_seed("closed city", 0);
-    let (mut num_rays, mut num_backs) = (0, 0);
-    for (kind, House { model, .. }) in every_house() {
-        let half = (model.footprint_size() / 2.0).as_vec2();
-        for (k, (_, mesh)) in model.shape.levels.iter().enumerate() {
-            for _ in 0..120 {
-                // A ray to the middle of the house from anywhere meets a face that looks at it first.
-                let target = Vec3::new(range(&mut s, -0.3, 0.3) * half.x, range(&mut s, -0.3, 0.3) * half.y, 0.0)
-                    + Vec3::Z * range(&mut s, 0.3, model.height_m as f32 * 0.9);
-                let angle = range(&mut s, 0.0, std::f32::consts::TAU);
-                let away = Vec3::new(cosf(angle), sinf(angle), range(&mut s, -0.01, 0.8));
-                let from = target + away * 60.0;
-                let toward = (target - from).normalize();
-                let first = hits(mesh, from, toward, |_| true).first().copied();
-                let faces_us = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}")).is_outside;
-                (num_rays, num_backs) = (num_rays + 1, num_backs + usize::from(!faces_us));
-            }
-        }
-    }
-    // Panels lie a finger before walls, letters before boards: along the wall a ray may get behind one.
-    assert!(500 * num_backs <= num_rays, "{num_backs} of {num_rays} rays meet the back of a face first");
+    check_closed("closed city", every_house().map(|(_, house)| house.model), 120, 0.9);
 }
 
 #[test]

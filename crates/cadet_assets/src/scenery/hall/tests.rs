@@ -3,10 +3,9 @@
 use strum::VariantArray;
 
 use super::super::materials::house_slot as slot;
+use super::super::tests::check_closed;
 use super::super::{SceneryModel, hall};
 use super::*;
-use crate::rays::hits;
-use cadet_base::math::{Vec3, cosf, sinf};
 
 fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
     HallKind::VARIANTS.iter().flat_map(|&kind| (0..HALL_VARIANTS).map(move |k| (kind, hall(kind, k))))
@@ -14,23 +13,7 @@ fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
 
 #[test]
 fn walls_and_roofs_are_closed_from_every_side() {
-    let mut s = Stream::from_seed("closed halls", 0);
-    let (mut num_rays, mut num_backs) = (0, 0);
-    for (kind, model) in every_hall() {
-        let half = (model.footprint_size() / 2.0).as_vec2();
-        for (k, (_, mesh)) in model.shape.levels.iter().enumerate() {
-            for _ in 0..80 {
-                let target = Vec3::new(range(&mut s, -0.3, 0.3) * half.x, range(&mut s, -0.3, 0.3) * half.y, 0.0)
-                    + Vec3::Z * range(&mut s, 0.3, model.height_m as f32 * 0.85);
-                let angle = range(&mut s, 0.0, std::f32::consts::TAU);
-                let from = target + Vec3::new(cosf(angle), sinf(angle), range(&mut s, -0.01, 0.8)) * 90.0;
-                let first = hits(mesh, from, (target - from).normalize(), |_| true).first().copied();
-                let faces_us = first.unwrap_or_else(|| panic!("{kind:?} level {k}: open from {from}")).is_outside;
-                (num_rays, num_backs) = (num_rays + 1, num_backs + usize::from(!faces_us));
-            }
-        }
-    }
-    assert!(500 * num_backs <= num_rays, "{num_backs} of {num_rays} rays meet the back of a face first");
+    check_closed("closed halls", every_hall().map(|(_, model)| model), 80, 0.85);
 }
 
 #[test]
