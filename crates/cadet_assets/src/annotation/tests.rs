@@ -24,8 +24,8 @@ fn check_quantiles(sizes: &[DVec3], labels: &[[f64; 5]; 3], tolerance_m: [f64; 3
     }
 }
 
-/// Compares sizes with every label of KITTI's training set: quantiles (5, 16, 50, 84, 95 %) of length, width and height,
-/// which may differ by so much, and their correlations (l-w, l-h, w-h).
+/// Compares sizes with every label of KITTI's training set: quantiles (5, 16, 50, 84, 95 %) of length, width and
+/// height, which may differ by so much, and their correlations (l-w, l-h, w-h).
 fn check(sizes: impl Fn(u64) -> DVec3, labels: [[f64; 5]; 3], tolerance_m: [f64; 3], correlations: [f64; 3]) {
     let sizes: Vec<DVec3> = (0..20_000).map(sizes).collect();
     check_quantiles(&sizes, &labels, tolerance_m);

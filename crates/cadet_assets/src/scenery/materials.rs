@@ -165,8 +165,8 @@ fn leaf(albedo: [f32; 3], reflectance: f32) -> Material {
     Material::matt(Semantic::Vegetation, albedo, Pattern::Leaves, reflectance).polished(0.45, 0.04)
 }
 
-/// The materials of a plant in the order of [`plant_slot`]: of leaves the base, light and dark ones by their shares of it,
-/// and the reflectance of each.
+/// The materials of a plant in the order of [`plant_slot`]: of leaves the base, light and dark ones by their shares of
+/// it, and the reflectance of each; then the bark's.
 fn plant(
     base: [f32; 3],
     light: [f32; 3],

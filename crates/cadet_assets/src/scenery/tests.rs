@@ -25,8 +25,8 @@ fn every_model() -> Vec<SceneryModel> {
     models
 }
 
-/// Casts rays from all around to the middles of buildings, up to a share of their heights: each meets a face, nearly always
-/// one that looks at where the ray comes from.
+/// Casts rays from all around to the middles of buildings, up to a share of their heights: each meets a face, nearly
+/// always one that looks at where the ray comes from.
 pub(super) fn check_closed(
     stream_name: &str,
     models: impl Iterator<Item = SceneryModel>,

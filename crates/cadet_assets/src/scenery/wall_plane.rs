@@ -40,8 +40,8 @@ impl WallPlane {
         }
     }
 
-    /// The four sides of a rectangular hole, seen from within it, from depth `d0_m` to `d1_m`; of a box, seen from outside,
-    /// where that is less.
+    /// The four sides of a rectangular hole, seen from within it, from depth `d0_m` to `d1_m`; of a box, seen from
+    /// outside, where that is less.
     pub(super) fn sides(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], d0_m: f32, d1_m: f32, slot: u8) {
         let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
         for i in 0..4 {

@@ -18,8 +18,8 @@ pub(super) enum Windows {
 pub(super) struct Archetype {
     pub name: &'static str,
     pub share: f64,
-    /// Mean and standard deviation of length, width, and height as KITTI's annotators label them, to which the mean margins
-    /// of labels are added.
+    /// Mean and standard deviation of length, width, and height as KITTI's annotators label them, to which the mean
+    /// margins of labels are added.
     pub size_m: [(f64, f64); 3],
     pub wheels: Wheels,
     pub clearance_m: f64,

@@ -71,7 +71,7 @@ pub(super) fn wheel(radius_m: f32, tyre_width_m: f32, rim: Rim, level: usize) ->
     for k in 0..rim.spokes {
         let a = k as f32 * step + 0.4;
         let (w0, w1) = (0.5 * step * rim.spoke_share.max(0.75), 0.5 * step * rim.spoke_share);
-        // From the hub to the tip: radius, half angle, y of the edges and of the ridge between them, which is left out far away.
+        // At the hub and at the tip: radius, half angle, y of the edges and of the ridge between them.
         let (edges, across): (_, &[f32]) = if level == 0 {
             ([(hub_r, w0, face_y - 0.002, face_y + 0.004), (tip, w1, face_y - 0.006, face_y)], &[-1.0, 0.0, 1.0])
         } else {
