@@ -79,7 +79,7 @@ impl CyclistModel {
         let design = Arc::new(Design::draw(true_lwh, &mut s));
         let palette = paint::palette(&design.rider, &mut s);
         let name = format!("{} on bicycle/{model_seed}", design.rider.kind.as_ref());
-        let riding = design.body(false, 0);
+        let riding = design.body(false, None, 0);
         let bounds = (0..NUM_PHASES)
             .map(|k| Bounds::of(design.legs(phase_legs(k), 0).vertices))
             .fold(Bounds::of(riding.vertices), |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
@@ -89,7 +89,7 @@ impl CyclistModel {
         let size_lwh = Vec3::new(2.0 * half_length, 2.0 * half_width, bounds.max.z).as_dvec3();
         let bodies = [false, true].map(|stands| {
             let make = Arc::clone(&design);
-            levels(&name, move |level| make.body(stands, level))
+            levels(&name, move |level| make.body(stands, None, level))
         });
         let make = Arc::clone(&design);
         let wheel = levels(&name, move |level| shape::wheel(&make.bicycle, level));
@@ -123,7 +123,7 @@ impl CyclistModel {
         let shape = self.pointing[usize::from(arm_share < 0.0)][index].get_or_init(|| {
             let (design, share) = (Arc::clone(&self.design), step as f32 / ARM_STEPS as f32);
             let side = if arm_share < 0.0 { -1.0 } else { 1.0 };
-            levels(&self.name, move |level| design.body_with(false, Some((side, share)), level))
+            levels(&self.name, move |level| design.body(false, Some((side, share)), level))
         });
         Arc::clone(shape)
     }
@@ -209,12 +209,8 @@ impl Design {
         tubes.vertices.iter().fold(0.0, |top: f32, v| top.max(v.z))
     }
 
-    fn body(&self, stands: bool, level: usize) -> Tubes {
-        self.body_with(stands, None, level)
-    }
-
-    /// The body with an arm stretched out to a side, by a share of the way.
-    fn body_with(&self, stands: bool, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
+    /// The body, perhaps with an arm stretched out to a side by a share of the way.
+    fn body(&self, stands: bool, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
         let mut tubes = self.seat(stands).upper_body(&self.rider, &self.bicycle, pointing, level);
         shape::add_bicycle(&mut tubes, &self.bicycle, &self.riding, level);
         tubes

@@ -48,8 +48,7 @@ pub fn maize(variant: usize) -> SceneryModel {
 
 /// Blades in clumps, with a few broad leaves between.
 fn herbs_mesh(variant: usize, detail: Detail) -> Mesh {
-    let mut s = Stream::from_seed("herbs mesh", variant as u64);
-    let s = &mut s;
+    let s = &mut Stream::from_seed("herbs mesh", variant as u64);
     let (length, half, height) = (HERBS_M.0 as f32, HERBS_M.1 as f32, HERB_HEIGHTS_M[variant]);
     // The same covered share at every level: fewer blades, as much wider.
     let num_blades: usize = detail.pick(420, 150, 50);
@@ -80,8 +79,7 @@ fn herbs_mesh(variant: usize, detail: Detail) -> Mesh {
 
 /// A dark inside that nobody sees through, and long leaves all over it and above.
 fn maize_mesh(variant: usize, detail: Detail) -> Mesh {
-    let mut s = Stream::from_seed("maize mesh", variant as u64);
-    let s = &mut s;
+    let s = &mut Stream::from_seed("maize mesh", variant as u64);
     let (length, half) = (MAIZE_M.0 as f32, MAIZE_M.1 as f32);
     let mut core = MeshBuilder::new();
     core.cuboid(Vec3::new(0.0, -half * 0.35, -0.2), Vec3::new(length, half * 0.35, MAIZE_DENSE_M), slot::DARK_LEAF);

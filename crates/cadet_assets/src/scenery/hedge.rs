@@ -17,8 +17,7 @@ pub(super) const SECTIONS_M: [(f32, f32); 7] =
 /// Draws a piece of hedge from x = 0 to `length_m`, its depth to both sides of y = 0.
 pub(super) fn mesh(variant: usize, length_m: f32, detail: Detail) -> Mesh {
     let (height, depth) = SECTIONS_M[variant % SECTIONS_M.len()];
-    let mut s = Stream::from_seed("hedge", variant as u64 * 1000 + (length_m * 100.0) as u64);
-    let s = &mut s;
+    let s = &mut Stream::from_seed("hedge", variant as u64 * 1000 + (length_m * 100.0) as u64);
     let mut core = MeshBuilder::new();
     let step = detail.pick(0.3, 0.75, f32::INFINITY);
     let stations = ((length_m / step).ceil() as usize).max(1);

@@ -56,8 +56,7 @@ pub(super) struct HouseDesign {
 impl HouseDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: HouseKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
-        let s = &mut s;
+        let s = &mut Stream::from_seed(kind.as_ref(), variant as u64);
         let (units, width_m, depth_m) = match kind {
             HouseKind::Detached => (1, range(s, 9.0, 12.5), range(s, 9.0, 12.0)),
             HouseKind::Semi => (2, 2.0 * range(s, 6.5, 8.5), range(s, 10.0, 12.0)),

@@ -75,8 +75,7 @@ const LEAF_AREA_PER_M3: f32 = 1.8;
 impl TreeDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: TreeKind, variant: usize) -> Self {
-        let mut stream = Stream::from_seed(kind.as_ref(), variant as u64);
-        let s = &mut stream;
+        let s = &mut Stream::from_seed(kind.as_ref(), variant as u64);
         // From and to: the height, and the crown's radius as a share of it.
         let (heights_m, spread) = match kind {
             TreeKind::Street => ((8.0, 14.0), (0.29, 0.38)),

@@ -85,8 +85,7 @@ pub(super) struct CityDesign {
 impl CityDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: CityKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
-        let s = &mut s;
+        let s = &mut Stream::from_seed(kind.as_ref(), variant as u64);
         let is_corner = kind != CityKind::Row;
         let width_m = if is_corner { range(s, 13.0, 17.0) } else { ROW_WIDTHS_M[variant % ROW_WIDTHS_M.len()] };
         Self {

@@ -67,8 +67,7 @@ pub(super) struct HallDesign {
 impl HallDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: HallKind, variant: usize) -> Self {
-        let mut s = Stream::from_seed(kind.as_ref(), variant as u64);
-        let s = &mut s;
+        let s = &mut Stream::from_seed(kind.as_ref(), variant as u64);
         // Small ones and large ones, so that one fits most lots.
         let size = (variant % HALL_VARIANTS) as f32 / (HALL_VARIANTS - 1) as f32;
         let between =
