@@ -98,6 +98,8 @@ impl WallShape {
 /// How deep window frames lie behind the wall's face.
 pub(super) const REVEAL_M: f32 = 0.16;
 const FRAME_M: f32 = 0.08;
+/// What a frame holds, a pane or a leaf, lies so far behind its front.
+const BEHIND_FRAME_M: f32 = 0.03;
 const SASH_BAR_M: f32 = 0.1;
 const ROOM_M: f32 = 1.2;
 /// Of the windows with curtains, those with nets.
@@ -156,7 +158,10 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         _ => {}
     }
     let sides = if matches!(opening.filling, Filling::GarageDoor | Filling::RollerGate) { 0.22 } else { REVEAL_M };
-    plane.sides(b, opening.rect, 0.0, sides, face);
+    // What a frame holds spans the whole opening behind it: seen from above, too, nothing shows between the two.
+    let is_framed = matches!(opening.filling, Filling::Door | Filling::Window { .. });
+    let back = if is_framed { sides + BEHIND_FRAME_M } else { sides };
+    plane.sides(b, opening.rect, 0.0, back, face);
     match opening.filling {
         Filling::Shop(_) | Filling::Gate => {}
         Filling::GarageDoor => {
@@ -189,21 +194,20 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         }
         Filling::Door => {
             frame(b, plane, opening.rect, sides, detail);
-            let inner = [u0 + FRAME_M, u1 - FRAME_M, v0, v1 - FRAME_M];
-            plane.rect(b, inner, sides + 0.03, slot::DOOR);
+            plane.rect(b, opening.rect, back, slot::DOOR);
             if detail == Detail::Near {
                 let (u, v) = ((u0 + u1) / 2.0, v0 + 1.45);
-                plane.block(b, [u - 0.16, u + 0.16, v, v + 0.38], sides + 0.02, sides + 0.03, slot::FRAME);
+                plane.block(b, [u - 0.16, u + 0.16, v, v + 0.38], back - 0.01, back, slot::FRAME);
                 plane.rect(b, [u - 0.12, u + 0.12, v + 0.04, v + 0.34], sides + 0.015, slot::DARK_GLASS);
                 let (hu, hv) = (u1 - FRAME_M - 0.12, v0 + 1.0);
-                plane.block(b, [hu - 0.07, hu + 0.03, hv, hv + 0.03], sides - 0.04, sides + 0.03, slot::METAL);
+                plane.block(b, [hu - 0.07, hu + 0.03, hv, hv + 0.03], sides - 0.04, back, slot::METAL);
             }
         }
         Filling::Window { sashes, shutter, curtain } => {
             frame(b, plane, opening.rect, sides, detail);
             let inner = [u0 + FRAME_M, u1 - FRAME_M, v0 + FRAME_M, v1 - FRAME_M];
             let glass = if detail == Detail::Near { slot::GLASS } else { curtain.pane() };
-            plane.rect(b, inner, sides + 0.03, glass);
+            plane.rect(b, opening.rect, back, glass);
             if sashes > 1 {
                 let (u, bar) = ((u0 + u1) / 2.0, SASH_BAR_M / 2.0);
                 plane.rect(b, [u - bar, u + bar, inner[2], inner[3]], sides, slot::FRAME);
@@ -249,7 +253,7 @@ fn frame(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], dep
         plane.rect(b, bar, depth, slot::FRAME);
     }
     if detail == Detail::Near {
-        plane.sides(b, [u0 + f, u1 - f, v0 + f, v1 - f], depth, depth + 0.03, slot::FRAME);
+        plane.sides(b, [u0 + f, u1 - f, v0 + f, v1 - f], depth, depth + BEHIND_FRAME_M, slot::FRAME);
     }
 }
 

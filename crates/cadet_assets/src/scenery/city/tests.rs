@@ -15,7 +15,7 @@ fn every_house() -> impl Iterator<Item = (CityKind, House)> {
 
 #[test]
 fn walls_and_roofs_are_closed_from_every_side() {
-    check_closed("closed city", every_house().map(|(_, house)| house.model), 120, 0.9);
+    check_closed("closed city", every_house().map(|(_, house)| house.model), 400, 0.9);
 }
 
 #[test]

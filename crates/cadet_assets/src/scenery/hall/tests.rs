@@ -13,7 +13,7 @@ fn every_hall() -> impl Iterator<Item = (HallKind, SceneryModel)> {
 
 #[test]
 fn walls_and_roofs_are_closed_from_every_side() {
-    check_closed("closed halls", every_hall().map(|(_, model)| model), 80, 0.85);
+    check_closed("halls", every_hall().map(|(_, model)| model), 400, 0.85);
 }
 
 #[test]
