@@ -2,7 +2,7 @@
 
 use super::expression::{Scope, index};
 use super::parser::{Loop, Values};
-use super::parts_list::{Kind, Part, PartsList, Solid};
+use super::parts_list::{Kind, Part, PartsList, Shape, Solid};
 use super::reader::{Fault, Result, define};
 use crate::scenery::Detail;
 use crate::scenery::greens::{Cushion, Stems};
@@ -32,14 +32,34 @@ pub(super) struct Choice {
 
 /// The names that every expression knows, and those of the prop's sizes, drawn from the stream of a variant.
 pub(super) fn scope_of<'a>(list: &'a PartsList, name: &str, choice: Choice) -> Result<Scope<'a>> {
-    // The stream's name is the prop's, in words.
-    let mut scope = Scope::new(Stream::from_seed(&name.replace('-', " "), choice.variant as u64));
     let level = choice.detail as usize;
     let is = |other: usize| f64::from(u8::from(level == other));
     let given = [choice.variant as f64, level as f64, is(0), is(1), is(2), choice.length_m];
-    super::names::GIVEN.into_iter().zip(given).for_each(|(name, value)| scope.add(name, value));
-    define(&list.sizes, &mut scope)?;
-    Ok(scope)
+    // The stream's name is the prop's, in words.
+    let stream = Stream::from_seed(&name.replace('-', " "), choice.variant as u64);
+    list.shape.scope(stream, super::names::GIVEN.into_iter().zip(given))
+}
+
+impl Shape {
+    /// The names given and its own, of one whose draws come from `stream`.
+    fn scope<'a>(&'a self, stream: Stream, given: impl Iterator<Item = (&'a str, f64)>) -> Result<Scope<'a>> {
+        let mut scope = Scope::new(stream);
+        given.for_each(|(name, value)| scope.add(name, value));
+        define(&self.sizes, &mut scope)?;
+        Ok(scope)
+    }
+
+    /// Its solids alone, without leaves.
+    ///
+    /// # Errors
+    /// An expression without a value, a size that makes no solid, or too many triangles.
+    pub(crate) fn solids<'a>(
+        &'a self,
+        stream: Stream,
+        given: impl Iterator<Item = (&'a str, f64)>,
+    ) -> Result<MeshBuilder> {
+        Drawing::new(self.scope(stream, given)?, Detail::Far).parts(&self.parts)
+    }
 }
 
 /// Draws a mesh.
@@ -47,23 +67,15 @@ pub(super) fn scope_of<'a>(list: &'a PartsList, name: &str, choice: Choice) -> R
 /// # Errors
 /// An expression without a value, a size that makes no solid, too many triangles, or none.
 pub(super) fn mesh(list: &PartsList, name: &str, choice: Choice) -> Result<Mesh> {
-    let mut drawing = Drawing {
-        scope: scope_of(list, name, choice)?,
-        leaves: Leaves::default(),
-        detail: choice.detail,
-        num_steps: 0,
-    };
-    let mut solids = MeshBuilder::new();
-    for part in &list.parts {
-        drawing.repeat(part, &part.loops, &mut solids)?;
-    }
+    let mut drawing = Drawing::new(scope_of(list, name, choice)?, choice.detail);
+    let solids = drawing.parts(&list.shape.parts)?;
     if !drawing.leaves.is_empty() {
         return Ok(drawing.leaves.build(name, &solids));
     }
     // Empty bounds: no face has an area.
     if solids.bounds().min.x > solids.bounds().max.x {
         let which = format!("variant {} has no triangle at level {}", choice.variant, choice.detail as usize);
-        return Err(Fault::new(list.parts.first().map_or(1, |part| part.line), which));
+        return Err(Fault::new(list.shape.parts.first().map_or(1, |part| part.line), which));
     }
     Ok(solids.build(name, list.crease_rad))
 }
@@ -101,6 +113,10 @@ fn count(sides: f64) -> Outcome<usize> {
 }
 
 impl<'a> Drawing<'a> {
+    fn new(scope: Scope<'a>, detail: Detail) -> Self {
+        Self { scope, leaves: Leaves::default(), detail, num_steps: 0 }
+    }
+
     fn step(&mut self) -> Outcome<()> {
         self.num_steps += 1;
         if self.num_steps > MOST_STEPS { Err(format!("more than {MOST_STEPS} points and repetitions")) } else { Ok(()) }
@@ -119,6 +135,12 @@ impl<'a> Drawing<'a> {
                 Ok((0..count as usize).map(|k| first + k as f64).collect())
             }
         }
+    }
+
+    fn parts(&mut self, parts: &'a [Part]) -> Result<MeshBuilder> {
+        let mut made = MeshBuilder::new();
+        parts.iter().try_for_each(|part| self.repeat(part, &part.loops, &mut made))?;
+        Ok(made)
     }
 
     /// Draws a part once for each value of its loops.
@@ -157,8 +179,7 @@ impl<'a> Drawing<'a> {
                 linear = turn(axis, angle.value(&mut self.scope).map_err(fault)?) * linear;
             }
         }
-        let mut own = MeshBuilder::new();
-        part.solid.parts.iter().try_for_each(|inner| self.repeat(inner, &inner.loops, &mut own))?;
+        let mut own = self.parts(&part.solid.parts)?;
         self.solid(&part.solid, slot, &mut own).map_err(fault)?;
         let mut placed = MeshBuilder::new();
         placed.append(&own, linear, offset);
@@ -199,10 +220,40 @@ impl<'a> Drawing<'a> {
         Ok(found)
     }
 
-    /// The points of a solid as corners, of which there are three or more.
-    fn corners(&mut self, solid: &'a Solid) -> Outcome<Vec<Vec3>> {
+    /// The points of a solid as corners, of which there are so many or more.
+    fn corners(&mut self, solid: &'a Solid, least: usize) -> Outcome<Vec<Vec3>> {
         let found = self.points(solid)?.into_iter().map(point).collect::<Outcome<Vec<Vec3>>>()?;
-        if found.len() < 3 { Err(format!("{} corners, expected 3 or more", found.len())) } else { Ok(found) }
+        if found.len() < least { Err(format!("{} points, expected {least} or more", found.len())) } else { Ok(found) }
+    }
+
+    /// Rows of corners, one for each value of the loops that it goes along.
+    fn rows(&mut self, solid: &'a Solid, least: usize) -> Outcome<Vec<Vec<Vec3>>> {
+        let mut rows = Vec::new();
+        self.add_rows(solid, least, &solid.along, &mut rows)?;
+        match rows.iter().find(|row| row.len() != rows[0].len()) {
+            Some(_) => Err("expected the same number of points for each value of along".to_owned()),
+            None => Ok(rows),
+        }
+    }
+
+    fn add_rows(
+        &mut self,
+        solid: &'a Solid,
+        least: usize,
+        loops: &'a [Loop],
+        rows: &mut Vec<Vec<Vec3>>,
+    ) -> Outcome<()> {
+        let Some((first, rest)) = loops.split_first() else {
+            rows.push(self.corners(solid, least)?);
+            return Ok(());
+        };
+        let mark = self.scope.mark();
+        for value in self.each(first)? {
+            self.scope.add(&first.name, value);
+            self.add_rows(solid, least, rest, rows)?;
+            self.scope.forget(mark);
+        }
+        Ok(())
     }
 
     fn solid(&mut self, solid: &'a Solid, slot: u8, b: &mut MeshBuilder) -> Outcome<()> {
@@ -229,7 +280,7 @@ impl<'a> Drawing<'a> {
                 b.tube(&stations, count(n[0])?, slot);
             }
             Kind::Prism(axis) => {
-                let outline: Vec<(f32, f32)> = self.corners(solid)?.into_iter().map(|p| (p.x, p.y)).collect();
+                let outline: Vec<(f32, f32)> = self.corners(solid, 3)?.into_iter().map(|p| (p.x, p.y)).collect();
                 let span = point([n[0], n[1], 0.0, 0.0])?;
                 size(n[1] - n[0])?;
                 b.prism(axis, &outline, (span.x, span.y), slot);
@@ -244,15 +295,9 @@ impl<'a> Drawing<'a> {
                 b.loft(&rings, slot, n[2] == 0.0);
             }
             Kind::Hoop => b.hoop(size(n[0])?, size(n[1])?, (count(n[2])?, count(n[3])?), slot),
-            Kind::Face => b.polygon(&self.corners(solid)?, slot),
-            Kind::Loft => {
-                let mut rings = Vec::new();
-                self.loft_rings(solid, &solid.along, &mut rings)?;
-                if rings.iter().any(|ring| ring.len() != rings[0].len()) {
-                    return Err("the rings of a loft have the same number of points".to_owned());
-                }
-                b.loft(&rings, slot, true);
-            }
+            Kind::Face => b.polygon(&self.corners(solid, 3)?, slot),
+            Kind::Loft => b.loft(&self.rows(solid, 3)?, slot, true),
+            Kind::Sheet => b.sheet(&self.rows(solid, 2)?, false, |_, _| Some(slot)),
             Kind::Bush => {
                 let [half_x, half_y, low_m, top_m] = [0, 1, 2, 3].map(|k| n[k] as f32);
                 let is_usual = half_x.min(half_y).min(top_m - low_m) > 0.1 && half_x.max(half_y).max(top_m) < 6.0;
@@ -274,20 +319,6 @@ impl<'a> Drawing<'a> {
             Kind::Number => {
                 text(b, &format!("{:.*}", index(n[1], 4)?, n[0]).replace('.', ","), &n[2..], slot)?;
             }
-        }
-        Ok(())
-    }
-
-    fn loft_rings(&mut self, solid: &'a Solid, loops: &'a [Loop], rings: &mut Vec<Vec<Vec3>>) -> Outcome<()> {
-        let Some((first, rest)) = loops.split_first() else {
-            rings.push(self.corners(solid)?);
-            return Ok(());
-        };
-        let mark = self.scope.mark();
-        for value in self.each(first)? {
-            self.scope.add(&first.name, value);
-            self.loft_rings(solid, rest, rings)?;
-            self.scope.forget(mark);
         }
         Ok(())
     }

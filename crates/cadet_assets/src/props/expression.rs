@@ -77,7 +77,7 @@ functions! {
     Max "max" 2 to 9;
     If "if" 3 to 3;
     Choose "choose" 2 to 17;
-    ByLevel "by_level" 3 to 3;
+    ByLevel "by_level" 3 to 4;
     Ramp "ramp" 5 to 41;
     Range "range" 2 to 2;
     Chance "chance" 1 to 1;
@@ -180,7 +180,7 @@ fn call(function: Function, arguments: &[Expression], scope: &mut Scope) -> Resu
     // These evaluate the argument that they choose alone.
     let chosen = match function {
         Function::If => Some(if arguments[0].raw(scope)? != 0.0 { 1 } else { 2 }),
-        Function::ByLevel => Some(scope.get("level")? as usize),
+        Function::ByLevel => Some((scope.get("level")? as usize).min(arguments.len() - 1)),
         Function::Choose => Some(1 + index(arguments[0].raw(scope)?, arguments.len() - 1)?),
         _ => None,
     };
@@ -274,6 +274,7 @@ mod tests {
             ("max(1, w, -3) + min(4, 2)", 3.5),
             ("by_level(1, 2, 30)", 30.0),
             ("choose(1, 5, 6 + w, 7)", 7.5),
+            ("by_level(1, 2, 3, 40) + level", 5.0),
             ("ramp(0.5, 0, 2, 1, 4, 2, 0)", 3.0),
             ("ramp(9, 0, 2, 1, 4, 2, 0)", 0.0),
             ("ramp(-9, 0, 2, 1, 4, 2, 0)", 2.0),

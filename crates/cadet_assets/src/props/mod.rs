@@ -15,8 +15,10 @@ mod reader;
 mod surface;
 
 pub use catalog::*;
+pub(crate) use parts_list::Shape;
 pub use place::{AtSidewalk, Facing, Homes, InBay, InGarden, Place, Streets};
 pub use prop::{Drawn, Prop};
+pub(crate) use reader::{Result as Read, read_file};
 
 #[cfg(test)]
 mod tests;

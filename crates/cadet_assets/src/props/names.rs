@@ -2,7 +2,7 @@
 
 use super::expression::Expression;
 use super::parser::{Loop, Point, Values};
-use super::parts_list::{Part, PartsList};
+use super::parts_list::{Part, PartsList, Shape};
 use super::reader::{Definition, Fault, Result};
 
 /// The names that every expression of a shape knows.
@@ -10,10 +10,16 @@ pub(super) const GIVEN: [&str; 6] = ["variant", "level", "near", "mid", "far", "
 /// The name that materials know: they are the same at every level.
 const OF_MATERIALS: &str = "variant";
 
+impl Shape {
+    /// Refuses names besides those `given` and its own, and new ones that hide others.
+    pub(crate) fn check_names(&self, given: &[&str]) -> Result<()> {
+        Names::of(self, given).map(|_| ())
+    }
+}
+
 /// Refuses unknown names, and new ones that hide others.
 pub(super) fn check(list: &PartsList) -> Result<()> {
-    let mut names = Names(GIVEN.map(str::to_owned).to_vec());
-    names.define(&list.sizes)?;
+    let names = Names::of(&list.shape, &GIVEN)?;
     for (line, at, when) in list
         .seats
         .iter()
@@ -22,7 +28,6 @@ pub(super) fn check(list: &PartsList) -> Result<()> {
     {
         at.iter().chain(when).try_for_each(|e| names.known(e, line))?;
     }
-    list.parts.iter().try_for_each(|part| names.part(part))?;
     let mut of_materials = |expression: &Expression, line: usize, own: &[String]| {
         let known = own.iter().map(String::as_str).chain([OF_MATERIALS]).map(str::to_owned);
         Names(known.collect()).known(expression, line)
@@ -34,6 +39,14 @@ pub(super) fn check(list: &PartsList) -> Result<()> {
 struct Names(Vec<String>);
 
 impl Names {
+    /// The names that all of a shape knows.
+    fn of(shape: &Shape, given: &[&str]) -> Result<Self> {
+        let mut names = Self(given.iter().copied().map(str::to_owned).collect());
+        names.define(&shape.sizes)?;
+        shape.parts.iter().try_for_each(|part| names.part(part))?;
+        Ok(names)
+    }
+
     fn add(&mut self, name: &str, line: usize) -> Result<()> {
         if self.0.iter().any(|known| known == name) || ["pi", "tau", "inf", "in", "for"].contains(&name) {
             return Err(Fault::new(line, format!("the name {name:?} is taken")));

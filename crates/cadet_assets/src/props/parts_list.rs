@@ -29,8 +29,7 @@ pub(super) struct PartsList {
     pub crease_rad: f32,
     /// Lengths that it comes in, if it is a piece of something long.
     pub lengths_m: Vec<f64>,
-    pub sizes: Vec<Definition>,
-    pub parts: Vec<Part>,
+    pub shape: Shape,
     /// Material by slot. The first four of plants are drawn together: whether such a plant is evergreen.
     pub surfaces: Vec<Surface>,
     pub plant: Option<(usize, Expression)>,
@@ -38,6 +37,16 @@ pub(super) struct PartsList {
     pub lamps: Vec<LampHead>,
     pub places: Vec<Place>,
 }
+
+/// What something is made of: names with their values, and parts.
+#[derive(Debug)]
+pub(crate) struct Shape {
+    pub(super) sizes: Vec<Definition>,
+    pub(super) parts: Vec<Part>,
+}
+
+/// The slot of a material by the name that stands in a file.
+type SlotOf<'s> = dyn FnMut(&Value) -> Result<u8> + 's;
 
 /// A solid, or several; see `docs/props.md`.
 #[derive(Debug)]
@@ -64,7 +73,7 @@ pub(super) struct Solid {
     /// Its sizes, then those that have keys of their own, in the order of [`Kind::ALL`].
     pub numbers: Vec<Expression>,
     pub points: Vec<Point>,
-    /// One ring of points for each value of these, and names that are evaluated at each point.
+    /// One ring or row of points for each value of these, and names that are evaluated at each point.
     pub along: Vec<Loop>,
     pub at_points: Vec<Definition>,
     pub words: Vec<String>,
@@ -84,6 +93,7 @@ pub(super) enum Kind {
     Hoop,
     Face,
     Loft,
+    Sheet,
     Bush,
     Stems,
     Text,
@@ -102,7 +112,7 @@ type Extra = (&'static str, Option<f64>);
 
 impl Kind {
     /// Each with its key, what stands there, and other keys with their defaults; those without one must be there.
-    const ALL: [(&str, Self, Form, &[Extra]); 15] = [
+    const ALL: [(&str, Self, Form, &[Extra]); 16] = [
         ("parts", Self::Group, Form::Parts, &[]),
         ("block", Self::Block, Form::Numbers(3), &[]),
         ("box", Self::Box, Form::Numbers(6), &[]),
@@ -114,6 +124,7 @@ impl Kind {
         ("hoop", Self::Hoop, Form::Numbers(2), &[("around", None), ("sides", None)]),
         ("face", Self::Face, Form::Points(3), &[]),
         ("loft", Self::Loft, Form::Points(3), &[]),
+        ("sheet", Self::Sheet, Form::Points(3), &[]),
         ("bush", Self::Bush, Form::Numbers(4), &[("power", Some(2.0))]),
         ("stems", Self::Stems, Form::Numbers(4), &[]),
         ("text", Self::Text, Form::Words, &[("choice", Some(0.0)), ("height", None), ("align", Some(0.0))]),
@@ -142,18 +153,13 @@ pub(super) struct LampHead {
 struct Slots(Vec<(String, usize)>);
 
 impl Slots {
-    fn of(&mut self, value: Value) -> Result<u8> {
+    fn of(&mut self, value: &Value) -> Result<u8> {
         let name = value.string()?;
         let slot = self.0.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
             self.0.push((name.to_owned(), value.line()));
             self.0.len() - 1
         });
         u8::try_from(slot).ok().filter(|slot| *slot < 60).ok_or_else(|| value.fault("more than 60 materials"))
-    }
-
-    fn list(&mut self, value: Value) -> Result<Vec<u8>> {
-        let values = if value.is_array() { value.array()? } else { vec![value] };
-        values.into_iter().map(|value| self.of(value)).collect()
     }
 }
 
@@ -180,7 +186,6 @@ impl PartsList {
         let crease_rad = table.take("crease_rad").map_or(Ok(0.7), |v| v.number(0.0, 3.2))? as f32;
         let lengths = table.take("lengths_m").map_or(Ok(Vec::new()), |v| v.array())?;
         let lengths_m = lengths.iter().map(|v| v.number(0.1, 50.0)).collect::<Result<_>>()?;
-        let sizes = table.take("let").map_or(Ok(Vec::new()), |v| v.definitions())?;
         let plant = table.take("plant").map(|v| Ok((v.line(), v.expression()?))).transpose()?;
         let mut slots = Slots(Vec::new());
         if plant.is_some() {
@@ -188,7 +193,7 @@ impl PartsList {
         }
         let lamps = table.take("lamp").map_or(Ok(Vec::new()), |v| v.array())?;
         let lamps = lamps.iter().map(|v| LampHead::read(&mut v.table()?, &mut slots)).collect::<Result<_>>()?;
-        let parts = parts(&table.need("parts")?, &mut slots, (&[], None), 0)?;
+        let shape = Shape::read(table, &mut |name| slots.of(name))?;
         let seats = table.take("seat").map_or(Ok(Vec::new()), |v| v.array())?;
         let seats = seats.iter().map(|v| Seat::read(&mut v.table()?)).collect::<Result<_>>()?;
         let places = table.take("place").map_or(Ok(Vec::new()), |v| v.array())?;
@@ -213,24 +218,40 @@ impl PartsList {
         let surfaces = slots.0[first..].iter().map(surface).collect::<Result<_>>()?;
         table.end()?;
         let levels_m = levels_m.map(|m| m as f32);
-        Ok(Self { variants, levels_m, crease_rad, lengths_m, sizes, parts, surfaces, plant, seats, lamps, places })
+        Ok(Self { variants, levels_m, crease_rad, lengths_m, shape, surfaces, plant, seats, lamps, places })
     }
 }
 
-fn parts(value: &Value, slots: &mut Slots, above: (&[u8], Option<&Expression>), depth: usize) -> Result<Vec<Part>> {
+impl Shape {
+    /// Reads the keys `let` and `parts`.
+    pub(crate) fn read(table: &mut Table, slot_of: &mut SlotOf) -> Result<Self> {
+        let sizes = table.take("let").map_or(Ok(Vec::new()), |v| v.definitions())?;
+        Ok(Self { sizes, parts: parts(&table.need("parts")?, slot_of, (&[], None), 0)? })
+    }
+}
+
+fn parts(value: &Value, slot_of: &mut SlotOf, above: (&[u8], Option<&Expression>), depth: usize) -> Result<Vec<Part>> {
     if depth > MOST_NESTED {
         return Err(value.fault(format!("groups are nested more than {MOST_NESTED} times")));
     }
-    value.array()?.iter().map(|part| Part::read(&mut part.table()?, slots, above, depth)).collect()
+    value.array()?.iter().map(|part| Part::read(&mut part.table()?, slot_of, above, depth)).collect()
 }
 
 impl Part {
     /// Reads a part; what it is made of, if it does not say so, is what the group `above` is made of.
-    fn read(table: &mut Table, slots: &mut Slots, above: (&[u8], Option<&Expression>), depth: usize) -> Result<Self> {
+    fn read(
+        table: &mut Table,
+        slot_of: &mut SlotOf,
+        above: (&[u8], Option<&Expression>),
+        depth: usize,
+    ) -> Result<Self> {
         let line = table.line;
         let expression = |value: Option<Value>| value.map(|v| v.expression()).transpose();
-        let (slots_here, which) = match table.take("of") {
-            Some(value) => (slots.list(value)?, expression(table.take("which"))?),
+        let (slots, which) = match table.take("of") {
+            Some(value) => {
+                let names = if value.is_array() { value.array()? } else { vec![value] };
+                (names.iter().map(&mut *slot_of).collect::<Result<_>>()?, expression(table.take("which"))?)
+            }
             None => (above.0.to_vec(), above.1.cloned()),
         };
         let loops = table.take("for").map_or(Ok(Vec::new()), |v| v.loops())?;
@@ -244,17 +265,17 @@ impl Part {
         ];
         let mirror = [("x", [true, false]), ("y", [false, true]), ("xy", [true, true])];
         let mirrors = table.take("mirror").map_or(Ok([false; 2]), |v| v.one_of(&mirror))?;
-        let solid = Solid::read(table, slots, (&slots_here, which.as_ref()), depth)?;
+        let solid = Solid::read(table, slot_of, (&slots, which.as_ref()), depth)?;
         table.end()?;
-        if slots_here.is_empty() && !matches!(solid.kind, Kind::Group | Kind::Bush | Kind::Stems) {
+        if slots.is_empty() && !matches!(solid.kind, Kind::Group | Kind::Bush | Kind::Stems) {
             return Err(Fault::new(line, "missing key \"of\": what is it made of?"));
         }
-        Ok(Self { line, loops, sizes, when, at, turns, mirrors, slots: slots_here, which, solid })
+        Ok(Self { line, loops, sizes, when, at, turns, mirrors, slots, which, solid })
     }
 }
 
 impl Solid {
-    fn read(table: &mut Table, slots: &mut Slots, of: (&[u8], Option<&Expression>), depth: usize) -> Result<Self> {
+    fn read(table: &mut Table, slot_of: &mut SlotOf, of: (&[u8], Option<&Expression>), depth: usize) -> Result<Self> {
         let found = Kind::ALL.iter().find_map(|solid| Some((solid, table.take(solid.0)?)));
         let Some(((_, kind, form, extras), value)) = found else {
             let known = Kind::ALL.map(|solid| solid.0).join(", ");
@@ -276,9 +297,9 @@ impl Solid {
                 let values = if value.is_array() { value.array()? } else { vec![value] };
                 solid.words = values.iter().map(|v| Ok(v.string()?.to_owned())).collect::<Result<_>>()?;
             }
-            Form::Parts => solid.parts = parts(&value, slots, of, depth + 1)?,
+            Form::Parts => solid.parts = parts(&value, slot_of, of, depth + 1)?,
         }
-        if *kind == Kind::Loft {
+        if matches!(kind, Kind::Loft | Kind::Sheet) {
             solid.along = table.need("along")?.loops()?;
             solid.at_points = table.take("loft_let").map_or(Ok(Vec::new()), |v| v.definitions())?;
         }
@@ -313,7 +334,7 @@ impl LampHead {
                 is_globe: table.need("beam")?.one_of(&[("cut_off", false), ("globe", true)])?,
                 downward_cd: table.need("candela")?.number(1.0, 1e5)? as f32,
                 reach_m: table.need("reach_m")?.number(1.0, 100.0)? as f32,
-                lens: slots.of(table.need("lens")?)?,
+                lens: slots.of(&table.need("lens")?)?,
                 radiance: table.need("radiance")?.number(0.0, 10.0)? as f32,
             },
         };

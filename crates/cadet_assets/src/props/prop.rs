@@ -11,7 +11,7 @@ use super::reader::{Fault, Result as Read};
 use super::surface::Library;
 use crate::scenery::materials::plant_palette;
 use crate::scenery::{Detail, Head, OVERHEAD_M, SceneryModel, StreetLight};
-use cadet_base::error::{Error, Result};
+use cadet_base::error::Result;
 use cadet_base::geometry::{Bounds, Memo};
 use cadet_base::material::Palette;
 use cadet_base::math::{DVec2, DVec3, Vec3};
@@ -58,7 +58,7 @@ impl Prop {
     /// [`Error::File`], naming file, line, and reason.
     pub(super) fn parse(name: &str, file: &str, text: &str, library: &Library) -> Result<Self> {
         let list = PartsList::parse(text, library).and_then(|list| check_names(&list).map(|()| list));
-        let list = list.map_err(|fault| in_file(file, fault))?;
+        let list = list.map_err(|fault| fault.in_file(file))?;
         let (name, file, text) = (name.to_owned(), file.to_owned(), text.to_owned());
         Ok(Self { design: Arc::new(Design { name, file, text, list }), models: Memo::new() })
     }
@@ -80,7 +80,7 @@ impl Prop {
                 design.seats(variant)?;
                 design.lamp(variant).map(|_| ())
             })
-            .map_err(|fault| in_file(&design.file, fault))
+            .map_err(|fault| fault.in_file(&design.file))
     }
 
     /// Its name, which no other prop has.
@@ -160,7 +160,7 @@ impl Design {
     /// # Panics
     /// Where there is a fault, which is a bug.
     fn sound<T>(&self, made: Read<T>) -> T {
-        made.unwrap_or_else(|fault| panic!("{}", in_file(&self.file, fault)))
+        made.unwrap_or_else(|fault| panic!("{}", fault.in_file(&self.file)))
     }
 
     fn model(self: Arc<Self>, variant: usize, piece: usize) -> SceneryModel {
@@ -230,8 +230,4 @@ impl Design {
 fn place(at: &[Expression], scope: &mut Scope) -> std::result::Result<DVec3, String> {
     let numbers = at.iter().map(|e| e.value(scope)).collect::<std::result::Result<Vec<f64>, String>>()?;
     Ok(DVec3::from_slice(&numbers))
-}
-
-fn in_file(file: &str, Fault { line, reason }: Fault) -> Error {
-    Error::File { file: file.to_owned(), line, reason }
 }

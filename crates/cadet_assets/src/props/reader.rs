@@ -7,16 +7,17 @@ use toml::de::{DeTable, DeValue};
 
 use super::expression::Expression;
 use super::parser::{Parser, Point};
+use cadet_base::error::Error;
 
 /// A fault in a line of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     /// From 1.
     pub line: usize,
     pub reason: String,
 }
 
-pub(super) type Result<T> = std::result::Result<T, Fault>;
+pub(crate) type Result<T> = std::result::Result<T, Fault>;
 
 impl Fault {
     pub(super) fn new(line: usize, reason: impl Into<String>) -> Self {
@@ -27,10 +28,14 @@ impl Fault {
     pub(super) fn at(line: usize) -> impl FnOnce(String) -> Self {
         move |reason| Self { line, reason }
     }
+
+    pub(crate) fn in_file(self, file: &str) -> Error {
+        Error::File { file: file.to_owned(), line: self.line, reason: self.reason }
+    }
 }
 
 /// A table of a file; whoever reads it takes all keys that it knows.
-pub(super) struct Table<'a> {
+pub(crate) struct Table<'a> {
     text: &'a str,
     pub line: usize,
     entries: Vec<(&'a Spanned<Cow<'a, str>>, &'a Spanned<DeValue<'a>>)>,
@@ -39,7 +44,7 @@ pub(super) struct Table<'a> {
 
 /// A value, and the key that it stands at.
 #[derive(Clone, Copy)]
-pub(super) struct Value<'a> {
+pub(crate) struct Value<'a> {
     text: &'a str,
     key: &'a str,
     value: &'a Spanned<DeValue<'a>>,
@@ -50,7 +55,7 @@ fn line_at(text: &str, offset: usize) -> usize {
 }
 
 /// Parses a whole file and hands its table to `read`.
-pub(super) fn read_file<T>(text: &str, read: impl FnOnce(Table) -> Result<T>) -> Result<T> {
+pub(crate) fn read_file<T>(text: &str, read: impl FnOnce(Table) -> Result<T>) -> Result<T> {
     let root = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
         Fault::new(line_at(text, offset), error.message().replace('\n', " "))
@@ -64,7 +69,7 @@ impl<'a> Table<'a> {
     }
 
     /// The value at a key, if it is there.
-    pub(super) fn take(&mut self, key: &'static str) -> Option<Value<'a>> {
+    pub(crate) fn take(&mut self, key: &'static str) -> Option<Value<'a>> {
         self.known.push(key);
         let index = self.entries.iter().position(|(name, _)| name.get_ref() == key)?;
         let (_, value) = self.entries.remove(index);
@@ -72,18 +77,18 @@ impl<'a> Table<'a> {
     }
 
     /// The value at a key that must be there.
-    pub(super) fn need(&mut self, key: &'static str) -> Result<Value<'a>> {
+    pub(crate) fn need(&mut self, key: &'static str) -> Result<Value<'a>> {
         self.take(key).ok_or_else(|| Fault::new(self.line, format!("missing key {key:?}")))
     }
 
     /// All entries that are left, by name.
-    pub(super) fn rest(&mut self) -> Vec<(&'a str, Value<'a>)> {
+    pub(crate) fn rest(&mut self) -> Vec<(&'a str, Value<'a>)> {
         let entries = std::mem::take(&mut self.entries).into_iter();
         entries.map(|(key, value)| (&**key.get_ref(), Value { text: self.text, key: key.get_ref(), value })).collect()
     }
 
     /// Refuses keys that nobody took.
-    pub(super) fn end(&self) -> Result<()> {
+    pub(crate) fn end(&self) -> Result<()> {
         let Some((key, _)) = self.entries.first() else { return Ok(()) };
         let line = line_at(self.text, key.span().start);
         Err(Fault::new(line, format!("unknown key {:?}; known: {}", key.get_ref(), self.known.join(", "))))
@@ -111,7 +116,7 @@ impl<'a> Value<'a> {
     }
 
     /// One of a list of names.
-    pub(super) fn one_of<T: Copy>(&self, known: &[(&str, T)]) -> Result<T> {
+    pub(crate) fn one_of<T: Copy>(&self, known: &[(&str, T)]) -> Result<T> {
         let name = self.string()?;
         let found = known.iter().find(|(other, _)| *other == name);
         found.map(|(_, value)| *value).ok_or_else(|| {
@@ -128,7 +133,7 @@ impl<'a> Value<'a> {
         matches!(self.value.get_ref(), DeValue::Array(_))
     }
 
-    pub(super) fn boolean(&self) -> Result<bool> {
+    pub(crate) fn boolean(&self) -> Result<bool> {
         match self.value.get_ref() {
             DeValue::Boolean(value) => Ok(*value),
             _ => Err(self.expected("true or false")),
@@ -136,7 +141,7 @@ impl<'a> Value<'a> {
     }
 
     /// A number between limits.
-    pub(super) fn number(&self, least: f64, most: f64) -> Result<f64> {
+    pub(crate) fn number(&self, least: f64, most: f64) -> Result<f64> {
         let number = match self.value.get_ref() {
             DeValue::Integer(value) if value.radix() == 10 => value.as_str().parse().ok(),
             DeValue::Float(value) => value.as_str().parse().ok(),
@@ -163,7 +168,7 @@ impl<'a> Value<'a> {
         Ok(values.iter().map(|value| Self { value, ..*self }).collect())
     }
 
-    pub(super) fn table(&self) -> Result<Table<'a>> {
+    pub(crate) fn table(&self) -> Result<Table<'a>> {
         let DeValue::Table(table) = self.value.get_ref() else { return Err(self.expected("a table")) };
         Ok(Table::new(self.text, self.line(), table))
     }

@@ -194,6 +194,29 @@ fn a_users_file_is_a_prop() {
 }
 
 #[test]
+fn a_sheet_is_seen_from_its_front_alone() {
+    let (block, sheet) = (
+        r#"block = "0.3, w, h", at = "0, 0, h / 2""#,
+        r#"along = "i in 0..3", loft_let = "x = 0.1 * i", sheet = "x, 0.2 * j, h - 0.1 * x for j in 0..4""#,
+    );
+    let own = parsed(&BIN.replace(block, sheet)).unwrap();
+    let model = own.props()[0].model(0);
+    let mesh = model.shape.finest();
+    let of_sheet: Vec<[Vec3; 3]> =
+        mesh.triangles().filter(|(_, slot)| *slot == 0).map(|(corners, _)| corners).collect();
+    assert_eq!(of_sheet.len(), 2 * 2 * 3);
+    assert!(of_sheet.iter().all(|[a, b, c]| (*b - *a).cross(*c - *a).z > 0.0), "{of_sheet:?}");
+    for (from, to, part) in [
+        ("along = \"i in 0..3\", ", "", "missing key \"along\""),
+        ("for j in 0..4", "for j in 0..1", "1 points, expected 2 or more"),
+        ("for j in 0..4", "for j in i..4", "the same number of points for each value of along"),
+    ] {
+        let error = parsed(&BIN.replace(block, &sheet.replace(from, to))).expect_err(to).to_string();
+        assert!(error.starts_with("own-bin.toml:5: ") && error.contains(part), "{to}: {error}");
+    }
+}
+
+#[test]
 fn bad_files_name_line_reason_and_remedy() {
     for (from, to, line, part) in [
         ("levels_m = [20, 40, 90]\n", "", 1, "missing key \"levels_m\""),

@@ -52,8 +52,7 @@ fn mirrored_slot(of_left: u8) -> u8 {
 impl Surface {
     /// Adds a sheet of rows of points; `slot` names the material of the cell behind row i, column j, or leaves it open.
     pub fn sheet(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
-        let grid = rows(grid);
-        self.cells(&grid, is_flipped(&grid, outward), &slot);
+        self.builder.sheet(grid, is_flipped(&rows(grid), outward), slot);
     }
 
     /// Adds a sheet of one material.
@@ -65,32 +64,14 @@ impl Surface {
     pub fn pair(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
         let left = rows(grid);
         let flipped = is_flipped(&left, outward);
-        self.cells(&left, flipped, &slot);
+        self.builder.sheet(&left, flipped, &slot);
         let right: Grid = left.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect();
-        self.cells(&rows(&right), !flipped, &|i, j| slot(i, j).map(mirrored_slot));
+        self.builder.sheet(&right, !flipped, |i, j| slot(i, j).map(mirrored_slot));
     }
 
     /// Adds a sheet of one material on the left side and its mirror image on the right.
     pub fn panel_pair(&mut self, grid: &[impl AsRef<[Vec3]>], outward: Outward, slot: u8) {
         self.pair(grid, outward, |_, _| Some(slot));
-    }
-
-    fn cells(&mut self, grid: &[&[Vec3]], flipped: bool, slot: &impl Fn(usize, usize) -> Option<u8>) {
-        let index: Vec<Vec<u32>> =
-            grid.iter().map(|row| row.iter().map(|p| self.builder.vertex(*p)).collect()).collect();
-        for i in 1..grid.len() {
-            for j in 1..grid[i].len().min(grid[i - 1].len()) {
-                let Some(s) = slot(i - 1, j - 1) else { continue };
-                let [a, b, c, d] = [index[i - 1][j - 1], index[i][j - 1], index[i][j], index[i - 1][j]];
-                // The shorter diagonal bends less.
-                let short = grid[i - 1][j - 1].distance_squared(grid[i][j])
-                    <= grid[i][j - 1].distance_squared(grid[i - 1][j]) * 1.0001;
-                let halves = if short { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
-                for [p, q, r] in halves {
-                    self.builder.face(if flipped { [p, r, q] } else { [p, q, r] }, s);
-                }
-            }
-        }
     }
 
     /// Adds a soft-edged block: a superellipse section swept along the local z axis of `axes`, half extents `half`.

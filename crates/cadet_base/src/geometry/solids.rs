@@ -18,6 +18,27 @@ pub fn level_ring([half_x, half_y]: [f32; 2], z: f32, sides: usize, power: f32) 
 }
 
 impl MeshBuilder {
+    /// Adds a sheet of rows of points: its front is where the way from row to row, then the way along a row, turn
+    /// counter-clockwise, unless it `is_flipped`. `slot` names the material of the cell behind row i, column j, or leaves
+    /// it open.
+    pub fn sheet(&mut self, rows: &[impl AsRef<[Vec3]>], is_flipped: bool, slot: impl Fn(usize, usize) -> Option<u8>) {
+        let rows: Vec<&[Vec3]> = rows.iter().map(AsRef::as_ref).collect();
+        let index: Vec<Vec<u32>> = rows.iter().map(|row| row.iter().map(|p| self.vertex(*p)).collect()).collect();
+        for i in 1..rows.len() {
+            for j in 1..rows[i].len().min(rows[i - 1].len()) {
+                let Some(s) = slot(i - 1, j - 1) else { continue };
+                let [a, b, c, d] = [index[i - 1][j - 1], index[i][j - 1], index[i][j], index[i - 1][j]];
+                // The shorter diagonal bends less.
+                let short = rows[i - 1][j - 1].distance_squared(rows[i][j])
+                    <= rows[i][j - 1].distance_squared(rows[i - 1][j]) * 1.0001;
+                let halves = if short { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                for [p, q, r] in halves {
+                    self.face(if is_flipped { [p, r, q] } else { [p, q, r] }, s);
+                }
+            }
+        }
+    }
+
     /// Adds a box given by its middle and its edge lengths.
     pub fn block(&mut self, middle: Vec3, size: Vec3, slot: u8) {
         self.cuboid(middle - size * 0.5, middle + size * 0.5, slot);
