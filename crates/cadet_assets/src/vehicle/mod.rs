@@ -103,8 +103,8 @@ impl VehicleModel {
     pub fn generate(class: ObjectClass, model_seed: u64) -> Result<Self> {
         let mut s = Stream::from_seed("vehicle", model_seed);
         let made = match class {
-            ObjectClass::Truck => work::truck(model_seed, &mut s),
-            ObjectClass::Misc => work::towed(model_seed, &mut s),
+            ObjectClass::Truck => work::truck(model_seed, &mut s)?,
+            ObjectClass::Misc => work::towed(model_seed, &mut s)?,
             ObjectClass::Tram => tram::single_car(model_seed, &mut s),
             _ => {
                 let d = Dimensions::draw(class, &mut s)?;

@@ -3,8 +3,9 @@
 use super::super::interior::{add_occupant, add_wheel, limb};
 use super::super::paint::slot;
 use super::super::surface::{Outward, Surface};
+use super::body::Roof;
 use super::hull::{Arch, Cell, Hull, Part};
-use super::plan::{Plan, WorkKind};
+use super::plan::Plan;
 use cadet_base::math::{Mat3, Quat, Vec3};
 
 /// The cab of a truck.
@@ -293,7 +294,7 @@ impl Cab {
             slot::LINER,
         );
         if p.cab_top_z + 0.25 < p.height_m
-            && matches!(p.kind, WorkKind::Box | WorkKind::Curtain | WorkKind::Semi)
+            && p.body.is_some_and(|body| body.family.roof == Roof::Flat)
             && p.detail[6] > 0.3
         {
             // The deflector on the roof.

@@ -5,7 +5,7 @@ use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
 use super::super::wheels::{Rim, wheel};
 use super::cab::plate;
-use super::plan::{Plan, WorkKind};
+use super::plan::{Chassis, Plan};
 use cadet_base::math::{Mat3, Vec3, cosf, sinf};
 use std::f32::consts::PI;
 
@@ -203,7 +203,7 @@ pub(super) fn add_fixed_wheels(surface: &mut Surface, p: &Plan, level: usize) {
 
 /// The landing legs and the gap of a semi-trailer: its frame stands on the tractor's.
 pub(super) fn add_coupling(surface: &mut Surface, p: &Plan, level: usize) {
-    if p.kind != WorkKind::Semi {
+    if p.chassis != Chassis::Semi {
         return;
     }
     let x = p.axles_x[4] - 1.9;

@@ -1,16 +1,13 @@
 //! Vehicles that work: trucks and buses, and what is parked beside the road without an engine or with two wheels.
 
-mod bay;
+mod body;
 mod cab;
 mod caravan;
-mod closed_load;
 mod coach;
 mod frame;
 mod hull;
-mod load;
 mod motorbike;
 mod plan;
-mod special_load;
 #[cfg(test)]
 mod tests;
 mod towed;
@@ -21,12 +18,15 @@ use super::surface::Surface;
 use super::wheels::wheel;
 use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, WHEELS_TO_M, levels_of, work_paint};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
-use cadet_base::math::{DVec3, Vec3};
+use cadet_base::error::Result;
+use cadet_base::geometry::MeshBuilder;
+use cadet_base::math::{DVec3, Mat3, Vec3};
 use cadet_base::rng::Stream;
 
+use body::{Body, Room};
 use cab::Cab;
 use coach::Coach;
-use plan::{Plan, TowedPlan, WorkKind};
+use plan::{Chassis, Plan, TowedPlan};
 
 pub(super) use hull::{Cell, Hull, Part};
 
@@ -44,12 +44,13 @@ pub(super) fn size_of_seed(class: ObjectClass, model_seed: u64) -> DVec3 {
 }
 
 /// The truck of a seed.
-pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
+pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let p = Plan::draw(s);
     let palette = work_paint::palette(ObjectClass::Truck, p.livery(), s);
     let has_passenger = s.chance(0.35);
-    let front: Front = if p.kind == WorkKind::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
+    let front: Front = if p.chassis == Chassis::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
+    let loads = drawn(p.body, &p.room(), p.body_seed)?;
     let mut fits = Vec::with_capacity(LEVELS);
     let body = levels_of(
         p.name(),
@@ -61,7 +62,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
                     cab.add(&mut surface, &p, level);
                     frame::add_frame(&mut surface, &p, level);
                     frame::add_coupling(&mut surface, &p, level);
-                    load::add_load(&mut surface, &p, level);
+                    surface.builder.append(&loads[level], Mat3::IDENTITY, Vec3::ZERO);
                 }
             }
             frame::add_fixed_wheels(&mut surface, &p, level);
@@ -100,7 +101,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
         let y = if k % 2 == 0 { p.hub_y() } else { -p.hub_y() };
         Vec3 { z: p.wheel_radius_m, ..fits[0].point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius_m)) }
     });
-    VehicleModel {
+    Ok(VehicleModel {
         name: format!("{}/{model_seed}", p.name()),
         class: ObjectClass::Truck,
         size_lwh: size.as_dvec3(),
@@ -114,7 +115,12 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
         has_lenses: true,
         openings: None,
         livery: p.livery(),
-    }
+    })
+}
+
+/// A body at all levels of detail; nothing where there is none.
+fn drawn(body: Option<&Body>, room: &Room, seed: u64) -> Result<Vec<MeshBuilder>> {
+    (0..LEVELS).map(|level| body.map_or(Ok(MeshBuilder::new()), |body| body.draw(room, seed, level))).collect()
 }
 
 enum Front {
@@ -123,14 +129,15 @@ enum Front {
 }
 
 /// The trailer or motorbike of a seed.
-pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
+pub(super) fn towed(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let p = TowedPlan::draw(s);
     let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
+    let loads = drawn(p.bed(), &p.room(), p.body_seed)?;
     let body = levels_of(
         p.name(),
         &mut |level| {
-            let mut surface = p.body(level);
+            let mut surface = p.body(&loads[level], level);
             Fit::of(&surface, size).apply(&mut surface);
             surface
         },
@@ -142,7 +149,7 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
         let x = if k < 2 { stand.leg_x } else { stand.wheels_x };
         Vec3::new(x, if k % 2 == 0 { stand.half_track_m } else { -stand.half_track_m }, 0.2)
     });
-    VehicleModel {
+    Ok(VehicleModel {
         name: format!("{}/{model_seed}", p.name()),
         class: ObjectClass::Misc,
         size_lwh: size.as_dvec3(),
@@ -156,5 +163,5 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
         has_lenses: true,
         openings: None,
         livery: p.livery(),
-    }
+    })
 }

@@ -1,50 +1,32 @@
 //! What kind of commercial vehicle a seed draws, and its measures.
 
 use super::super::paint::Livery;
+use super::body::{Body, Roof, Room, Size};
 use crate::annotation::Margins;
 use crate::annotation::sizes::{MISC, TRUCKS};
 use cadet_base::math::DVec3;
 use cadet_base::rng::Stream;
 
-/// What a chassis carries.
+/// What a truck is built on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum WorkKind {
-    Box,
-    Curtain,
-    Tipper,
-    Flatbed,
-    Tank,
-    Refuse,
-    Fire,
+pub(super) enum Chassis {
+    Rigid,
     Semi,
     Bus,
 }
 
-/// Shares of the kinds among trucks that are as long and as high as the limits say. KITTI's boxes of 12.3 x 2.6 x 2.9 m
-/// are city buses, those of 16.4 m and more semi-trailers.
-const SHORT: [(WorkKind, f64); 4] =
-    [(WorkKind::Box, 0.40), (WorkKind::Flatbed, 0.30), (WorkKind::Tipper, 0.22), (WorkKind::Fire, 0.14)];
-const MEDIUM: [(WorkKind, f64); 7] = [
-    (WorkKind::Box, 0.34),
-    (WorkKind::Curtain, 0.16),
-    (WorkKind::Tipper, 0.14),
-    (WorkKind::Flatbed, 0.10),
-    (WorkKind::Refuse, 0.14),
-    (WorkKind::Tank, 0.06),
-    (WorkKind::Fire, 0.13),
-];
-const LONG: [(WorkKind, f64); 5] = [
-    (WorkKind::Box, 0.38),
-    (WorkKind::Curtain, 0.28),
-    (WorkKind::Refuse, 0.12),
-    (WorkKind::Tank, 0.08),
-    (WorkKind::Bus, 0.14),
-];
+/// The share of buses among long trucks. KITTI's boxes of 12.3 x 2.6 x 2.9 m are city buses, those of 16.4 m and more
+/// semi-trailers.
+const LONG_BUSES: f64 = 0.14;
+/// The share of caravans among large trailers.
+const CARAVANS: f64 = 0.6;
 
 /// One truck's measures, meters in the box frame.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
-    pub kind: WorkKind,
+    pub chassis: Chassis,
+    /// What it carries; nothing if it is a bus.
+    pub body: Option<&'static Body>,
     pub length_m: f32,
     pub width_m: f32,
     pub height_m: f32,
@@ -62,6 +44,8 @@ pub(super) struct Plan {
     pub deck_z: f32,
     /// A random number per detail.
     pub detail: [f32; 8],
+    /// What the body's draws come from.
+    pub body_seed: u64,
 }
 
 impl Plan {
@@ -73,16 +57,14 @@ impl Plan {
 
     fn of_size(size: DVec3, s: &mut Stream) -> Self {
         let (l, h) = (size.x, size.z);
-        let kind = if l > 14.5 {
-            WorkKind::Semi
+        let (chassis, body) = if l > 14.5 {
+            (Chassis::Semi, Body::pick(Size::Semi, 0.0, s))
         } else if l > 11.2 && h < 3.4 {
-            WorkKind::Bus
+            (Chassis::Bus, None)
         } else if l > 9.8 {
-            pick(&LONG, s)
-        } else if l > 6.8 {
-            pick(&MEDIUM, s)
+            Body::pick(Size::Long, LONG_BUSES, s).map_or((Chassis::Bus, None), |body| (Chassis::Rigid, Some(body)))
         } else {
-            pick(&SHORT, s)
+            (Chassis::Rigid, Body::pick(if l > 6.8 { Size::Medium } else { Size::Short }, 0.0, s))
         };
         let detail = std::array::from_fn(|_| s.unit() as f32);
         let [length_m, width_m, height_m] = size.as_vec3().to_array();
@@ -90,13 +72,13 @@ impl Plan {
         let is_small = length_m < 6.9;
         let wheel_radius_m = if is_small {
             0.36 + 0.05 * detail[0]
-        } else if kind == WorkKind::Bus {
+        } else if chassis == Chassis::Bus {
             0.48
         } else {
             0.46 + 0.05 * detail[0]
         };
         let deck_z = if is_small { 0.72 + 0.1 * detail[1] } else { 0.98 + 0.12 * detail[1] };
-        let has_sleeper = kind == WorkKind::Semi || (length_m > 8.5 && detail[2] > 0.55);
+        let has_sleeper = chassis == Chassis::Semi || (length_m > 8.5 && detail[2] > 0.55);
         let cab_length_m = if is_small {
             1.60
         } else if has_sleeper {
@@ -106,29 +88,29 @@ impl Plan {
         };
         let cab_height = if is_small {
             2.12 + 0.16 * detail[3]
-        } else if kind == WorkKind::Semi {
+        } else if chassis == Chassis::Semi {
             3.25 + 0.4 * detail[3]
         } else {
             2.62 + 0.28 * detail[3]
         };
-        let is_open = matches!(kind, WorkKind::Tipper | WorkKind::Flatbed);
+        let is_open = body.is_some_and(|body| body.family.roof == Roof::None);
         // Of small ones that carry no body the cab is the highest.
         let cab_top_z = if is_open && is_small { height_m.min(2.6) } else { cab_height.min(height_m - 0.12) };
         let front = half
-            - if kind == WorkKind::Bus {
+            - if chassis == Chassis::Bus {
                 2.7
             } else if is_small {
                 1.02
             } else {
                 1.36
             };
-        let (axles_x, twin) = match kind {
-            WorkKind::Semi => {
+        let (axles_x, twin) = match chassis {
+            Chassis::Semi => {
                 let last = -half + 1.6 + 0.9 * detail[4];
                 let drive = front - 3.65;
                 (vec![front, last + 1.31, last, last + 2.62, drive], vec![false, false, false, false, true])
             }
-            WorkKind::Bus => (vec![front, front - 0.48 * length_m], vec![false, true]),
+            Chassis::Bus => (vec![front, front - 0.48 * length_m], vec![false, true]),
             _ => {
                 let overhang = if is_small { 1.25 } else { 1.5 + 0.07 * length_m };
                 let rear = -half + overhang;
@@ -141,7 +123,8 @@ impl Plan {
             }
         };
         Self {
-            kind,
+            chassis,
+            body,
             length_m,
             width_m,
             height_m,
@@ -154,29 +137,30 @@ impl Plan {
             cab_top_z,
             deck_z,
             detail,
+            body_seed: s.next_u64(),
         }
     }
 
     pub fn name(&self) -> &'static str {
-        match self.kind {
-            WorkKind::Box => "box_truck",
-            WorkKind::Curtain => "curtain_sider",
-            WorkKind::Tipper => "tipper",
-            WorkKind::Flatbed => "flatbed",
-            WorkKind::Tank => "tanker",
-            WorkKind::Refuse => "refuse_truck",
-            WorkKind::Fire => "fire_engine",
-            WorkKind::Semi => "semi_trailer",
-            WorkKind::Bus => "bus",
+        match (self.chassis, self.body) {
+            (Chassis::Rigid, Some(body)) => &body.name,
+            (Chassis::Semi, _) => "semi_trailer",
+            _ => "bus",
         }
     }
 
     pub fn livery(&self) -> Livery {
-        match self.kind {
-            WorkKind::Refuse => Livery::Municipal,
-            WorkKind::Fire => Livery::Fire,
-            WorkKind::Bus => Livery::Bus,
-            _ => Livery::Freight,
+        self.body.map_or(Livery::Bus, |body| body.family.livery)
+    }
+
+    /// The room behind the cab.
+    pub fn room(&self) -> Room {
+        Room {
+            front_x: self.load_front(),
+            rear_x: -self.length_m / 2.0,
+            half_y: self.width_m / 2.0,
+            floor_z: self.deck_z,
+            top_z: self.height_m,
         }
     }
 
@@ -186,7 +170,7 @@ impl Plan {
 
     /// Where the load begins behind the cab.
     pub fn load_front(&self) -> f32 {
-        let gap = if self.kind == WorkKind::Semi { 0.55 } else { 0.10 };
+        let gap = if self.chassis == Chassis::Semi { 0.55 } else { 0.10 };
         self.front_x() - self.cab_length_m - gap
     }
 
@@ -196,19 +180,12 @@ impl Plan {
     }
 }
 
-fn pick<T: Copy>(shares: &[(T, f64)], s: &mut Stream) -> T {
-    shares[s.weighted(&shares.iter().map(|k| k.1).collect::<Vec<_>>())].0
-}
-
 /// What stands at the curb or is towed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) enum Towed {
     Motorbike,
-    Open,
-    Covered,
     Caravan,
-    Container,
-    Platform,
+    Trailer(Size, &'static Body),
 }
 
 /// One trailer's or motorbike's measures.
@@ -219,6 +196,8 @@ pub(super) struct TowedPlan {
     pub width_m: f32,
     pub height_m: f32,
     pub detail: [f32; 8],
+    /// What the bed's draws come from.
+    pub body_seed: u64,
 }
 
 impl TowedPlan {
@@ -227,37 +206,44 @@ impl TowedPlan {
         let (l, w, h) = (size.x, size.y, size.z);
         let kind = if w < 0.95 && l < 2.6 {
             Towed::Motorbike
-        } else if l > 4.2 && h < 1.5 {
-            Towed::Platform
-        } else if l > 7.5 {
-            Towed::Container
-        } else if h < 1.45 {
-            pick(&[(Towed::Open, 0.8), (Towed::Covered, 0.2)], s)
-        } else if l < 2.9 {
-            pick(&[(Towed::Covered, 0.8), (Towed::Container, 0.2)], s)
         } else {
-            pick(&[(Towed::Caravan, 0.6), (Towed::Container, 0.3), (Towed::Covered, 0.1)], s)
+            let size = if l > 4.2 && h < 1.5 {
+                Size::Flat
+            } else if l > 7.5 {
+                Size::Heavy
+            } else if h < 1.45 {
+                Size::Low
+            } else if l < 2.9 {
+                Size::Small
+            } else {
+                Size::Large
+            };
+            let caravans = if size == Size::Large { CARAVANS } else { 0.0 };
+            Body::pick(size, caravans, s).map_or(Towed::Caravan, |body| Towed::Trailer(size, body))
         };
         let [length_m, width_m, height_m] = size.as_vec3().to_array();
-        Self { kind, length_m, width_m, height_m, detail: std::array::from_fn(|_| s.unit() as f32) }
+        let detail = std::array::from_fn(|_| s.unit() as f32);
+        Self { kind, length_m, width_m, height_m, detail, body_seed: s.next_u64() }
     }
 
     pub fn name(&self) -> &'static str {
         match self.kind {
             Towed::Motorbike => "motorbike",
-            Towed::Open => "open_trailer",
-            Towed::Covered => "covered_trailer",
             Towed::Caravan => "caravan",
-            Towed::Container => "box_trailer",
-            Towed::Platform => "platform_trailer",
+            Towed::Trailer(_, bed) => &bed.name,
         }
+    }
+
+    /// What it carries.
+    pub fn bed(&self) -> Option<&'static Body> {
+        if let Towed::Trailer(_, bed) = self.kind { Some(bed) } else { None }
     }
 
     pub fn livery(&self) -> Livery {
         match self.kind {
             Towed::Motorbike => Livery::Motorbike,
             Towed::Caravan => Livery::Caravan,
-            _ => Livery::Trailer,
+            Towed::Trailer(_, bed) => bed.family.livery,
         }
     }
 }

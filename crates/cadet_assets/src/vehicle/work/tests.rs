@@ -4,6 +4,7 @@ use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
 use super::super::paint;
+use super::body::BODIES;
 use super::*;
 use crate::annotation::vehicle_size;
 use cadet_base::geometry::Mesh;
@@ -55,6 +56,77 @@ fn every_kind_is_made_and_none_prevails() {
     }
     assert_eq!(counts.len(), 15, "{counts:?}");
     assert!(counts.values().all(|n| *n <= SEEDS as usize / 2), "{counts:?}");
+}
+
+/// The body of a plan, its room, and its seed; trucks and trailers by turns.
+fn bodies() -> impl Iterator<Item = (&'static Body, Room, u64)> {
+    (0..SEEDS).flat_map(|seed| {
+        let stream = || Stream::from_seed("vehicle", seed);
+        let (truck, trailer) = (Plan::draw(&mut stream()), TowedPlan::draw(&mut stream()));
+        [(truck.body, truck.room(), truck.body_seed), (trailer.bed(), trailer.room(), trailer.body_seed)]
+            .into_iter()
+            .filter_map(|(body, room, seed)| Some((body?, room, seed)))
+    })
+}
+
+#[test]
+fn bodies_keep_to_their_rooms_at_every_level() {
+    let mut left: std::collections::BTreeSet<&str> = BODIES.iter().map(|body| body.name.as_str()).collect();
+    for (body, room, seed) in bodies() {
+        left.remove(body.name.as_str());
+        for level in 0..LEVELS {
+            let b = body.draw(&room, seed, level).unwrap().bounds();
+            let name = format!("{}/{seed} at level {level}: {b:?} in {room:?}", body.name);
+            // Coolers and shields reach over the cab.
+            assert!(b.min.x > room.rear_x - 0.01 && b.max.x < room.front_x + 0.51, "{name}");
+            assert!(b.max.y.max(-b.min.y) < room.half_y + 0.01 && b.max.y > room.half_y - 0.06, "{name}");
+            assert!(b.max.z < room.top_z + 0.01 && b.min.z > 0.25, "{name}");
+        }
+    }
+    assert!(left.is_empty(), "no {left:?}");
+}
+
+const HAY: &str = r#"let = ["h = range(0.5, 0.9)", "rows = by_level(9, 6, 3, 1)"]
+parts = [
+    { of = "board", box = "rear_x, front_x, -half_y, half_y, floor_z, floor_z + 0.1" },
+    { of = "cargo", when = "hay_wagon", along = "i in 0..rows + 1", sheet = "rear_x + i / rows, y, floor_z + h for y in -1, 1" },
+]
+
+[kinds]
+hay_wagon = { low = 0.5 }
+empty_wagon = { low = 0.1, flat = 0.2 }
+"#;
+
+#[test]
+fn a_file_is_a_body_for_each_of_its_kinds() {
+    let room = Room { front_x: 2.0, rear_x: -2.0, half_y: 1.2, floor_z: 1.0, top_z: 2.5 };
+    let bodies = Body::parse("hay.toml", HAY).unwrap();
+    let drawn = |name: &str, seed: u64, level: usize| {
+        bodies.iter().find(|body| body.name == name).unwrap().draw(&room, seed, level).unwrap()
+    };
+    for (level, rows) in [9, 6, 3, 1].into_iter().enumerate() {
+        assert_eq!(drawn("empty_wagon", 0, level).num_faces(), 12);
+        let hay = drawn("hay_wagon", 0, level);
+        assert_eq!(hay.num_faces(), 12 + 2 * rows);
+        assert_eq!(hay.bounds(), drawn("hay_wagon", 0, 0).bounds());
+        assert_ne!(hay.bounds(), drawn("hay_wagon", 1, level).bounds());
+    }
+    for (from, to, line, part) in [
+        ("\"board\"", "\"left_signal\"", 3, "of: unknown name \"left_signal\"; known: load, frame"),
+        ("rear_x, front_x", "back_x, front_x", 3, "unknown name \"back_x\"; known here: level, front_x"),
+        ("\"hay_wagon\"", "\"straw_wagon\"", 4, "unknown name \"straw_wagon\""),
+        ("low = 0.5", "low = 2", 8, "low: expected a number from 0 to 1"),
+        ("low = 0.5", "lw = 0.5", 8, "unknown key \"lw\"; known: short, medium"),
+        ("[kinds]", "[kind]", 1, "missing key \"kinds\""),
+        ("let =", "roof = \"round\"\nlet =", 1, "roof: unknown name \"round\"; known: flat, none, uneven"),
+    ] {
+        assert!(HAY.contains(from), "{from}");
+        let fault = Body::parse("hay.toml", &HAY.replacen(from, to, 1)).expect_err(to);
+        assert!(fault.line == line && fault.reason.contains(part), "{to}: {fault:?}");
+    }
+    let low = Body::parse("hay.toml", &HAY.replace("floor_z + 0.1\"", "floor_z - h\"")).unwrap();
+    let error = low[0].draw(&room, 0, 0).unwrap_err().to_string();
+    assert!(error.starts_with("hay.toml:3: a size is -"), "{error}");
 }
 
 #[test]

@@ -1,11 +1,13 @@
-//! What KITTI's annotators call Misc, as far as it is parked: the common parts of trailers, and their boards and covers.
+//! What KITTI's annotators call Misc, as far as it is parked: what trailers have besides their beds.
 
 use super::super::interior::limb;
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
 use super::super::wheels::{Rim, wheel};
+use super::body::{Room, Size};
 use super::cab::plate;
 use super::plan::{Towed, TowedPlan};
+use cadet_base::geometry::MeshBuilder;
 use cadet_base::math::{Mat3, Vec3, cosf, sinf};
 use std::f32::consts::PI;
 
@@ -40,7 +42,7 @@ impl TowedPlan {
 
     pub fn stand(&self) -> Stand {
         let half = self.length_m / 2.0;
-        if self.kind == Towed::Motorbike {
+        if matches!(self.kind, Towed::Motorbike) {
             let r = self.wheel_radius();
             return Stand { wheels_x: -half + r, leg_x: half - r, half_track_m: 0.12 };
         }
@@ -52,85 +54,56 @@ impl TowedPlan {
         }
     }
 
-    /// Everything, wheels too.
-    pub fn body(&self, level: usize) -> Surface {
+    /// Whether it carries its wheels beside the bed, as small trailers do, not below it.
+    fn has_wheels_beside(&self) -> bool {
+        !matches!(self.kind, Towed::Caravan | Towed::Trailer(Size::Flat | Size::Heavy, _)) && self.width_m < 2.0
+    }
+
+    fn tyre_width(&self) -> f32 {
+        if self.is_heavy() { 0.30 } else { 0.165 }
+    }
+
+    /// The room on the frame.
+    pub fn room(&self) -> Room {
+        let half = self.length_m / 2.0;
+        let is_beside = self.has_wheels_beside();
+        let floor_z = if self.is_heavy() {
+            1.1
+        } else if is_beside {
+            0.36 + 0.25 * self.wheel_radius()
+        } else {
+            2.0 * self.wheel_radius() + 0.06
+        };
+        Room {
+            front_x: half - self.drawbar(),
+            rear_x: -half,
+            // Wider than nothing on the narrowest, too.
+            half_y: (self.width_m / 2.0 - if is_beside { self.tyre_width() + 0.03 } else { 0.0 }).max(0.12),
+            floor_z: floor_z.min(0.62 * self.height_m),
+            top_z: self.height_m,
+        }
+    }
+
+    /// Everything, wheels and `load` too.
+    pub fn body(&self, load: &MeshBuilder, level: usize) -> Surface {
         let mut surface = Surface::default();
-        if self.kind == Towed::Motorbike {
+        if matches!(self.kind, Towed::Motorbike) {
             self.add_motorbike(&mut surface, level);
         } else {
-            self.add_trailer(&mut surface, level);
+            self.add_trailer(&mut surface, load, level);
         }
         surface
     }
 
-    fn add_trailer(&self, surface: &mut Surface, level: usize) {
-        let (half, r) = (self.length_m / 2.0, self.wheel_radius());
-        let (rear, front) = (-half, half - self.drawbar());
-        let stand = self.stand();
-        // Small trailers carry their wheels beside the bed, large ones below it.
-        let is_beside =
-            !self.is_heavy() && self.kind != Towed::Platform && self.kind != Towed::Caravan && self.width_m < 2.0;
-        let tyre = if self.is_heavy() { 0.30 } else { 0.165 };
-        let bed_w = if is_beside { self.width_m / 2.0 - tyre - 0.03 } else { self.width_m / 2.0 };
-        let floor = if self.is_heavy() {
-            1.1
-        } else if is_beside {
-            0.36 + 0.25 * r
-        } else {
-            2.0 * r + 0.06
-        };
-        let floor = floor.min(0.62 * self.height_m);
-        match self.kind {
-            Towed::Open => self.add_open(surface, (rear, front), bed_w, floor, self.height_m, level),
-            Towed::Covered => self.add_covered(surface, (rear, front), bed_w, floor, level),
-            Towed::Caravan => self.add_caravan(surface, (rear, front), level),
-            Towed::Platform => {
-                self.add_open(surface, (rear, front), bed_w, floor, (floor + 0.35).min(self.height_m), level);
-                // The winch's post fills the box.
-                surface.builder.cuboid(
-                    Vec3::new(front - 0.12, -0.35, floor),
-                    Vec3::new(front - 0.04, 0.35, self.height_m),
-                    work_slot::ALU,
-                );
-            }
-            Towed::Container | Towed::Motorbike => {
-                surface.builder.cuboid(
-                    Vec3::new(rear + 0.01, -bed_w + 0.01, floor),
-                    Vec3::new(front - 0.01, bed_w - 0.01, self.height_m - 0.01),
-                    work_slot::LOAD,
-                );
-                for x in [rear, front - 0.05] {
-                    surface.cuboid_pair(
-                        Vec3::new(x, bed_w - 0.05, floor),
-                        Vec3::new(x + 0.05, bed_w, self.height_m),
-                        work_slot::ALU,
-                    );
-                }
-                for z in [floor, self.height_m - 0.06] {
-                    surface.cuboid_pair(
-                        Vec3::new(rear, bed_w - 0.04, z),
-                        Vec3::new(front, bed_w, z + 0.06),
-                        work_slot::ALU,
-                    );
-                }
-                surface.builder.cuboid(
-                    Vec3::new(rear, -0.008, floor),
-                    Vec3::new(rear + 0.02, 0.008, self.height_m - 0.05),
-                    slot::LINER,
-                );
-                surface.cuboid_pair(
-                    Vec3::new(rear - 0.0, 0.25, floor + 0.05),
-                    Vec3::new(rear + 0.03, 0.28, self.height_m - 0.1),
-                    work_slot::ALU,
-                );
-                if level < 3 && self.detail[3] > 0.5 && self.length_m > 3.0 {
-                    let y = bed_w + 0.001;
-                    let field = [floor + 0.35 * (self.height_m - floor), floor + 0.62 * (self.height_m - floor)]
-                        .map(|z| vec![Vec3::new(rear + 0.4, y, z), Vec3::new(front - 0.5, y, z)]);
-                    surface.pair(&field, Outward::Along(Vec3::Y), |_, _| Some(work_slot::STRIPE));
-                }
-            }
+    fn add_trailer(&self, surface: &mut Surface, load: &MeshBuilder, level: usize) {
+        let (half, r, stand) = (self.length_m / 2.0, self.wheel_radius(), self.stand());
+        let is_beside = self.has_wheels_beside();
+        let Room { front_x: front, rear_x: rear, half_y: bed_w, floor_z: floor, .. } = self.room();
+        let tyre = self.tyre_width();
+        if matches!(self.kind, Towed::Caravan) {
+            self.add_caravan(surface, (rear, front), level);
         }
+        surface.builder.append(load, Mat3::IDENTITY, Vec3::ZERO);
         // Drawbar: two beams that meet at the coupling, jockey wheel, box.
         let hitch = Vec3::new(half - 0.02, 0.0, 0.42);
         for side in [1.0, -1.0] {
@@ -216,118 +189,6 @@ impl TowedPlan {
         );
         if level < 3 {
             plate(surface, rear + 0.002, z, 0.26_f32.min(bed_w - 0.28), -1.0);
-        }
-    }
-
-    /// Boards round a bed.
-    fn add_open(&self, surface: &mut Surface, (rear, front): (f32, f32), w: f32, floor: f32, top: f32, level: usize) {
-        let side = if self.detail[0] > 0.45 { work_slot::ALU } else { work_slot::BOARD };
-        let top = top.min(self.height_m);
-        surface.builder.cuboid(
-            Vec3::new(rear + 0.02, -w + 0.02, floor),
-            Vec3::new(front - 0.02, w - 0.02, floor + 0.03),
-            work_slot::BOARD,
-        );
-        let high = top.min(floor + 0.42);
-        surface.cuboid_pair(Vec3::new(rear, w - 0.03, floor - 0.03), Vec3::new(front, w, high), side);
-        for x in [rear, front - 0.03] {
-            surface.builder.cuboid(Vec3::new(x, -w, floor - 0.03), Vec3::new(x + 0.03, w, high), side);
-        }
-        for x in [rear, 0.5 * (rear + front) - 0.02, front - 0.05] {
-            surface.cuboid_pair(
-                Vec3::new(x, w - 0.04, floor - 0.03),
-                Vec3::new(x + 0.05, w + 0.004, high + 0.015),
-                work_slot::FRAME,
-            );
-        }
-        if level < 2 {
-            surface.cuboid_pair(
-                Vec3::new(rear, w - 0.01, 0.5 * (floor + high)),
-                Vec3::new(front, w + 0.003, 0.5 * (floor + high) + 0.012),
-                slot::LINER,
-            );
-        }
-        if top > high + 0.05 {
-            // A higher frame of tubes with mesh between them, or branches and earth over the boards.
-            if self.detail[5] > 0.5 {
-                for x in [rear + 0.02, 0.5 * (rear + front), front - 0.04] {
-                    surface.cuboid_pair(
-                        Vec3::new(x, w - 0.035, high),
-                        Vec3::new(x + 0.03, w - 0.005, top),
-                        work_slot::ALU,
-                    );
-                }
-                let bars = 4;
-                for k in 1..=bars {
-                    let z = high + (top - high) * k as f32 / bars as f32 - 0.02;
-                    surface.cuboid_pair(
-                        Vec3::new(rear, w - 0.025, z),
-                        Vec3::new(front, w - 0.01, z + 0.015),
-                        work_slot::ALU,
-                    );
-                    for x in [rear + 0.01, front - 0.02] {
-                        surface.builder.cuboid(Vec3::new(x, -w, z), Vec3::new(x + 0.015, w, z + 0.015), work_slot::ALU);
-                    }
-                }
-            } else {
-                let n = if level < 2 { 7 } else { 3 };
-                let heap: Vec<Vec<Vec3>> = (0..=n)
-                    .map(|i| {
-                        (0..=n)
-                            .map(|j| {
-                                let (u, v) = (i as f32 / n as f32, j as f32 / n as f32);
-                                let swell = sinf(u * PI) * sinf(v * PI);
-                                let rough = 0.12 * sinf(9.0 * u + 4.0 * self.detail[6]) * sinf(13.0 * v);
-                                let z = high - 0.05 + (top - high + 0.05) * (1.15 * swell + rough).clamp(0.0, 1.0);
-                                Vec3::new(rear + 0.03 + (front - rear - 0.06) * u, (w - 0.03) * (2.0 * v - 1.0), z)
-                            })
-                            .collect()
-                    })
-                    .collect();
-                surface.sheet(&heap, Outward::Along(Vec3::Z), |_, _| Some(work_slot::CARGO));
-                surface.builder.cuboid(Vec3::new(front - 0.03, -w, high), Vec3::new(front, w, top), work_slot::ALU);
-            }
-        }
-    }
-
-    /// Boards below, a tarpaulin over hoops above, drawn in by its cord.
-    fn add_covered(&self, surface: &mut Surface, (rear, front): (f32, f32), w: f32, floor: f32, level: usize) {
-        let boards = (floor + 0.34).min(floor + 0.4 * (self.height_m - floor));
-        self.add_open(surface, (rear, front), w, floor, boards, level);
-        let top = self.height_m;
-        let n = if level < 2 { 10 } else { 2 };
-        let wave = |k: usize, m: f32| {
-            if k % 2 == 1 && level < 2 { m * (0.5 + 0.5 * sinf(k as f32 * 2.1 + 9.0 * self.detail[2])) } else { 0.0 }
-        };
-        let sides: Vec<Vec<Vec3>> = (0..=n)
-            .map(|k| {
-                let x = rear + (front - rear) * k as f32 / n as f32;
-                let y = w - wave(k, 0.025);
-                vec![
-                    Vec3::new(x, w + 0.005, boards - 0.08 - wave(k, 0.03)),
-                    Vec3::new(x, y, boards + 0.3 * (top - boards)),
-                    Vec3::new(x, y - 0.01, top - 0.06),
-                    Vec3::new(x, w - 0.06, top - wave(k, 0.02)),
-                    Vec3::new(x, 0.0, top),
-                ]
-            })
-            .collect();
-        surface
-            .pair(&sides, Outward::From(Vec3::new(0.5 * (rear + front), 0.0, boards)), |_, _| Some(work_slot::CANVAS));
-        for (x, out) in [(rear, -1.0), (front, 1.0)] {
-            let end: Vec<Vec<Vec3>> = (0..=n)
-                .map(|k| {
-                    let y = w * (2.0 * k as f32 / n as f32 - 1.0);
-                    let deep = x - out * wave(k, 0.02);
-                    vec![
-                        Vec3::new(x, y, boards - 0.08),
-                        Vec3::new(deep, y, 0.5 * (boards + top)),
-                        Vec3::new(x - out * 0.004, y, top - 0.05),
-                        Vec3::new(x - out * 0.03, y * 0.97, top - 0.005),
-                    ]
-                })
-                .collect();
-            surface.sheet(&end, Outward::Along(Vec3::X * out), |_, _| Some(work_slot::CANVAS));
         }
     }
 }
