@@ -35,7 +35,7 @@ pub(super) enum Size {
 /// Their names in files, in the order of [`Size`].
 const SIZES: [&str; 9] = ["short", "medium", "long", "semi", "flat", "heavy", "low", "small", "large"];
 
-/// What is on top of a body.
+/// The top of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Roof {
     /// A level roof, to which a deflector on the cab leads.
@@ -107,9 +107,9 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// Draws one for a size, or none with the share of what is no body.
-    pub fn pick(size: Size, none: f64, s: &mut Stream) -> Option<&'static Self> {
-        let shares: Vec<f64> = BODIES.iter().map(|body| body.shares[size as usize]).chain([none]).collect();
+    /// Draws one for a size, or none with the share of what has no body.
+    pub fn pick(size: Size, bare_share: f64, s: &mut Stream) -> Option<&'static Self> {
+        let shares: Vec<f64> = BODIES.iter().map(|body| body.shares[size as usize]).chain([bare_share]).collect();
         BODIES.get(s.weighted(&shares))
     }
 

@@ -20,11 +20,15 @@ fn kind(model: &VehicleModel) -> &str {
     model.name.split('/').next().unwrap()
 }
 
-/// Slot of the first face that a ray meets, and where.
-fn first_hit(mesh: &Mesh, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
+fn solid_of(mesh: &Mesh) -> TriMesh {
     let vertices = mesh.triangles().flat_map(|(corners, _)| corners).collect();
     let faces = (0..mesh.num_faces() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    let shape = TriMesh::new(vertices, faces).unwrap();
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+/// Slot of the first face that a ray meets, and where.
+fn first_hit(mesh: &Mesh, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
+    let shape = solid_of(mesh);
     let direction = (to - from).normalize();
     let hit = shape.cast_local_ray_and_get_normal(&Ray::new(from, direction), 100.0, false)?;
     Some((mesh.slots().nth(hit.subshape as usize)?, from + direction * hit.time_of_impact))
@@ -84,6 +88,32 @@ fn bodies_keep_to_their_rooms_at_every_level() {
         }
     }
     assert!(left.is_empty(), "no {left:?}");
+}
+
+/// Sheets have a front alone: from outside nobody sees the back of one.
+#[test]
+fn bodies_face_outwards_at_every_level() {
+    for (body, room, seed) in bodies().take(60) {
+        let (low, high) =
+            (Vec3::new(room.rear_x, -room.half_y, room.floor_z), Vec3::new(room.front_x, room.half_y, room.top_z));
+        for level in 0..LEVELS {
+            let shape = solid_of(&body.draw(&room, seed, level).unwrap().build("body", 0.5));
+            let (mut hits, mut backs) = (0, 0);
+            for outwards in [Vec3::Y, Vec3::NEG_Y, Vec3::NEG_X, Vec3::Z] {
+                for k in 0..300 {
+                    let shares = Vec3::new(0.618, 0.414, 0.732) * k as f32;
+                    let from = low + (high - low) * (shares - shares.floor()) + outwards * 20.0;
+                    let ray = Ray::new(from, -outwards);
+                    let Some(hit) = shape.cast_local_ray_and_get_normal(&ray, 100.0, false) else { continue };
+                    let corners = shape.triangle(hit.subshape % shape.num_triangles() as u32);
+                    hits += 1;
+                    backs += u32::from(corners.normal().is_none_or(|n| n.dot(outwards) < 0.0));
+                }
+            }
+            // Gaps at edges let some through.
+            assert!(hits > 300 && 50 * backs < hits, "{}/{seed} level {level}: {backs} of {hits}", body.name);
+        }
+    }
 }
 
 const HAY: &str = r#"let = ["h = range(0.5, 0.9)", "rows = by_level(9, 6, 3, 1)"]
