@@ -10,7 +10,7 @@ use cadet_base::math::Vec3;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hit {
     pub point: Vec3,
-    pub distance: f32,
+    pub range_m: f32,
     pub slot: u8,
     /// The face's outside was hit.
     pub is_outside: bool,
@@ -35,9 +35,9 @@ impl Target {
         let direction = direction.normalize();
         let hit = self.shape.cast_local_ray_and_get_normal(&Ray::new(origin, direction), 100.0, false)?;
         let ([a, b, c], slot) = self.faces[hit.subshape as usize];
-        let distance = hit.time_of_impact;
+        let range_m = hit.time_of_impact;
         let is_outside = (b - a).cross(c - a).dot(direction) < 0.0;
-        Some(Hit { point: origin + direction * distance, distance, slot, is_outside })
+        Some(Hit { point: origin + direction * range_m, range_m, slot, is_outside })
     }
 }
 
@@ -47,11 +47,11 @@ pub(crate) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, keep: impl Fn(u8)
         let (e1, e2, t) = (b - a, c - a, origin - a);
         let (p, q) = (direction.cross(e2), t.cross(e1));
         let det = e1.dot(p);
-        let (u, v, distance) = (t.dot(p) / det, direction.dot(q) / det, e2.dot(q) / det);
-        let is_hit = det.abs() >= 1e-9 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
-        is_hit.then_some(Hit { point: origin + direction * distance, distance, slot, is_outside: det > 0.0 })
+        let (u, v, range_m) = (t.dot(p) / det, direction.dot(q) / det, e2.dot(q) / det);
+        let is_hit = det.abs() >= 1e-9 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && range_m > 0.0;
+        is_hit.then_some(Hit { point: origin + direction * range_m, range_m, slot, is_outside: det > 0.0 })
     };
     let mut found: Vec<Hit> = mesh.triangles().filter(|(_, slot)| keep(*slot)).filter_map(hit).collect();
-    found.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    found.sort_by(|x, y| x.range_m.total_cmp(&y.range_m));
     found
 }

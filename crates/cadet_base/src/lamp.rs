@@ -62,17 +62,17 @@ const LEAST_AHEAD_M: f32 = 0.05;
 const BATWING: f32 = 0.7;
 
 impl Lamp {
-    /// A lamp of a color of luma 1 and of so many candela along the strongest direction.
+    /// A lamp of a color of luma 1 and of an intensity along its strongest direction.
     #[must_use]
     pub fn of_candela(
         beam: LampBeam,
         at: Vec3,
         [ahead, left]: [Vec3; 2],
         color: [f32; 3],
-        candela: f32,
+        intensity_cd: f32,
         reach_m: f32,
     ) -> Self {
-        Self { beam, at, ahead, left, intensity: color.map(|c| c * (candela / CD_PER_INTENSITY)), reach_m }
+        Self { beam, at, ahead, left, intensity: color.map(|c| c * (intensity_cd / CD_PER_INTENSITY)), reach_m }
     }
 
     /// The lamp in the frame into which a pose leads.

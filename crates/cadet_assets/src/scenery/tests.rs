@@ -118,7 +118,7 @@ fn windows_are_openings_with_rooms_behind() {
             panes += 1;
             let behind = seen.iter().find(|h| h.slot != house_slot::GLASS).unwrap();
             assert!([house_slot::ROOM, house_slot::CURTAIN].contains(&behind.slot), "{kind:?}: {behind:?}");
-            assert!(behind.distance - seen[0].distance > 0.05, "{kind:?}: {seen:?}");
+            assert!(behind.range_m - seen[0].range_m > 0.05, "{kind:?}: {seen:?}");
         }
         assert!(panes >= 10, "{kind:?}: {panes} panes");
     }
@@ -180,7 +180,7 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_meter() {
                     let p = blob.center + draw::direction(&mut s) * (blob.radius_m * 0.75 * s.unit() as f32);
                     let d = draw::direction(&mut s);
                     let near = hits(mesh, p - d * 0.5, d, |slot| slot != plant_slot::BARK);
-                    open += usize::from(near.first().is_none_or(|h| h.distance > 1.0));
+                    open += usize::from(near.first().is_none_or(|h| h.range_m > 1.0));
                     all += 1;
                 }
             }

@@ -65,9 +65,9 @@ fn scan(model: &VehicleModel, level: usize, end: f32) -> Vec<Seen> {
             let to = ahead + left * (0.003 * column as f32) - Vec3::Z * (0.004 * row as f32);
             let of_wheels = model.wheel_centers.iter().filter_map(|center| {
                 let hit = wheel.cast(eye - *center, to)?;
-                Some((hit.distance, hit.point + *center))
+                Some((hit.range_m, hit.point + *center))
             });
-            let of_body = body.cast(eye, to).map(|hit| (hit.distance, hit.point, is_pane(hit.slot)));
+            let of_body = body.cast(eye, to).map(|hit| (hit.range_m, hit.point, is_pane(hit.slot)));
             let hits = of_wheels.map(|(distance, point)| (distance, point, false)).chain(of_body);
             let Some((_, point, false)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let height = (point.z - BOX_BOTTOM_M) / (size.z - BOX_BOTTOM_M - BOX_TOP_M);

@@ -13,7 +13,7 @@ fn faces_of(mesh: &Mesh, of: u8) -> Vec<(Vec3, Vec3)> {
 
 /// Whether nothing of the mesh lies between a place on it and the open, along a direction.
 fn is_open(mesh: &Mesh, from: Vec3, along: Vec3) -> bool {
-    hits(mesh, from, along, |_| true).iter().all(|hit| hit.distance <= 1e-3)
+    hits(mesh, from, along, |_| true).iter().all(|hit| hit.range_m <= 1e-3)
 }
 
 #[test]

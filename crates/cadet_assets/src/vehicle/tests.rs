@@ -18,7 +18,7 @@ fn cars(count: u64) -> impl Iterator<Item = VehicleModel> {
     (0..count).map(|seed| VehicleModel::generate(ObjectClass::Car, seed).unwrap())
 }
 
-/// The same with their outlines.
+/// Cars of some seeds and their outlines.
 fn outlined_cars(count: u64) -> impl Iterator<Item = (VehicleModel, Outline)> {
     cars(count).zip((0..).map(|seed| outline(ObjectClass::Car, seed)))
 }
@@ -163,7 +163,7 @@ fn panes_lie_over_real_openings() {
                 assert_eq!(pane.slot, first, "{} {name} at level {level}", model.name);
                 assert!(pane.is_outside, "{} {name} faces inward at {}", model.name, pane.point);
                 if let Some(hit) = body.cast(from, to - from) {
-                    let deep = hit.distance - pane.distance;
+                    let deep = hit.range_m - pane.range_m;
                     assert!(deep > 0.15, "{} {name} at level {level}: slot {} {deep} behind", model.name, hit.slot);
                 }
             };

@@ -47,7 +47,7 @@ fn shops_are_looked_into_and_beams_go_on_behind_their_glass() {
             }
             let behind = seen.iter().find(|hit| hit.slot != house_slot::GLASS);
             let far = behind.unwrap_or_else(|| panic!("{}: nothing behind glass at {y}", model.name));
-            let deep_m = far.distance - near.distance;
+            let deep_m = far.range_m - near.range_m;
             assert!(deep_m > 0.04 && deep_m < 4.5, "{}: {seen:?}", model.name);
             num_deep += usize::from(deep_m > 1.5 && far.slot == city_slot::INSIDE);
         }
@@ -68,7 +68,7 @@ fn every_house_between_others_has_a_door_at_the_height_of_the_sidewalk() {
             let door = (y0 + y1) / 2.0;
             // Somebody who walks in at the door meets nothing in front of the wall.
             let front = model.footprint_max.x as f32;
-            let first = hits(mesh, Vec3::new(front + 2.0, door as f32, 1.2), -Vec3::X, |_| true)[0].distance;
+            let first = hits(mesh, Vec3::new(front + 2.0, door as f32, 1.2), -Vec3::X, |_| true)[0].range_m;
             assert!(first > 1.99, "{}: something {first} m before the door at {door}", model.name);
         }
     }
