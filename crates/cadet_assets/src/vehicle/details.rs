@@ -4,7 +4,7 @@ use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::{Column, Outline};
 use super::paint::slot;
-use super::surface::{Grid, Outward, Surface, grid, mirrored};
+use super::surface::{Outward, Surface, grid, mirrored, upright};
 use cadet_base::math::{Mat3, Vec3};
 
 /// What a vehicle has besides its shell.
@@ -63,8 +63,8 @@ pub(super) fn add_mirrors_and_aerial(
     if level < 2 {
         let glass = upright(back, [center.y - w, center.y + w], [center.z - h, center.z + h]);
         surface.panel_pair(&glass, Outward::Along(Vec3::NEG_X), slot::CHROME);
-        let arm_end = Vec3::new(x + 0.04, center.y - 0.5 * size.y, foot.z + 0.05);
-        surface.cuboid_pair(foot + Vec3::new(-0.04, -0.02, 0.0), arm_end, slot::PLASTIC);
+        let arm_y = [foot.y - 0.02, center.y - 0.5 * size.y];
+        surface.cuboid_pair([foot.x - 0.04, x + 0.04], arm_y, [foot.z, foot.z + 0.05], slot::PLASTIC);
     }
     if fittings.aerial && level == 0 {
         let root = Vec3::new(house.rear_header_x + 0.15, 0.0, house.roof_z(house.rear_header_x + 0.15) - 0.01);
@@ -73,11 +73,6 @@ pub(super) fn add_mirrors_and_aerial(
         let rings = grid([(root, 0.012), (tip, 0.004)], section, |(c, r), (x, y)| c + Vec3::new(x * r, y * r, 0.0));
         surface.builder.loft(&rings, slot::PLASTIC, true);
     }
-}
-
-/// A rectangle across the vehicle's length.
-fn upright(x: f32, ys: [f32; 2], zs: [f32; 2]) -> Grid {
-    grid(zs, ys, |z, y| Vec3::new(x, y, z))
 }
 
 /// A strip of constant width along (x, z) points of the left flank, mirrored too.

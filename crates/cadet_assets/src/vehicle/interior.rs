@@ -4,7 +4,7 @@ use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;
-use super::surface::{Grid, Outward, Surface, grid, turns_rad};
+use super::surface::{Grid, Outward, Surface, grid, mirrored, turns_rad};
 use cadet_base::math::{Mat3, Quat, Vec3, cosf, sinf};
 
 /// Rings of torso, neck, face, and hair: how far forward and up the leaning spine, and half extents forward and aside.
@@ -220,6 +220,18 @@ pub(super) fn add_seat_pairs(surface: &mut Surface, hips: Vec<Vec3>, level: usiz
     }
 }
 
+/// Adds who sits on the seats of [`add_seat_pairs`]: a share of them is taken, `number` decides which.
+pub(super) fn add_passengers(surface: &mut Surface, hips: Vec<Vec3>, number: f32, share: f32) {
+    for (k, hip) in hips.into_iter().enumerate() {
+        for (m, y) in [hip.y + 0.2, hip.y - 0.2, -hip.y + 0.2, -hip.y - 0.2].into_iter().enumerate() {
+            let t = number * 17.0 + k as f32 * 0.617 + m as f32 * 0.381;
+            if t - t.floor() < share {
+                add_occupant(surface, hip.with_y(y), 0.9, None, 2);
+            }
+        }
+    }
+}
+
 /// A tube from `a` to `b`.
 pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0_m: f32, r1_m: f32, n: usize, slot: u8) {
     let along = (b - a).normalize();
@@ -227,6 +239,12 @@ pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0_m: f32, r1_m: f32
     let v = along.cross(u);
     let rings = grid([(a, r0_m), (b, r1_m)], turns_rad(n), |(c, r), t| c + (u * cosf(t) + v * sinf(t)) * r);
     surface.builder.loft(&rings, slot, true);
+}
+
+/// A tube of constant width on the left side and its mirror image on the right.
+pub(super) fn limb_pair(surface: &mut Surface, a: Vec3, b: Vec3, radius_m: f32, n: usize, slot: u8) {
+    limb(surface, a, b, radius_m, radius_m, n, slot);
+    limb(surface, mirrored(a), mirrored(b), radius_m, radius_m, n, slot);
 }
 
 /// The driver, with a passenger if asked for, in the vehicle's frame.

@@ -56,12 +56,15 @@ use wheels::Rim;
 /// and looking through its windows shows nothing beyond the third.
 const LEVEL_LIMITS_M: [f32; LEVELS] = [11.0, 32.0, 80.0, f32::INFINITY];
 const LEVELS: usize = 4;
+const DISTANT: usize = LEVELS - 1;
 /// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), meters.
 const WHEELS_TO_M: f32 = 150.0;
 /// Nobody sees who sits inside beyond this distance, meters.
 const OCCUPANTS_TO_M: f32 = 70.0;
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.55;
+/// The same of people, who are round.
+const OCCUPANT_CREASE_RAD: f32 = 1.2;
 
 /// A vehicle's shape, in its box frame: x forward, y left, z up, origin at the box's bottom center.
 #[derive(Debug, Clone)]
@@ -197,44 +200,18 @@ impl VehicleModel {
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
         let size_lwh = d.size_lwh();
-        let mut fits = Vec::with_capacity(LEVELS);
-        let body = levels_of(
-            d.name,
-            &mut |k| {
-                let is_distant = k == LEVELS - 1;
-                let mut surface = if is_distant {
-                    distant::body(&outline, &house, &styling, &fittings)
-                } else {
-                    Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k)
-                };
-                let fit = Fit::of(&surface, size_lwh.as_vec3());
-                fits.push(fit);
-                if !is_distant {
-                    details::add_mirrors_and_aerial(&mut surface, &outline, &house, &fittings, k);
-                    interior::add_interior(&mut surface, &outline, &house, &seats, k);
-                }
-                fit.apply(&mut surface);
-                surface
-            },
-            CREASE_RAD,
-            f32::INFINITY,
-        );
-        let driver = levels_of(
-            d.name,
-            &mut |k| {
-                let mut surface = interior::occupants(&outline, &seats, has_passenger, k);
-                fits[k].apply(&mut surface);
-                surface
-            },
-            1.2,
-            OCCUPANTS_TO_M,
-        );
-        let wheel = levels_of(
-            d.name,
-            &mut |k| wheels::wheel(d.wheel_radius_m, d.tyre_width_m, rim, k),
-            CREASE_RAD,
-            WHEELS_TO_M,
-        );
+        let shell = |level: usize| match level {
+            DISTANT => distant::body(&outline, &house, &styling, &fittings),
+            _ => Self::shell(&outline, &house, &styling, &fittings, has_sunroof, level),
+        };
+        let (body, fits) = fitted_levels(d.name, size_lwh.as_vec3(), shell, |surface, level| {
+            if level != DISTANT {
+                details::add_mirrors_and_aerial(surface, &outline, &house, &fittings, level);
+                interior::add_interior(surface, &outline, &house, &seats, level);
+            }
+        });
+        let driver = occupants_of(d.name, &fits, |k| interior::occupants(&outline, &seats, has_passenger, k));
+        let wheel = wheels_of(d.name, d.wheel_radius_m, d.tyre_width_m, rim);
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width_m / 2.0;
         let [front, rear] = d.axles_x;
         let wheel_centers = [(front, 1.0), (front, -1.0), (rear, 1.0), (rear, -1.0)]
@@ -278,17 +255,51 @@ impl VehicleModel {
 }
 
 /// The levels of detail of a shape, as many as begin before `to_m`.
-fn levels_of(name: &'static str, make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32) -> Arc<LodSet> {
+fn levels_of(name: &'static str, crease_rad: f32, to_m: f32, make: impl FnMut(usize) -> Surface) -> Arc<LodSet> {
     let count = 1 + LEVEL_LIMITS_M.iter().take_while(|limit| **limit < to_m).count();
-    let builders: Vec<_> = (0..count).map(|k| make(k).builder.shrunk()).collect();
+    let builders: Vec<_> = (0..count).map(make).map(|surface| surface.builder.shrunk()).collect();
     let bounds = builders[0].bounds();
     let levels = builders.into_iter().zip(0..).map(|(builder, k)| {
         let limit = LEVEL_LIMITS_M[k].min(to_m);
         // Of few large faces, panes and panels would run into each other.
-        let crease = if k + 1 == LEVELS { 0.5 * crease } else { crease };
-        (limit, LazyMesh::new(move || builder.build(name, crease)))
+        let crease_rad = if k == DISTANT { 0.5 * crease_rad } else { crease_rad };
+        (limit, LazyMesh::new(move || builder.build(name, crease_rad)))
     });
     Arc::new(LodSet { bounds, levels: levels.collect(), coarse_shadow_proxies: 2 })
+}
+
+/// The levels of detail of a body whose shell fills its box, and the fit of each; `add_more` adds what is not of the
+/// shell.
+fn fitted_levels(
+    name: &'static str,
+    size_lwh: Vec3,
+    shell: impl Fn(usize) -> Surface,
+    add_more: impl Fn(&mut Surface, usize),
+) -> (Arc<LodSet>, Vec<Fit>) {
+    let mut fits = Vec::with_capacity(LEVELS);
+    let body = levels_of(name, CREASE_RAD, f32::INFINITY, |level| {
+        let mut surface = shell(level);
+        let fit = Fit::of(&surface, size_lwh);
+        fits.push(fit);
+        add_more(&mut surface, level);
+        fit.apply(&mut surface);
+        surface
+    });
+    (body, fits)
+}
+
+/// Who sits inside of a body, which was fitted so.
+fn occupants_of(name: &'static str, fits: &[Fit], occupants: impl Fn(usize) -> Surface) -> Arc<LodSet> {
+    levels_of(name, OCCUPANT_CREASE_RAD, OCCUPANTS_TO_M, |level| {
+        let mut surface = occupants(level);
+        fits[level].apply(&mut surface);
+        surface
+    })
+}
+
+/// A wheel that turns.
+fn wheels_of(name: &'static str, radius_m: f32, tyre_width_m: f32, rim: Rim) -> Arc<LodSet> {
+    levels_of(name, CREASE_RAD, WHEELS_TO_M, |level| wheels::wheel(radius_m, tyre_width_m, rim, level))
 }
 
 /// Maps a built shell onto its box; the numbers are within a percent of the identity.

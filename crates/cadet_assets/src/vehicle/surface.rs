@@ -28,6 +28,21 @@ where
     rows.into_iter().map(|r| columns.clone().into_iter().map(|c| place(r, c)).collect()).collect()
 }
 
+/// A rectangle across the vehicle's length.
+pub(super) fn upright(x: f32, y: [f32; 2], z: [f32; 2]) -> Grid {
+    grid(z, y, |z, y| Vec3::new(x, y, z))
+}
+
+/// A level rectangle.
+pub(super) fn level_sheet(x: [f32; 2], y: [f32; 2], z: f32) -> Grid {
+    grid(x, y, |x, y| Vec3::new(x, y, z))
+}
+
+/// The rows of the sheet on the other side.
+pub(super) fn mirror_image(rows: &[impl AsRef<[Vec3]>]) -> Grid {
+    rows.iter().map(|row| row.as_ref().iter().map(|p| mirrored(*p)).collect()).collect()
+}
+
 /// The angles of so many corners around a circle.
 pub(super) fn turns_rad(count: usize) -> impl Iterator<Item = f32> + Clone {
     (0..count).map(move |k| k as f32 / count as f32 * TAU)
@@ -65,8 +80,7 @@ impl Surface {
         let left = rows(grid);
         let flipped = is_flipped(&left, outward);
         self.builder.sheet(&left, flipped, &slot);
-        let right: Grid = left.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect();
-        self.builder.sheet(&right, !flipped, |i, j| slot(i, j).map(mirrored_slot));
+        self.builder.sheet(&mirror_image(&left), !flipped, |i, j| slot(i, j).map(mirrored_slot));
     }
 
     /// Adds a sheet of one material on the left side and its mirror image on the right.
@@ -99,9 +113,9 @@ impl Surface {
     }
 
     /// Adds a plain box and its mirror image.
-    pub fn cuboid_pair(&mut self, min: Vec3, max: Vec3, slot: u8) {
-        self.builder.cuboid(min, max, slot);
-        self.builder.cuboid(Vec3::new(min.x, -max.y, min.z), Vec3::new(max.x, -min.y, max.z), mirrored_slot(slot));
+    pub fn cuboid_pair(&mut self, x: [f32; 2], [y0, y1]: [f32; 2], z: [f32; 2], slot: u8) {
+        self.cuboid(x, [y0, y1], z, slot);
+        self.cuboid(x, [-y1, -y0], z, mirrored_slot(slot));
     }
 }
 

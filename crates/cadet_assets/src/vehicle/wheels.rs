@@ -1,8 +1,8 @@
 //! Wheels: tire, rim with spokes, dark hub behind.
 
 use super::paint::slot;
-use super::surface::{Outward, Surface, grid, turns_rad};
-use cadet_base::math::{Vec3, cosf, sinf};
+use super::surface::{Outward, Surface, grid, mirrored, turns_rad};
+use cadet_base::math::{Mat3, Vec3, cosf, sinf};
 use std::f32::consts::TAU;
 
 /// The rim's look.
@@ -12,6 +12,13 @@ pub(super) struct Rim {
     pub spokes: usize,
     /// Share of the angle between spokes that a spoke fills at its foot.
     pub spoke_share: f32,
+}
+
+/// Adds a wheel of an axle and, turned round, the one on the other side.
+pub(super) fn add_pair(surface: &mut Surface, wheel: &Surface, center: Vec3) {
+    let turn = Mat3::from_diagonal(Vec3::new(-1.0, -1.0, 1.0));
+    surface.builder.append(&wheel.builder, Mat3::IDENTITY, center);
+    surface.builder.append(&wheel.builder, turn, mirrored(center));
 }
 
 /// A wheel about its own center: axle along y, outer face toward +y.

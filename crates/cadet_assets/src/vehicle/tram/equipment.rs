@@ -84,17 +84,14 @@ pub(super) fn add_bogies(surface: &mut Surface, p: &CarPlan, level: usize) {
 pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
     let (half, w) = (p.length_m / 2.0, p.width_m / 2.0);
     for (sign, _) in ends(p).into_iter().filter(|(_, end)| *end == End::Cab) {
-        let span = |x0: f32, x1: f32| if sign > 0.0 { (x0, x1) } else { (-x1, -x0) };
-        let mut both = |(x0, x1): (f32, f32), y: (f32, f32), z: (f32, f32), s: u8| {
-            surface.cuboid_pair(Vec3::new(x0, y.0, z.0), Vec3::new(x1, y.1, z.1), s);
-        };
+        let span = |x0: f32, x1: f32| if sign > 0.0 { [x0, x1] } else { [-x1, -x0] };
         // The nose is bowed, the tail less: what sits beside the middle reaches less far.
         let (lamp, amber) = if sign > 0.0 { (0.07, 0.115) } else { (0.012, 0.035) };
         let front_lamp = if sign > 0.0 { slot::LAMP } else { slot::TAIL_LAMP };
-        both(span(half - 0.40, half - lamp), (0.48 * w, 0.64 * w), (0.74, 0.88), front_lamp);
-        both(span(half - 0.46, half - amber), (0.66 * w, 0.74 * w), (0.74, 0.88), slot::LEFT_SIGNAL);
+        surface.cuboid_pair(span(half - 0.40, half - lamp), [0.48 * w, 0.64 * w], [0.74, 0.88], front_lamp);
+        surface.cuboid_pair(span(half - 0.46, half - amber), [0.66 * w, 0.74 * w], [0.74, 0.88], slot::LEFT_SIGNAL);
         if level < 3 {
-            both(span(half - 0.12, half - 0.002), (0.0, 0.34 * w), (0.40, 0.62), slot::PLASTIC);
+            surface.cuboid_pair(span(half - 0.12, half - 0.002), [0.0, 0.34 * w], [0.40, 0.62], slot::PLASTIC);
         }
         if level < 2 {
             // Over the screen it leans back.
@@ -103,10 +100,10 @@ pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
             let letters = 7 + (4.0 * p.detail[3]) as usize;
             for k in 0..letters {
                 let y = (k as f32 - letters as f32 / 2.0) * 0.085;
-                let (a, b) = span(x - 0.14, x - 0.045);
                 let tall = 0.06 + 0.02 * ((k * 7) % 3) as f32 / 2.0;
                 let middle_z = p.header_z + 0.14;
-                surface.cuboid([a, b], [y, y + 0.055], [middle_z - tall, middle_z + tall], work_slot::AMBER);
+                let z = [middle_z - tall, middle_z + tall];
+                surface.cuboid(span(x - 0.14, x - 0.045), [y, y + 0.055], z, work_slot::AMBER);
             }
         }
     }

@@ -1,8 +1,8 @@
 //! The inside of a tram's car, seen through its windows: floor, ceiling, seats, poles, the driver's desk, passengers.
 
-use super::super::interior::{add_occupant, add_seat_pairs, limb};
+use super::super::interior::{add_occupant, add_passengers, add_seat_pairs, limb};
 use super::super::paint::{slot, work_slot};
-use super::super::surface::{Outward, Surface, grid};
+use super::super::surface::{Outward, Surface, grid, level_sheet, upright};
 use super::plan::{CarPlan, End};
 use super::shell::{BELLOWS_M, roof};
 use cadet_base::math::Vec3;
@@ -25,9 +25,8 @@ fn reach(p: &CarPlan) -> [f32; 2] {
 pub(super) fn add(surface: &mut Surface, p: &CarPlan, level: usize) {
     let ([a, b], w) = (reach(p), p.width_m / 2.0 - 0.08);
     let ceiling = roof(p) - 0.42;
-    let plane = |z: f32| grid([a, b], [0.0, w], |x, y| Vec3::new(x, y, z));
-    surface.panel_pair(&plane(p.floor_z + 0.02), Outward::Along(Vec3::Z), slot::DARK);
-    surface.panel_pair(&plane(ceiling), Outward::Along(Vec3::NEG_Z), work_slot::LINING);
+    surface.panel_pair(&level_sheet([a, b], [0.0, w], p.floor_z + 0.02), Outward::Along(Vec3::Z), slot::DARK);
+    surface.panel_pair(&level_sheet([a, b], [0.0, w], ceiling), Outward::Along(Vec3::NEG_Z), work_slot::LINING);
     let wall = |z0: f32, z1: f32| grid([z0, z1], [a, b], |z, x| Vec3::new(x, w, z));
     // Walls below the windows on sides without doors, and above them on both.
     if p.doors.is_empty() {
@@ -54,7 +53,7 @@ pub(super) fn add(surface: &mut Surface, p: &CarPlan, level: usize) {
         let desk = grid([0.0, 0.85 * w], desk, |y, (x, z)| Vec3::new(sign * x, y, z));
         surface.panel_pair(&desk, Outward::Along(Vec3::new(-0.6 * sign, 0.0, 1.0)), slot::DARK);
         let back = sign * (x - 1.55);
-        let sheet = grid([p.floor_z, p.sill_z + 0.35], [0.1 * w, w], |z, y| Vec3::new(back, y, z));
+        let sheet = upright(back, [0.1 * w, w], [p.floor_z, p.sill_z + 0.35]);
         for outward in [Vec3::X, Vec3::NEG_X] {
             surface.panel_pair(&sheet, Outward::Along(outward), slot::DARK);
         }
@@ -81,13 +80,6 @@ pub(super) fn occupants(p: &CarPlan, level: usize) -> Surface {
         let hip = Vec3::new(p.length_m / 2.0 - 1.75, 0.15, p.floor_z.max(p.sill_z - 0.75) + 0.12);
         add_occupant(&mut surface, hip, 0.95, None, level.min(2));
     }
-    for (k, hip) in seats(p).into_iter().enumerate() {
-        for (m, y) in [hip.y + 0.2, hip.y - 0.2, -hip.y + 0.2, -hip.y - 0.2].into_iter().enumerate() {
-            let t = p.detail[0] * 17.0 + k as f32 * 0.617 + m as f32 * 0.381;
-            if t - t.floor() < p.taken_share {
-                add_occupant(&mut surface, Vec3::new(hip.x, y, hip.z), 0.9, None, 2);
-            }
-        }
-    }
+    add_passengers(&mut surface, seats(p), p.detail[0], p.taken_share);
     surface
 }

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::paint::Livery;
 use super::surface::Surface;
-use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, levels_of, work_paint};
+use super::{DISTANT, VehicleModel, fitted_levels, occupants_of, work_paint};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
@@ -56,43 +56,24 @@ fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
     let palette = work_paint::palette(ObjectClass::Tram, Livery::Tram, s);
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     let shell = Shell::new(p);
-    let mut fits = Vec::with_capacity(LEVELS);
-    let body = levels_of(
-        p.name,
-        &mut |level| {
-            let mut surface = Surface::default();
-            shell.add(&mut surface, level);
-            equipment::add_bellows(&mut surface, p, level);
-            equipment::add_roof_boxes(&mut surface, p, level);
-            equipment::add_bogies(&mut surface, p, level);
-            equipment::add_ends(&mut surface, p, level);
-            let fit = Fit::of(&surface, size);
-            fits.push(fit);
-            if level < LEVELS - 1 {
-                inside::add(&mut surface, p, level);
-            }
-            equipment::add_what_sticks_out(&mut surface, p, level);
-            fit.apply(&mut surface);
-            surface
-        },
-        CREASE_RAD,
-        f32::INFINITY,
-    );
-    // In a short car between two others there may be nobody.
-    let is_empty = inside::occupants(p, LEVELS - 1).builder.num_faces() == 0;
-    let mut occupants = || {
-        levels_of(
-            p.name,
-            &mut |level| {
-                let mut surface = inside::occupants(p, level);
-                fits[level].apply(&mut surface);
-                surface
-            },
-            1.2,
-            OCCUPANTS_TO_M,
-        )
+    let filling = |level: usize| {
+        let mut surface = Surface::default();
+        shell.add(&mut surface, level);
+        equipment::add_bellows(&mut surface, p, level);
+        equipment::add_roof_boxes(&mut surface, p, level);
+        equipment::add_bogies(&mut surface, p, level);
+        equipment::add_ends(&mut surface, p, level);
+        surface
     };
-    let driver = (!is_empty).then(&mut occupants);
+    let (body, fits) = fitted_levels(p.name, size, filling, |surface, level| {
+        if level != DISTANT {
+            inside::add(surface, p, level);
+        }
+        equipment::add_what_sticks_out(surface, p, level);
+    });
+    // In a short car between two others there may be nobody.
+    let is_empty = inside::occupants(p, DISTANT).builder.num_faces() == 0;
+    let driver = (!is_empty).then(|| occupants_of(p.name, &fits, |level| inside::occupants(p, level)));
     // The outermost wheels stand on the ground: those of a single bogie 0.9 m before and behind its middle.
     let (front, rear) = match p.bogies[..] {
         [only] => (only + 0.9, only - 0.9),

@@ -1,8 +1,8 @@
 //! A cab-over cab: rounded shell with a large screen, grille and lamps, steps, mirrors, visor, and who sits inside.
 
-use super::super::interior::{add_occupant, add_wheel, limb};
+use super::super::interior::{add_occupant, add_wheel, limb, limb_pair};
 use super::super::paint::slot;
-use super::super::surface::{Outward, Surface};
+use super::super::surface::{Outward, Surface, grid, upright};
 use super::body::Roof;
 use super::hull::{Arch, Cell, Hull, Part};
 use super::plan::Plan;
@@ -105,44 +105,28 @@ impl Cab {
     }
 
     fn slot(&self, c: &Cell, screen: u8, window: u8) -> Option<u8> {
-        let bumper = if self.black_bumper { slot::PLASTIC } else { slot::PAINT };
-        match c.part {
-            Part::Front | Part::FrontCorner => Some(if c.z < self.bumper_top {
-                if c.part == Part::Front && c.fraction > 0.50 && c.fraction < 0.82 && !self.is_small {
-                    slot::LAMP
-                } else {
-                    bumper
-                }
-            } else if c.z < self.floor {
-                if self.is_small
-                    && c.part == Part::Front
-                    && c.fraction > 0.50
-                    && c.z < 0.5 * (self.bumper_top + self.floor)
-                {
-                    slot::LAMP
-                } else if c.part == Part::Front && c.fraction < 0.66 {
-                    slot::GRILLE
-                } else {
-                    slot::PAINT
-                }
-            } else if c.z > self.sill && c.z < self.header && c.part == Part::Front {
-                screen
-            } else if c.z > self.sill - 0.12 && c.z < self.sill {
-                slot::PLASTIC
-            } else {
-                slot::PAINT
-            }),
-            Part::Side => {
-                if self.arch.covers(c.x, c.z) {
-                    return None;
-                }
-                if c.z > self.sill && c.z < self.header && c.x < self.window_x.0 && c.x > self.window_x.1 {
-                    return Some(window);
-                }
-                Some(if c.z < self.bumper_top { slot::PLASTIC } else { slot::PAINT })
-            }
-            Part::RearCorner | Part::Rear => Some(if c.z < self.floor { slot::PLASTIC } else { slot::PAINT }),
-        }
+        let is_front = c.part == Part::Front;
+        let has_lamp = is_front && c.fraction > 0.50;
+        let is_window_high = c.z > self.sill && c.z < self.header;
+        Some(match c.part {
+            Part::Front | Part::FrontCorner => match c.z {
+                // Small trucks have their lamps over the bumper.
+                z if z < self.bumper_top && has_lamp && c.fraction < 0.82 && !self.is_small => slot::LAMP,
+                z if z < self.bumper_top && self.black_bumper => slot::PLASTIC,
+                z if z < self.bumper_top => slot::PAINT,
+                z if z < 0.5 * (self.bumper_top + self.floor) && has_lamp && self.is_small => slot::LAMP,
+                z if z < self.floor && is_front && c.fraction < 0.66 => slot::GRILLE,
+                z if z < self.floor => slot::PAINT,
+                _ if is_window_high && is_front => screen,
+                z if z > self.sill - 0.12 && z < self.sill => slot::PLASTIC,
+                _ => slot::PAINT,
+            },
+            Part::Side if self.arch.covers(c.x, c.z) => return None,
+            Part::Side if is_window_high && c.x < self.window_x.0 && c.x > self.window_x.1 => window,
+            Part::Side if c.z < self.bumper_top => slot::PLASTIC,
+            Part::RearCorner | Part::Rear if c.z < self.floor => slot::PLASTIC,
+            Part::Side | Part::RearCorner | Part::Rear => slot::PAINT,
+        })
     }
 
     fn add_inside(&self, surface: &mut Surface, level: usize) {
@@ -151,16 +135,12 @@ impl Cab {
         let w = h.half_y - 0.07;
         let z = self.floor + 0.02;
         let ceiling = self.hull.rows[7].0 - 0.02;
-        let wall = [Vec3::new(front, w, z), Vec3::new(rear, w, z)];
-        let up = |p: Vec3, z: f32| Vec3::new(p.x, p.y, z);
-        let sides = [wall.to_vec(), wall.map(|p| up(p, self.sill - 0.02)).to_vec()];
-        surface.pair(&sides, Outward::Along(Vec3::NEG_Y), |_, _| Some(slot::DARK));
-        let floor = [wall.to_vec(), wall.map(|p| Vec3::new(p.x, 0.0, z)).to_vec()];
-        surface.pair(&floor, Outward::Along(Vec3::Z), |_, _| Some(slot::DARK));
-        let lid = [wall.map(|p| up(p, ceiling)).to_vec(), wall.map(|p| Vec3::new(p.x, 0.0, ceiling)).to_vec()];
-        surface.pair(&lid, Outward::Along(Vec3::NEG_Z), |_, _| Some(slot::CLOTH));
-        let back = [vec![wall[1], Vec3::new(rear, 0.0, z)], vec![up(wall[1], ceiling), Vec3::new(rear, 0.0, ceiling)]];
-        surface.pair(&back, Outward::Along(Vec3::X), |_, _| Some(slot::CLOTH));
+        let sides = grid([z, self.sill - 0.02], [front, rear], |z, x| Vec3::new(x, w, z));
+        surface.panel_pair(&sides, Outward::Along(Vec3::NEG_Y), slot::DARK);
+        let level_at = |z: f32| grid([w, 0.0], [front, rear], |y, x| Vec3::new(x, y, z));
+        surface.panel_pair(&level_at(z), Outward::Along(Vec3::Z), slot::DARK);
+        surface.panel_pair(&level_at(ceiling), Outward::Along(Vec3::NEG_Z), slot::CLOTH);
+        surface.panel_pair(&upright(rear, [w, 0.0], [z, ceiling]), Outward::Along(Vec3::X), slot::CLOTH);
         // The dashboard below the screen.
         let dash = [
             (front + 0.12, self.sill - 0.08),
@@ -168,22 +148,16 @@ impl Cab {
             (front - 0.30, self.sill - 0.16),
             (front - 0.12, z),
         ];
-        let rows: Vec<Vec<Vec3>> =
-            [0.0, w].iter().map(|y| dash.iter().map(|(x, z)| Vec3::new(*x, *y, *z)).collect()).collect();
-        surface.pair(&rows, Outward::Along(Vec3::new(-0.6, 0.0, 1.0)), |_, _| Some(slot::DARK));
+        let dash = grid([0.0, w], dash, |y, (x, z)| Vec3::new(x, y, z));
+        surface.panel_pair(&dash, Outward::Along(Vec3::new(-0.6, 0.0, 1.0)), slot::DARK);
         let hip = self.hip();
         let lean = Mat3::from_quat(Quat::from_rotation_y(-0.25));
         let sides = if level == 0 { 8 } else { 4 };
         surface.block_pair(hip + Vec3::new(-0.20, 0.0, 0.26), Vec3::new(0.06, 0.23, 0.32), lean, sides, slot::CLOTH);
         surface.block_pair(hip + Vec3::new(-0.28, 0.0, 0.66), Vec3::new(0.05, 0.13, 0.10), lean, sides, slot::CLOTH);
         if level < 2 {
-            surface.block_pair(
-                hip + Vec3::new(0.06, 0.0, -0.10),
-                Vec3::new(0.25, 0.24, 0.09),
-                Mat3::IDENTITY,
-                sides,
-                slot::CLOTH,
-            );
+            let cushion = hip + Vec3::new(0.06, 0.0, -0.10);
+            surface.block_pair(cushion, Vec3::new(0.25, 0.24, 0.09), Mat3::IDENTITY, sides, slot::CLOTH);
             let (center, axes) = self.steering();
             add_wheel(surface, center, axes, 0.22, level);
         }
@@ -213,39 +187,25 @@ impl Cab {
 
     fn add_trim(&self, surface: &mut Surface, p: &Plan, level: usize) {
         let h = &self.hull;
-        let front = h.front_x;
+        let (front, w) = (h.front_x, h.half_y);
         // Turn signals in the corners beside the lamps, and their repeaters behind the doors' hinges.
         let edge = h.half_y - h.front_radius_m;
-        surface.cuboid_pair(
-            Vec3::new(front - 0.20, edge - 0.05, self.bumper_top - 0.15),
-            Vec3::new(front - h.bow_m + 0.004, edge + 0.08, self.bumper_top - 0.03),
-            slot::LEFT_SIGNAL,
-        );
+        let (x, z) = ([front - 0.20, front - h.bow_m + 0.004], [self.bumper_top - 0.15, self.bumper_top - 0.03]);
+        surface.cuboid_pair(x, [edge - 0.05, edge + 0.08], z, slot::LEFT_SIGNAL);
         if level < 2 {
-            let x = self.window_x.0 + 0.12;
-            surface.cuboid_pair(
-                Vec3::new(x - 0.05, h.half_y - 0.02, self.floor - 0.04),
-                Vec3::new(x + 0.05, h.half_y + 0.004, self.floor),
-                slot::LEFT_SIGNAL,
-            );
+            let (x, z) = (self.window_x.0 + 0.12, [self.floor - 0.04, self.floor]);
+            surface.cuboid_pair([x - 0.05, x + 0.05], [w - 0.02, w + 0.004], z, slot::LEFT_SIGNAL);
         }
         if level < 3 {
             // Bars of the grille, the maker's badge, the plate.
             let n = if level == 0 { 4 } else { 2 };
             for k in 0..n {
                 let z = self.bumper_top + (self.floor - self.bumper_top) * (k as f32 + 0.7) / (n as f32 + 0.4);
-                let w = 0.60 * h.half_y;
-                surface.builder.cuboid(
-                    Vec3::new(front - 0.06, -w, z - 0.016),
-                    Vec3::new(front - 0.003, w, z + 0.016),
-                    slot::PLASTIC,
-                );
+                let y = [-0.60 * w, 0.60 * w];
+                surface.cuboid([front - 0.06, front - 0.003], y, [z - 0.016, z + 0.016], slot::PLASTIC);
             }
-            surface.builder.cuboid(
-                Vec3::new(front - 0.02, -0.07, self.floor + 0.05),
-                Vec3::new(front - 0.001, 0.07, self.floor + 0.13),
-                slot::CHROME,
-            );
+            let badge_z = [self.floor + 0.05, self.floor + 0.13];
+            surface.cuboid([front - 0.02, front - 0.001], [-0.07, 0.07], badge_z, slot::CHROME);
             plate(surface, front - 0.001, 0.48, 0.26, 1.0);
         }
         if level < 2 {
@@ -254,65 +214,47 @@ impl Cab {
             let ahead = self.arch.axle_x + self.arch.radius_m;
             if flank - ahead > 0.12 {
                 for z in [0.46, 0.80] {
-                    surface.cuboid_pair(
-                        Vec3::new(ahead + 0.03, h.half_y - 0.02, z),
-                        Vec3::new(flank - 0.02, h.half_y + 0.003, z + 0.07),
-                        slot::GRILLE,
-                    );
+                    let step_x = [ahead + 0.03, flank - 0.02];
+                    surface.cuboid_pair(step_x, [w - 0.02, w + 0.003], [z, z + 0.07], slot::GRILLE);
                 }
             }
-            let y = h.half_y + 0.002;
-            for x in [self.window_x.0 + 0.05, self.window_x.1 - 0.05] {
-                surface.cuboid_pair(
-                    Vec3::new(x - 0.006, y - 0.02, self.floor + 0.02),
-                    Vec3::new(x + 0.006, y, self.sill - 0.02),
-                    slot::LINER,
-                );
+            let (y, door_x) = (w + 0.002, self.window_x.1);
+            for x in [self.window_x.0 + 0.05, door_x - 0.05] {
+                let gap_z = [self.floor + 0.02, self.sill - 0.02];
+                surface.cuboid_pair([x - 0.006, x + 0.006], [y - 0.02, y], gap_z, slot::LINER);
             }
-            surface.cuboid_pair(
-                Vec3::new(self.window_x.1 + 0.0, y - 0.02, self.sill - 0.22),
-                Vec3::new(self.window_x.1 + 0.16, y + 0.012, self.sill - 0.18),
-                slot::PLASTIC,
-            );
+            let handle_z = [self.sill - 0.22, self.sill - 0.18];
+            surface.cuboid_pair([door_x, door_x + 0.16], [y - 0.02, y + 0.012], handle_z, slot::PLASTIC);
             for y in [-0.62, 0.12] {
                 let a = Vec3::new(front - 0.045, y, self.sill + 0.01);
                 limb(surface, a, a + Vec3::new(-0.03, 0.52, 0.12), 0.012, 0.008, 3, slot::PLASTIC);
             }
         }
         if self.has_visor && level < 3 {
-            let (x, z, w) = (front - 0.05 - h.lean_tangent * 0.7, self.header + 0.10, 0.90 * h.half_y);
+            let (x, z, w) = (front - 0.05 - h.lean_tangent * 0.7, self.header + 0.10, 0.90 * w);
             let visor = [
-                vec![Vec3::new(x - 0.06, 0.0, z), Vec3::new(x - 0.10, w, z)],
-                vec![Vec3::new(x + 0.04, 0.0, z - 0.20), Vec3::new(x, w, z - 0.20)],
+                [Vec3::new(x - 0.06, 0.0, z), Vec3::new(x - 0.10, w, z)],
+                [Vec3::new(x + 0.04, 0.0, z - 0.20), Vec3::new(x, w, z - 0.20)],
             ];
-            surface.pair(&visor, Outward::Along(Vec3::X), |_, _| Some(slot::DARK_GLASS));
+            surface.panel_pair(&visor, Outward::Along(Vec3::X), slot::DARK_GLASS);
         }
         // The engine and the tunnel that it stands in.
-        surface.builder.cuboid(
-            Vec3::new(h.rear_x - 0.15, -0.42, 0.42),
-            Vec3::new(front - 0.35, 0.42, self.floor - 0.05),
-            slot::LINER,
-        );
-        if p.cab_top_z + 0.25 < p.height_m
-            && p.body.is_some_and(|body| body.family.roof == Roof::Flat)
-            && p.detail[6] > 0.3
-        {
-            // The deflector on the roof.
-            let (x0, x1) = (front - 0.55 - h.lean_tangent, h.rear_x + 0.05);
-            let (z0, z1) = (p.cab_top_z - 0.02, p.cab_top_z + 0.85 * (p.height_m - p.cab_top_z));
-            let w = h.half_y - 0.16;
-            let ramp: Vec<Vec<Vec3>> =
-                [(x0, z0, 0.8), (0.6 * x0 + 0.4 * x1, 0.35 * z0 + 0.65 * z1, 0.93), (x1, z1, 1.0)]
-                    .iter()
-                    .map(|(x, z, k)| vec![Vec3::new(*x, 0.0, *z), Vec3::new(*x, k * w, *z), Vec3::new(*x, k * w, z0)])
-                    .collect();
-            surface.pair(&ramp, Outward::Along(Vec3::new(0.3, 1.0, 1.0)), |_, _| Some(slot::PAINT));
-            let end = [
-                vec![Vec3::new(x1, 0.0, z0), Vec3::new(x1, w, z0)],
-                vec![Vec3::new(x1, 0.0, z1), Vec3::new(x1, w, z1)],
-            ];
-            surface.pair(&end, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::PLASTIC));
+        surface.cuboid([h.rear_x - 0.15, front - 0.35], [-0.42, 0.42], [0.42, self.floor - 0.05], slot::LINER);
+        let leads_to_roof = p.body.is_some_and(|body| body.family.roof == Roof::Flat);
+        if p.cab_top_z + 0.25 < p.height_m && leads_to_roof && p.detail[6] > 0.3 {
+            self.add_deflector(surface, p);
         }
+    }
+
+    /// Adds the deflector on the roof.
+    fn add_deflector(&self, surface: &mut Surface, p: &Plan) {
+        let h = &self.hull;
+        let (x0, x1, w) = (h.front_x - 0.55 - h.lean_tangent, h.rear_x + 0.05, h.half_y - 0.16);
+        let (z0, z1) = (p.cab_top_z - 0.02, p.cab_top_z + 0.85 * (p.height_m - p.cab_top_z));
+        let ramp = [(x0, z0, 0.8), (0.6 * x0 + 0.4 * x1, 0.35 * z0 + 0.65 * z1, 0.93), (x1, z1, 1.0)];
+        let ramp = ramp.map(|(x, z, k)| [(0.0, z), (k * w, z), (k * w, z0)].map(|(y, z)| Vec3::new(x, y, z)));
+        surface.panel_pair(&ramp, Outward::Along(Vec3::new(0.3, 1.0, 1.0)), slot::PAINT);
+        surface.panel_pair(&upright(x1, [0.0, w], [z0, z1]), Outward::Along(Vec3::NEG_X), slot::PLASTIC);
     }
 
     /// Adds what sticks out of the label's box: mirrors on their arms.
@@ -323,17 +265,13 @@ impl Cab {
         let half = Vec3::new(0.06, 0.10, 0.24) * scale;
         surface.block_pair(at, half, Mat3::IDENTITY, [10, 6, 4, 4][level], slot::PLASTIC);
         if level < 2 {
-            let back = at.x - half.x - 0.001;
-            let corner = |y: f32, z: f32| Vec3::new(back, at.y + y * half.y, at.z + z * half.z);
-            let glass = [vec![corner(-0.8, -0.8), corner(0.8, -0.8)], vec![corner(-0.8, 0.8), corner(0.8, 0.8)]];
-            surface.pair(&glass, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::CHROME));
+            let (w, h_m) = (0.8 * half.y, 0.8 * half.z);
+            let glass = upright(at.x - half.x - 0.001, [at.y - w, at.y + w], [at.z - h_m, at.z + h_m]);
+            surface.panel_pair(&glass, Outward::Along(Vec3::NEG_X), slot::CHROME);
             for z in [-0.7, 0.7] {
                 let out = at + Vec3::new(0.0, 0.0, z * half.z);
                 let foot = Vec3::new(at.x - 0.12, h.half_y - 0.04, out.z);
-                for side in [1.0, -1.0] {
-                    let turn = |p: Vec3| Vec3::new(p.x, side * p.y, p.z);
-                    limb(surface, turn(foot), turn(out), 0.015, 0.015, 4, slot::PLASTIC);
-                }
+                limb_pair(surface, foot, out, 0.015, 4, slot::PLASTIC);
             }
         }
     }
@@ -342,15 +280,11 @@ impl Cab {
 /// A number plate on an upright face that looks along `direction` times x.
 pub(super) fn plate(surface: &mut Surface, x: f32, z: f32, half_y: f32, direction: f32) {
     let half_h = if half_y < 0.2 { 0.09 } else { 0.055 };
-    let sheet = |y0: f32, y1: f32, h: f32, x: f32| {
-        [vec![Vec3::new(x, y0, z - h), Vec3::new(x, y1, z - h)], vec![Vec3::new(x, y0, z + h), Vec3::new(x, y1, z + h)]]
-    };
     let facing = Outward::Along(Vec3::X * direction);
-    surface.sheet(&sheet(-half_y, half_y, half_h, x), facing, |_, _| Some(slot::PLATE));
+    surface.panel(&upright(x, [-half_y, half_y], [z - half_h, z + half_h]), facing, slot::PLATE);
+    let (x, letter_z) = (x + 0.0006 * direction, [z - 0.55 * half_h, z + 0.55 * half_h]);
     for k in 0..7 {
         let y = half_y * (0.72 - 0.24 * k as f32);
-        surface.sheet(&sheet(y - 0.013, y + 0.013, 0.55 * half_h, x + 0.0006 * direction), facing, |_, _| {
-            Some(slot::LETTERS)
-        });
+        surface.panel(&upright(x, [y - 0.013, y + 0.013], letter_z), facing, slot::LETTERS);
     }
 }

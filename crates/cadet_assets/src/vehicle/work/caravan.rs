@@ -2,20 +2,19 @@
 
 use super::super::paint::{slot, work_slot};
 use super::super::surface::Surface;
-use super::hull::{Hull, Part};
+use super::hull::{Cell, Hull, Part};
 use super::plan::TowedPlan;
-use cadet_base::math::Vec3;
 
 impl TowedPlan {
     /// Adds a caravan's shell.
     pub(super) fn add_caravan(&self, surface: &mut Surface, (rear_x, front_x): (f32, f32), level: usize) {
-        let (low, top) = (0.40, self.height_m);
+        let (low, top, side) = (0.40, self.height_m, self.width_m / 2.0);
         let high = top - low;
         let (sill, header) = (low + 0.42 * high, low + 0.74 * high);
         let hull = Hull {
             front_x,
             rear_x,
-            half_y: self.width_m / 2.0,
+            half_y: side,
             front_radius_m: 0.14,
             rear_radius_m: 0.12,
             bow_m: 0.12,
@@ -40,54 +39,33 @@ impl TowedPlan {
         let ends: &[f32] = if level < 2 { &[0.0, 0.4, 0.78] } else { &[0.0, 0.78] };
         let columns = hull.columns(ends, &xs, [4, 3, 2, 1][level]);
         let stripe = self.detail[5] > 0.4;
-        hull.add(
-            surface,
-            &columns,
-            |c| {
-                let is_window = c.z > sill && c.z < header;
-                Some(match c.part {
-                    Part::Front | Part::Rear if is_window && c.fraction < 0.75 => slot::DARK_GLASS,
-                    Part::Side if is_window && windows.iter().any(|(a, b)| c.x < *a && c.x > *b) => slot::DARK_GLASS,
-                    _ if stripe && c.z > low + 0.28 * high && c.z < sill => work_slot::STRIPE,
-                    _ => slot::PAINT,
-                })
-            },
-            slot::PAINT,
-        );
+        let slot_of = |c: &Cell| {
+            let is_window = c.z > sill && c.z < header;
+            Some(match c.part {
+                Part::Front | Part::Rear if is_window && c.fraction < 0.75 => slot::DARK_GLASS,
+                Part::Side if is_window && windows.iter().any(|(a, b)| c.x < *a && c.x > *b) => slot::DARK_GLASS,
+                _ if stripe && c.z > low + 0.28 * high && c.z < sill => work_slot::STRIPE,
+                _ => slot::PAINT,
+            })
+        };
+        hull.add(surface, &columns, slot_of, slot::PAINT);
         if level < 3 {
             // The door on the right, a skylight, the gas box on the drawbar.
-            let x = 0.5 * (from + to);
-            let y = -self.width_m / 2.0 - 0.002;
+            let (x, door_z) = (0.5 * (from + to), low + 0.86 * high);
+            let y = [-side - 0.002, -side - 0.002 + 0.02];
             for (x0, x1) in [(x - 0.31, x - 0.295), (x + 0.295, x + 0.31)] {
-                surface.builder.cuboid(
-                    Vec3::new(x0, y, low + 0.06),
-                    Vec3::new(x1, y + 0.02, low + 0.86 * high),
-                    slot::LINER,
-                );
+                surface.cuboid([x0, x1], y, [low + 0.06, door_z], slot::LINER);
             }
-            surface.builder.cuboid(
-                Vec3::new(x - 0.31, y, low + 0.86 * high - 0.015),
-                Vec3::new(x + 0.31, y + 0.02, low + 0.86 * high),
-                slot::LINER,
-            );
-            surface.builder.cuboid(
-                Vec3::new(front_x + 0.02, -0.38, 0.48),
-                Vec3::new((front_x + 0.45).min(self.length_m / 2.0 - 0.2), 0.38, 0.95),
-                slot::PAINT,
-            );
-            surface.cuboid_pair(
-                Vec3::new(rear_x + 0.005, self.width_m / 2.0 - 0.30, low + 0.16),
-                Vec3::new(rear_x + 0.08, self.width_m / 2.0 - 0.14, low + 0.42),
-                slot::TAIL_LAMP,
-            );
+            surface.cuboid([x - 0.31, x + 0.31], y, [door_z - 0.015, door_z], slot::LINER);
+            let box_x = [front_x + 0.02, (front_x + 0.45).min(self.length_m / 2.0 - 0.2)];
+            surface.cuboid(box_x, [-0.38, 0.38], [0.48, 0.95], slot::PAINT);
+            let (lamp_x, lamp_z) = ([rear_x + 0.005, rear_x + 0.08], [low + 0.16, low + 0.42]);
+            surface.cuboid_pair(lamp_x, [side - 0.30, side - 0.14], lamp_z, slot::TAIL_LAMP);
         }
         // The arch's dark over the wheel.
         let (x, r) = (self.stand().wheels_x, self.wheel_radius());
         let reach = if self.length_m > 4.6 && self.detail[1] > 0.4 { 2.2 * r } else { 1.15 * r };
-        surface.cuboid_pair(
-            Vec3::new(x - reach, self.width_m / 2.0 - 0.25, low - 0.01),
-            Vec3::new(x + reach, self.width_m / 2.0 + 0.002, 2.0 * r + 0.06),
-            slot::LINER,
-        );
+        let (y, z) = ([side - 0.25, side + 0.002], [low - 0.01, 2.0 * r + 0.06]);
+        surface.cuboid_pair([x - reach, x + reach], y, z, slot::LINER);
     }
 }

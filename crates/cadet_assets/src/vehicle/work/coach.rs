@@ -1,8 +1,8 @@
 //! A city bus: long windows, two or three doors on the right, a low floor with seats, and who sits on them.
 
-use super::super::interior::{add_occupant, add_seat_pairs, add_wheel, limb};
+use super::super::interior::{add_occupant, add_passengers, add_seat_pairs, add_wheel, limb, limb_pair};
 use super::super::paint::{slot, work_slot};
-use super::super::surface::{Outward, Surface};
+use super::super::surface::{Outward, Surface, grid, level_sheet, upright};
 use super::cab::plate;
 use super::hull::{Arch, Cell, Hull, Part};
 use super::plan::Plan;
@@ -21,7 +21,6 @@ pub(super) struct Coach {
     doors: Vec<(f32, f32)>,
     header: f32,
     skirt: f32,
-    has_sign: bool,
     detail: [f32; 8],
 }
 
@@ -72,16 +71,7 @@ impl Coach {
         }
         let n = ((from - to) / 1.45).round();
         let pillars = (0..=n as usize).map(|k| from - (from - to) * k as f32 / n).collect();
-        Self {
-            hull,
-            arches: [arch(p.axles_x[0]), arch(p.axles_x[1])],
-            pillars,
-            doors,
-            header,
-            skirt,
-            has_sign: true,
-            detail: p.detail,
-        }
+        Self { hull, arches: [arch(p.axles_x[0]), arch(p.axles_x[1])], pillars, doors, header, skirt, detail: p.detail }
     }
 
     fn sill(&self) -> f32 {
@@ -99,11 +89,9 @@ impl Coach {
         if level < 3 {
             xs.extend(self.pillars.iter().flat_map(|x| [x + edge, x - edge]));
         }
-        xs.extend(
-            self.doors
-                .iter()
-                .flat_map(|(a, b)| [*a, *b, a - 0.06, b + 0.06, 0.5 * (a + b) + 0.03, 0.5 * (a + b) - 0.03]),
-        );
+        for (a, b) in &self.doors {
+            xs.extend([*a, *b, a - 0.06, b + 0.06, 0.5 * (a + b) + 0.03, 0.5 * (a + b) - 0.03]);
+        }
         xs.extend(self.arches.iter().flat_map(|a| [a.axle_x + a.radius_m, a.axle_x - a.radius_m]));
         xs.retain(|x| *x <= from && *x >= to);
         let columns = h.columns(ends, &xs, [5, 3, 2, 2][level]);
@@ -119,25 +107,14 @@ impl Coach {
 
     fn slot(&self, c: &Cell, level: usize) -> Option<u8> {
         let is_glazed = level < 3;
-        let pane = |slot: u8| Some(if is_glazed { slot } else { slot::DARK_GLASS });
+        let pane = |slot: u8| if is_glazed { slot } else { slot::DARK_GLASS };
         let (sill, header) = (self.sill(), self.header);
-        match c.part {
-            Part::Front => Some(if c.z > sill && c.z < header && c.fraction < 0.85 {
-                return pane(slot::SCREEN);
-            } else if c.z > header && c.z < header + 0.30 && c.fraction < 0.8 && self.has_sign {
-                slot::DARK_GLASS
-            } else if c.z < self.skirt {
-                slot::PLASTIC
-            } else {
-                slot::PAINT
-            }),
-            Part::FrontCorner => Some(if c.z > sill && c.z < header {
-                slot::DARK_GLASS
-            } else if c.z < self.skirt {
-                slot::PLASTIC
-            } else {
-                slot::PAINT
-            }),
+        let is_window_high = c.z > sill && c.z < header;
+        Some(match c.part {
+            Part::Front if is_window_high && c.fraction < 0.85 => pane(slot::SCREEN),
+            Part::Front if c.z > header && c.z < header + 0.30 && c.fraction < 0.8 => slot::DARK_GLASS,
+            Part::FrontCorner if is_window_high => slot::DARK_GLASS,
+            Part::Rear if is_window_high && c.z > sill + 0.2 && c.fraction < 0.85 => slot::DARK_GLASS,
             Part::Side => {
                 if self.arches.iter().any(|a| a.covers(c.x, c.z)) {
                     return None;
@@ -145,81 +122,53 @@ impl Coach {
                 let door = self.doors.iter().find(|(a, b)| c.side < 0.0 && c.x < *a && c.x > *b);
                 if let Some((a, b)) = door {
                     let is_frame = a - c.x < 0.06 || c.x - b < 0.06 || (c.x - 0.5 * (a + b)).abs() < 0.03;
-                    return if c.z > header {
-                        Some(slot::PAINT)
+                    return Some(if c.z > header {
+                        slot::PAINT
                     } else if is_frame {
-                        Some(slot::PLASTIC)
+                        slot::PLASTIC
                     } else {
                         pane(slot::SIDE_GLASS)
-                    };
+                    });
                 }
-                if c.z > sill && c.z < header {
-                    let is_pillar = is_glazed && self.pillars.iter().any(|x| (c.x - x).abs() < 0.05);
-                    let (_, to) = self.hull.flank();
-                    let is_engine = c.x < to + 1.1 * self.detail[5];
-                    return if is_pillar || is_engine { Some(slot::DARK_GLASS) } else { pane(slot::REAR_SIDE_GLASS) };
+                let is_pillar = is_glazed && self.pillars.iter().any(|x| (c.x - x).abs() < 0.05);
+                let is_engine = c.x < self.hull.flank().1 + 1.1 * self.detail[5];
+                match c.z {
+                    _ if is_window_high && (is_pillar || is_engine) => slot::DARK_GLASS,
+                    _ if is_window_high => pane(slot::REAR_SIDE_GLASS),
+                    z if z < self.skirt && self.detail[6] > 0.5 => work_slot::STRIPE,
+                    _ => slot::PAINT,
                 }
-                Some(if c.z < self.skirt && self.detail[6] > 0.5 { work_slot::STRIPE } else { slot::PAINT })
             }
-            Part::RearCorner | Part::Rear => {
-                Some(if c.part == Part::Rear && c.z > sill + 0.2 && c.z < header && c.fraction < 0.85 {
-                    slot::DARK_GLASS
-                } else if c.z < self.skirt {
-                    slot::PLASTIC
-                } else {
-                    slot::PAINT
-                })
-            }
-        }
+            _ if c.z < self.skirt => slot::PLASTIC,
+            _ => slot::PAINT,
+        })
     }
 
     fn add_inside(&self, surface: &mut Surface, level: usize) {
         let h = &self.hull;
         let (a, b, w) = (h.front_x - 0.35, h.rear_x + 0.35, h.half_y - 0.06);
-        let plane =
-            |z: f32| [vec![Vec3::new(a, 0.0, z), Vec3::new(a, w, z)], vec![Vec3::new(b, 0.0, z), Vec3::new(b, w, z)]];
-        surface.pair(&plane(FLOOR_M), Outward::Along(Vec3::Z), |_, _| Some(slot::DARK));
-        surface.pair(&plane(h.rows[5].0), Outward::Along(Vec3::NEG_Z), |_, _| Some(work_slot::LINING));
-        let wall = |z0: f32, z1: f32| {
-            [vec![Vec3::new(a, w, z0), Vec3::new(b, w, z0)], vec![Vec3::new(a, w, z1), Vec3::new(b, w, z1)]]
-        };
-        for (z0, z1) in [(FLOOR_M, self.sill() - 0.02), (self.header + 0.02, h.rows[5].0)] {
-            let is_low = z1 < 1.5;
-            let sheet = wall(z0, z1);
-            // The doors on the right are glazed down to the floor.
-            if is_low {
-                surface.sheet(&sheet, Outward::Along(Vec3::NEG_Y), |_, _| Some(slot::DARK));
-            } else {
-                surface.pair(&sheet, Outward::Along(Vec3::NEG_Y), |_, _| Some(work_slot::LINING));
-            }
-        }
-        let back = [
-            vec![Vec3::new(b, 0.0, FLOOR_M), Vec3::new(b, w, FLOOR_M)],
-            vec![Vec3::new(b, 0.0, h.rows[5].0), Vec3::new(b, w, h.rows[5].0)],
-        ];
-        surface.pair(&back, Outward::Along(Vec3::X), |_, _| Some(slot::CLOTH));
+        let ceiling = h.rows[5].0;
+        surface.panel_pair(&level_sheet([a, b], [0.0, w], FLOOR_M), Outward::Along(Vec3::Z), slot::DARK);
+        surface.panel_pair(&level_sheet([a, b], [0.0, w], ceiling), Outward::Along(Vec3::NEG_Z), work_slot::LINING);
+        let wall = |z: [f32; 2]| grid(z, [a, b], |z, x| Vec3::new(x, w, z));
+        // The doors on the right are glazed down to the floor.
+        surface.panel(&wall([FLOOR_M, self.sill() - 0.02]), Outward::Along(Vec3::NEG_Y), slot::DARK);
+        surface.panel_pair(&wall([self.header + 0.02, ceiling]), Outward::Along(Vec3::NEG_Y), work_slot::LINING);
+        surface.panel_pair(&upright(b, [0.0, w], [FLOOR_M, ceiling]), Outward::Along(Vec3::X), slot::CLOTH);
         add_seat_pairs(surface, self.seats(), level);
         if level < 2 {
             for x in &self.pillars {
                 for y in [-0.42, 0.42] {
-                    limb(
-                        surface,
-                        Vec3::new(*x, y, FLOOR_M),
-                        Vec3::new(*x, y, h.rows[5].0),
-                        0.018,
-                        0.018,
-                        4,
-                        work_slot::AMBER,
-                    );
+                    let [foot, top] = [FLOOR_M, ceiling].map(|z| Vec3::new(*x, y, z));
+                    limb(surface, foot, top, 0.018, 0.018, 4, work_slot::AMBER);
                 }
             }
             let (center, axes) = self.steering();
             add_wheel(surface, center, axes, 0.22, level);
         }
         let dash = [(a + 0.10, self.sill() + 0.02), (a - 0.25, self.sill() + 0.10), (a - 0.30, FLOOR_M)];
-        let rows: Vec<Vec<Vec3>> =
-            [0.0, 0.9 * w].iter().map(|y| dash.iter().map(|(x, z)| Vec3::new(*x, *y, *z)).collect()).collect();
-        surface.pair(&rows, Outward::Along(Vec3::new(-0.6, 0.0, 1.0)), |_, _| Some(slot::DARK));
+        let dash = grid([0.0, 0.9 * w], dash, |y, (x, z)| Vec3::new(x, y, z));
+        surface.panel_pair(&dash, Outward::Along(Vec3::new(-0.6, 0.0, 1.0)), slot::DARK);
     }
 
     /// Hip points of the left seats; there are as many on the right but beside the doors.
@@ -244,15 +193,7 @@ impl Coach {
         let (center, axes) = self.steering();
         let hands = [0.19, -0.19].map(|y| center + axes * Vec3::new(0.05, y, 0.02));
         add_occupant(&mut surface, self.hip(), 0.95, Some(hands), level.min(2));
-        let full = 0.15 + 0.5 * self.detail[7];
-        for (k, hip) in self.seats().into_iter().enumerate() {
-            for (m, y) in [hip.y + 0.2, hip.y - 0.2, -hip.y + 0.2, -hip.y - 0.2].into_iter().enumerate() {
-                let t = self.detail[3] * 17.0 + k as f32 * 0.617 + m as f32 * 0.381;
-                if t - t.floor() < full {
-                    add_occupant(&mut surface, Vec3::new(hip.x, y, hip.z), 0.9, None, 2);
-                }
-            }
-        }
+        add_passengers(&mut surface, self.seats(), self.detail[3], 0.15 + 0.5 * self.detail[7]);
         surface
     }
 
@@ -261,67 +202,35 @@ impl Coach {
         let (front, rear) = (h.front_x, h.rear_x);
         // Lamps in the corners of nose and tail, the destination, the air conditioner on the roof.
         let w = h.half_y;
-        surface.cuboid_pair(
-            Vec3::new(front - 0.36, 0.56 * w, 0.66),
-            Vec3::new(front - 0.075, 0.80 * w, 0.86),
-            slot::LAMP,
-        );
-        surface.cuboid_pair(
-            Vec3::new(front - 0.40, 0.815 * w, 0.68),
-            Vec3::new(front - 0.11, 0.90 * w, 0.84),
-            slot::LEFT_SIGNAL,
-        );
+        surface.cuboid_pair([front - 0.36, front - 0.075], [0.56 * w, 0.80 * w], [0.66, 0.86], slot::LAMP);
+        surface.cuboid_pair([front - 0.40, front - 0.11], [0.815 * w, 0.90 * w], [0.68, 0.84], slot::LEFT_SIGNAL);
+        let (from, to) = h.flank();
         if level < 2 {
-            let (from, _) = h.flank();
-            surface.cuboid_pair(
-                Vec3::new(from - 0.30, w - 0.02, 0.92),
-                Vec3::new(from - 0.20, w + 0.004, 0.97),
-                slot::LEFT_SIGNAL,
-            );
+            surface.cuboid_pair([from - 0.30, from - 0.20], [w - 0.02, w + 0.004], [0.92, 0.97], slot::LEFT_SIGNAL);
         }
         for (z0, z1, s) in [
             (0.95, 1.30, slot::TAIL_LAMP),
             (1.32, 1.44, slot::LEFT_SIGNAL),
             (h.rows[5].0 - 0.12, h.rows[5].0 - 0.04, slot::TAIL_LAMP),
         ] {
-            surface.cuboid_pair(
-                Vec3::new(rear + 0.005 + 0.03 * (z0 - 1.1_f32).max(0.0), 0.74 * w, z0),
-                Vec3::new(rear + 0.2, 0.86 * w, z1),
-                s,
-            );
+            let x0 = rear + 0.005 + 0.03 * (z0 - 1.1_f32).max(0.0);
+            surface.cuboid_pair([x0, rear + 0.2], [0.74 * w, 0.86 * w], [z0, z1], s);
         }
         let roof = h.rows[7].0;
-        let ac = (p.axles_x[1] + 1.5 + self.detail[0], -0.5 + self.detail[0]);
-        surface.block(
-            Vec3::new(0.5 * (ac.0 + ac.1), 0.0, roof - 0.02),
-            Vec3::new(0.5 * (ac.1 - ac.0).abs(), 0.7, 0.05),
-            Mat3::IDENTITY,
-            4,
-            slot::PAINT,
-        );
+        let (ac_rear, ac_front) = (p.axles_x[1] + 1.5 + self.detail[0], -0.5 + self.detail[0]);
+        let ac_half = Vec3::new(0.5 * (ac_front - ac_rear).abs(), 0.7, 0.05);
+        surface.block(Vec3::new(0.5 * (ac_rear + ac_front), 0.0, roof - 0.02), ac_half, Mat3::IDENTITY, 4, slot::PAINT);
         if level < 3 {
             plate(surface, front - 0.002, 0.45, 0.26, 1.0);
             plate(surface, rear + 0.004, 0.75, 0.26, -1.0);
-            surface.builder.cuboid(
-                Vec3::new(rear + 0.002, -0.62 * w, 0.52),
-                Vec3::new(rear + 0.05, 0.62 * w, 0.66),
-                slot::GRILLE,
-            );
-            let (from, to) = h.flank();
+            surface.cuboid([rear + 0.002, rear + 0.05], [-0.62 * w, 0.62 * w], [0.52, 0.66], slot::GRILLE);
             if self.detail[2] > 0.4 {
                 // A band of color below the windows.
-                let band = |y: f32| {
-                    [0.05, 0.13]
-                        .map(|dz| vec![Vec3::new(to, y, self.sill() - dz), Vec3::new(from, y, self.sill() - dz)])
-                };
-                surface.pair(&band(w + 0.003), Outward::Along(Vec3::Y), |_, _| Some(work_slot::STRIPE));
+                let band = grid([0.05, 0.13], [to, from], |down, x| Vec3::new(x, w + 0.003, self.sill() - down));
+                surface.panel_pair(&band, Outward::Along(Vec3::Y), work_slot::STRIPE);
             }
         }
-        surface.builder.cuboid(
-            Vec3::new(rear + 0.4, -0.8 * w, 0.24),
-            Vec3::new(front - 0.5, 0.8 * w, 0.38),
-            slot::LINER,
-        );
+        surface.cuboid([rear + 0.4, front - 0.5], [-0.8 * w, 0.8 * w], [0.24, 0.38], slot::LINER);
     }
 
     /// Adds what sticks out of the label's box: mirrors like ears.
@@ -331,18 +240,8 @@ impl Coach {
         let half = Vec3::new(0.06, 0.10, 0.20);
         surface.block_pair(at, half, Mat3::IDENTITY, [8, 6, 4, 4][level], slot::PLASTIC);
         if level < 2 {
-            for side in [1.0, -1.0] {
-                let turn = |p: Vec3| Vec3::new(p.x, side * p.y, p.z);
-                limb(
-                    surface,
-                    turn(Vec3::new(h.front_x - 0.25, h.half_y - 0.12, self.header + 0.08)),
-                    turn(at + Vec3::Z * 0.18),
-                    0.03,
-                    0.03,
-                    5,
-                    slot::PLASTIC,
-                );
-            }
+            let foot = Vec3::new(h.front_x - 0.25, h.half_y - 0.12, self.header + 0.08);
+            limb_pair(surface, foot, at + Vec3::Z * 0.18, 0.03, 5, slot::PLASTIC);
         }
     }
 }

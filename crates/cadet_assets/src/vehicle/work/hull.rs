@@ -1,7 +1,7 @@
 //! Shells with a rounded plan: cabs, buses, caravans. A ring of columns round the shell, rows above each other.
 
 use super::super::paint::slot;
-use super::super::surface::{Outward, Surface, mirrored};
+use super::super::surface::{Outward, Surface, grid, mirror_image};
 use cadet_base::math::{Vec3, cosf, sinf};
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -59,32 +59,22 @@ impl Hull {
     /// The half ring from the front's middle to the rear's: lateral fractions of the ends' columns, x of the side's, and
     /// segments of a corner.
     pub fn columns(&self, ends: &[f32], side_x: &[f32], arc: usize) -> Vec<Column> {
-        let mut columns = Vec::new();
-        for (is_front, radius) in [(true, self.front_radius_m), (false, self.rear_radius_m)] {
+        let end = |tip: f32, radius: f32, inwards: f32, bow: f32, [part, corner]: [Part; 2]| -> Vec<Column> {
             let edge = self.half_y - radius;
-            let tip = if is_front { self.front_x } else { self.rear_x };
-            let sign = if is_front { -1.0 } else { 1.0 };
-            let part = if is_front { Part::Front } else { Part::Rear };
-            let bow = if is_front { self.bow_m } else { 0.4 * self.bow_m };
-            let x_at = |y: f32| tip + sign * bow * (y / edge) * (y / edge);
-            let mut end: Vec<Column> = ends.iter().map(|f| Column { x: x_at(f * edge), y: f * edge, part }).collect();
-            end.push(Column { x: x_at(edge), y: edge, part });
-            let corner = if is_front { Part::FrontCorner } else { Part::RearCorner };
-            for k in 1..=arc {
-                let a = FRAC_PI_2 * k as f32 / arc as f32;
-                let x = x_at(edge) + sign * radius * (1.0 - cosf(a));
-                end.push(Column { x, y: edge + radius * sinf(a), part: corner });
-            }
-            if is_front {
-                columns.extend(end);
-                let mut xs = side_x.to_vec();
-                xs.sort_by(|a, b| b.total_cmp(a));
-                columns.extend(xs.into_iter().map(|x| Column { x, y: self.half_y, part: Part::Side }));
-            } else {
-                columns.extend(end.into_iter().rev());
-            }
-        }
-        columns
+            let x_at = |y: f32| tip + inwards * bow * (y / edge) * (y / edge);
+            let face = ends.iter().map(|f| f * edge).chain([edge]).map(|y| Column { x: x_at(y), y, part });
+            let round = (1..=arc).map(|k| FRAC_PI_2 * k as f32 / arc as f32).map(|a| {
+                let x = x_at(edge) + inwards * radius * (1.0 - cosf(a));
+                Column { x, y: edge + radius * sinf(a), part: corner }
+            });
+            face.chain(round).collect()
+        };
+        let front = end(self.front_x, self.front_radius_m, -1.0, self.bow_m, [Part::Front, Part::FrontCorner]);
+        let rear = end(self.rear_x, self.rear_radius_m, 1.0, 0.4 * self.bow_m, [Part::Rear, Part::RearCorner]);
+        let mut xs = side_x.to_vec();
+        xs.sort_by(|a, b| b.total_cmp(a));
+        let side = xs.into_iter().map(|x| Column { x, y: self.half_y, part: Part::Side });
+        front.into_iter().chain(side).chain(rear.into_iter().rev()).collect()
     }
 
     /// Where the flank begins behind the front corner, and ends before the rear one.
@@ -114,28 +104,15 @@ impl Hull {
 
     /// Adds both halves; `slot` names each cell's material or leaves it open. The last row is roofed.
     pub fn add(&self, surface: &mut Surface, columns: &[Column], slot: impl Fn(&Cell) -> Option<u8>, roof: u8) {
-        let grid: Vec<Vec<Vec3>> =
-            columns.iter().map(|c| self.rows.iter().map(|row| self.point(c, *row)).collect()).collect();
+        let left = grid(columns, &self.rows, |c, row| self.point(c, *row));
         let middle_z = 0.5 * (self.rows[0].0 + self.rows[self.rows.len() - 1].0);
         let inside = Vec3::new(0.5 * (self.front_x + self.rear_x), 0.0, middle_z);
-        for side in [1.0, -1.0] {
-            let half: Vec<Vec<Vec3>> = if side > 0.0 {
-                grid.clone()
-            } else {
-                grid.iter().map(|column| column.iter().map(|p| mirrored(*p)).collect()).collect()
-            };
-            surface.sheet(&half, Outward::From(inside), |i, j| {
+        for (side, half) in [(1.0, &left), (-1.0, &mirror_image(&left))] {
+            surface.sheet(half, Outward::From(inside), |i, j| {
                 let (a, b) = (&columns[i], &columns[i + 1]);
                 let part = match (a.part, b.part) {
-                    (corner @ (Part::FrontCorner | Part::RearCorner), Part::Side | Part::Front | Part::Rear)
-                        if corner == Part::RearCorner =>
-                    {
-                        corner
-                    }
-                    (Part::Front, Part::FrontCorner) => Part::FrontCorner,
-                    (Part::FrontCorner, Part::Side) => Part::Side,
-                    (Part::Side, Part::RearCorner) => Part::Side,
-                    (a, _) => a,
+                    (Part::Front, Part::FrontCorner) | (Part::FrontCorner, Part::Side) => b.part,
+                    _ => a.part,
                 };
                 slot(&Cell {
                     part,
@@ -146,14 +123,9 @@ impl Hull {
                 })
             });
         }
-        let lid: Vec<Vec<Vec3>> = grid
-            .iter()
-            .map(|column| {
-                let edge = column[column.len() - 1];
-                vec![edge, Vec3::new(edge.x, 0.0, edge.z)]
-            })
-            .collect();
-        surface.pair(&lid, Outward::Along(Vec3::Z), |_, _| Some(roof));
+        let edge = left.iter().map(|column| column[column.len() - 1]);
+        let lid: Vec<[Vec3; 2]> = edge.map(|p| [p, p.with_y(0.0)]).collect();
+        surface.panel_pair(&lid, Outward::Along(Vec3::Z), roof);
     }
 }
 
@@ -179,24 +151,20 @@ impl Arch {
     /// Adds panel and lining on both sides.
     pub fn add(&self, surface: &mut Surface, level: usize, panel: u8) {
         let n = [12, 8, 6, 4][level];
-        let at = |k: usize| {
-            let a = PI * k as f32 / n as f32;
-            (self.axle_x + self.radius_m * cosf(a), self.wheel_radius_m + self.radius_m * sinf(a))
-        };
-        let strip: Vec<Vec<Vec3>> =
-            (0..=n).map(at).map(|(x, z)| vec![Vec3::new(x, self.y, z), Vec3::new(x, self.y, self.top_z)]).collect();
-        surface.pair(&strip, Outward::Along(Vec3::Y), |_, _| Some(panel));
+        let crown = (0..=n).map(|k| PI * k as f32 / n as f32).map(|a| {
+            Vec3::new(self.axle_x + self.radius_m * cosf(a), self.y, self.wheel_radius_m + self.radius_m * sinf(a))
+        });
+        let strip: Vec<[Vec3; 2]> = crown.clone().map(|p| [p, p.with_z(self.top_z)]).collect();
+        surface.panel_pair(&strip, Outward::Along(Vec3::Y), panel);
         let inner_y = self.y - self.depth_m;
         let low = 0.45 * self.wheel_radius_m;
-        let mut rim: Vec<(f32, f32)> = (0..=n).map(at).collect();
-        rim.insert(0, (self.axle_x + self.radius_m, low));
-        rim.push((self.axle_x - self.radius_m, low));
-        let lining: Vec<Vec<Vec3>> =
-            rim.iter().map(|(x, z)| vec![Vec3::new(*x, self.y, *z), Vec3::new(*x, inner_y, *z)]).collect();
+        let foot = |x: f32| Vec3::new(x, self.y, low);
+        let [front, rear] = [foot(self.axle_x + self.radius_m), foot(self.axle_x - self.radius_m)];
+        let lining: Vec<[Vec3; 2]> =
+            [front].into_iter().chain(crown).chain([rear]).map(|p| [p, p.with_y(inner_y)]).collect();
         let hub = Vec3::new(self.axle_x, self.y - 0.5 * self.depth_m, self.wheel_radius_m);
-        surface.pair(&lining, Outward::Towards(hub), |_, _| Some(slot::LINER));
-        let wall: Vec<Vec<Vec3>> =
-            rim.iter().map(|(x, z)| vec![Vec3::new(*x, inner_y, *z), Vec3::new(*x, inner_y, low)]).collect();
-        surface.pair(&wall, Outward::Along(Vec3::Y), |_, _| Some(slot::LINER));
+        surface.panel_pair(&lining, Outward::Towards(hub), slot::LINER);
+        let wall: Vec<[Vec3; 2]> = lining.iter().map(|[_, p]| [*p, p.with_z(low)]).collect();
+        surface.panel_pair(&wall, Outward::Along(Vec3::Y), slot::LINER);
     }
 }

@@ -15,8 +15,7 @@ mod towed;
 use std::sync::Arc;
 
 use super::surface::Surface;
-use super::wheels::wheel;
-use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, WHEELS_TO_M, levels_of, work_paint};
+use super::{LEVELS, VehicleModel, fitted_levels, occupants_of, wheels_of, work_paint};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
 use cadet_base::error::Result;
 use cadet_base::geometry::MeshBuilder;
@@ -51,52 +50,29 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let front: Front = if p.chassis == Chassis::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     let loads = drawn(p.body, &p.room(), p.body_seed)?;
-    let mut fits = Vec::with_capacity(LEVELS);
-    let body = levels_of(
-        p.name(),
-        &mut |level| {
-            let mut surface = Surface::default();
-            match &front {
-                Front::Coach(coach) => coach.add(&mut surface, &p, level),
-                Front::Cab(cab) => {
-                    cab.add(&mut surface, &p, level);
-                    frame::add_frame(&mut surface, &p, level);
-                    frame::add_coupling(&mut surface, &p, level);
-                    surface.builder.append(&loads[level], Mat3::IDENTITY, Vec3::ZERO);
-                }
+    let filling = |level: usize| {
+        let mut surface = Surface::default();
+        match &front {
+            Front::Coach(coach) => coach.add(&mut surface, &p, level),
+            Front::Cab(cab) => {
+                cab.add(&mut surface, &p, level);
+                frame::add_frame(&mut surface, &p, level);
+                frame::add_coupling(&mut surface, &p, level);
+                surface.builder.append(&loads[level], Mat3::IDENTITY, Vec3::ZERO);
             }
-            frame::add_fixed_wheels(&mut surface, &p, level);
-            let fit = Fit::of(&surface, size);
-            fits.push(fit);
-            match &front {
-                Front::Coach(coach) => coach.add_mirrors(&mut surface, level),
-                Front::Cab(cab) => cab.add_mirrors(&mut surface, level),
-            }
-            fit.apply(&mut surface);
-            surface
-        },
-        CREASE_RAD,
-        f32::INFINITY,
-    );
-    let driver = levels_of(
-        p.name(),
-        &mut |level| {
-            let mut surface = match &front {
-                Front::Coach(coach) => coach.occupants(level),
-                Front::Cab(cab) => cab.occupants(has_passenger, level),
-            };
-            fits[level].apply(&mut surface);
-            surface
-        },
-        1.2,
-        OCCUPANTS_TO_M,
-    );
-    let wheel = levels_of(
-        p.name(),
-        &mut |level| wheel(p.wheel_radius_m, p.tyre_width_m, frame::RIM, level),
-        CREASE_RAD,
-        WHEELS_TO_M,
-    );
+        }
+        frame::add_fixed_wheels(&mut surface, &p, level);
+        surface
+    };
+    let (body, fits) = fitted_levels(p.name(), size, filling, |surface, level| match &front {
+        Front::Coach(coach) => coach.add_mirrors(surface, level),
+        Front::Cab(cab) => cab.add_mirrors(surface, level),
+    });
+    let driver = occupants_of(p.name(), &fits, |level| match &front {
+        Front::Coach(coach) => coach.occupants(level),
+        Front::Cab(cab) => cab.occupants(has_passenger, level),
+    });
+    let wheel = wheels_of(p.name(), p.wheel_radius_m, p.tyre_width_m, frame::RIM);
     let wheel_centers = std::array::from_fn(|k| {
         let y = if k % 2 == 0 { p.hub_y() } else { -p.hub_y() };
         Vec3 { z: p.wheel_radius_m, ..fits[0].point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius_m)) }
@@ -134,16 +110,7 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     let loads = drawn(p.bed(), &p.room(), p.body_seed)?;
-    let body = levels_of(
-        p.name(),
-        &mut |level| {
-            let mut surface = p.body(&loads[level], level);
-            Fit::of(&surface, size).apply(&mut surface);
-            surface
-        },
-        CREASE_RAD,
-        f32::INFINITY,
-    );
+    let (body, _) = fitted_levels(p.name(), size, |level| p.body(&loads[level], level), |_, _| {});
     let stand = p.stand();
     let wheel_centers = std::array::from_fn(|k| {
         let x = if k < 2 { stand.leg_x } else { stand.wheels_x };

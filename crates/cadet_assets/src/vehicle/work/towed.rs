@@ -2,8 +2,8 @@
 
 use super::super::interior::limb;
 use super::super::paint::{slot, work_slot};
-use super::super::surface::{Outward, Surface};
-use super::super::wheels::{Rim, wheel};
+use super::super::surface::{Outward, Surface, grid};
+use super::super::wheels::{Rim, add_pair, wheel};
 use super::body::{Room, Size};
 use super::cab::plate;
 use super::plan::{Towed, TowedPlan};
@@ -110,27 +110,14 @@ impl TowedPlan {
             let foot = Vec3::new(front - 0.3, side * 0.55 * bed_w, floor - 0.05);
             limb(surface, foot, hitch - Vec3::X * 0.14, 0.035, 0.03, 4, work_slot::FRAME);
         }
-        surface.builder.cuboid(
-            hitch - Vec3::new(0.22, 0.05, 0.05),
-            hitch + Vec3::new(0.02, 0.05, 0.07),
-            work_slot::FRAME,
-        );
-        let foot = Vec3::new(stand.leg_x, 0.10, 0.0);
-        limb(
-            surface,
-            foot + Vec3::Z * 0.1,
-            foot + Vec3::Z * 0.75_f32.min(self.height_m - 0.1),
-            0.025,
-            0.025,
-            5,
-            work_slot::ALU,
-        );
-        surface.block(foot + Vec3::Z * 0.1, Vec3::new(0.10, 0.03, 0.10), Mat3::IDENTITY, 6, slot::TYRE);
-        surface.builder.cuboid(
-            Vec3::new(rear + 0.05, -bed_w + 0.08, floor - 0.08),
-            Vec3::new(front - 0.05, bed_w - 0.08, floor - 0.01),
-            work_slot::FRAME,
-        );
+        let coupling_z = [hitch.z - 0.05, hitch.z + 0.07];
+        surface.cuboid([hitch.x - 0.22, hitch.x + 0.02], [-0.05, 0.05], coupling_z, work_slot::FRAME);
+        let foot = Vec3::new(stand.leg_x, 0.10, 0.1);
+        let leg_top = foot.with_z(0.75_f32.min(self.height_m - 0.1));
+        limb(surface, foot, leg_top, 0.025, 0.025, 5, work_slot::ALU);
+        surface.block(foot, Vec3::new(0.10, 0.03, 0.10), Mat3::IDENTITY, 6, slot::TYRE);
+        let (bed_x, bed_y) = ([rear + 0.05, front - 0.05], [-bed_w + 0.08, bed_w - 0.08]);
+        surface.cuboid(bed_x, bed_y, [floor - 0.08, floor - 0.01], work_slot::FRAME);
         self.add_wheels(surface, &stand, r, tyre, is_beside, level);
         self.add_lamps(surface, rear, bed_w, floor, level);
     }
@@ -147,12 +134,7 @@ impl TowedPlan {
         let low = axles.iter().copied().fold(f32::INFINITY, f32::min);
         let high = axles.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         for x in &axles {
-            surface.builder.append(&made.builder, Mat3::IDENTITY, Vec3::new(*x, y, r));
-            surface.builder.append(
-                &made.builder,
-                Mat3::from_diagonal(Vec3::new(-1.0, -1.0, 1.0)),
-                Vec3::new(*x, -y, r),
-            );
+            add_pair(surface, &made, Vec3::new(*x, y, r));
             limb(surface, Vec3::new(*x, -y, r), Vec3::new(*x, y, r), 0.04, 0.04, 5, work_slot::FRAME);
         }
         if is_beside && level < 3 {
@@ -160,33 +142,21 @@ impl TowedPlan {
             let middle = 0.5 * (low + high);
             let (rx, rz) = (0.5 * (high - low) + r + 0.06, r + 0.06);
             let outer = self.width_m / 2.0;
-            let arc: Vec<Vec<Vec3>> = (0..=n)
-                .map(|k| PI * k as f32 / n as f32)
-                .map(|a| (middle + rx * cosf(a), r + rz * sinf(a)))
-                .map(|(x, z)| {
-                    vec![
-                        Vec3::new(x, outer - tyre - 0.03, z),
-                        Vec3::new(x, outer - 0.02, z),
-                        Vec3::new(x, outer, z - 0.03),
-                    ]
-                })
-                .collect();
-            surface.pair(&arc, Outward::From(Vec3::new(middle, outer - 0.1, r)), |_, _| Some(slot::PLASTIC));
+            let section = [(outer - tyre - 0.03, 0.0), (outer - 0.02, 0.0), (outer, 0.03)];
+            let arc = grid(0..=n, section, |k, (y, down)| {
+                let a = PI * k as f32 / n as f32;
+                Vec3::new(middle + rx * cosf(a), y, r + rz * sinf(a) - down)
+            });
+            surface.panel_pair(&arc, Outward::From(Vec3::new(middle, outer - 0.1, r)), slot::PLASTIC);
         }
     }
 
     fn add_lamps(&self, surface: &mut Surface, rear: f32, bed_w: f32, floor: f32, level: usize) {
         let z = floor + 0.02;
-        surface.builder.cuboid(
-            Vec3::new(rear + 0.005, -bed_w + 0.02, z - 0.09),
-            Vec3::new(rear + 0.06, bed_w - 0.02, z + 0.09),
-            work_slot::ALU,
-        );
-        surface.cuboid_pair(
-            Vec3::new(rear, bed_w - 0.26, z - 0.06),
-            Vec3::new(rear + 0.03, bed_w - 0.03, z + 0.06),
-            slot::TAIL_LAMP,
-        );
+        let beam_y = [-bed_w + 0.02, bed_w - 0.02];
+        surface.cuboid([rear + 0.005, rear + 0.06], beam_y, [z - 0.09, z + 0.09], work_slot::ALU);
+        let lamp_y = [bed_w - 0.26, bed_w - 0.03];
+        surface.cuboid_pair([rear, rear + 0.03], lamp_y, [z - 0.06, z + 0.06], slot::TAIL_LAMP);
         if level < 3 {
             plate(surface, rear + 0.002, z, 0.26_f32.min(bed_w - 0.28), -1.0);
         }
