@@ -1,6 +1,7 @@
 use super::*;
 use crate::rays::Target;
 use cadet_base::geometry::{Mesh, PackedNormal};
+use std::ops::Range;
 
 const SEEDS: u64 = 200;
 
@@ -21,6 +22,55 @@ fn cars(count: u64) -> impl Iterator<Item = VehicleModel> {
 /// Cars of some seeds and their outlines.
 fn outlined_cars(count: u64) -> impl Iterator<Item = (VehicleModel, Outline)> {
     cars(count).zip((0..).map(|seed| outline(ObjectClass::Car, seed)))
+}
+
+/// Checks that the wheels stand on the ground at their corners of the vehicle, and how far to the side they reach.
+pub(super) fn check_wheels(model: &VehicleModel, reach: Range<f32>) {
+    let (name, r) = (&model.name, model.wheel_radius_m as f32);
+    for (_, mesh) in &model.wheel.as_ref().unwrap().levels {
+        assert!((mesh.bounds.min.z + r).abs() < 1e-4, "{name}: a corner at the lowest point");
+        let outer = model.wheel_centers[0].y + mesh.bounds.max.y;
+        assert!(reach.contains(&outer), "{name}: a wheel at {outer}, not in {reach:?}");
+    }
+    for (k, c) in model.wheel_centers.iter().enumerate() {
+        assert!(c.z == r && (c.y > 0.0) == (k % 2 == 0) && (c.x > 0.0) == (k < 2), "{name}: {c}");
+    }
+}
+
+/// Checks materials, normals, and bounds of all that a vehicle is made of.
+pub(super) fn check_meshes(model: &VehicleModel) {
+    for shape in [Some(&model.body), model.wheel.as_ref(), model.driver.as_ref()].into_iter().flatten() {
+        assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", model.name);
+        for (_, mesh) in &shape.levels {
+            assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()), "{}", model.name);
+            assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
+        }
+    }
+}
+
+/// Checks quantiles at some shares of values against those of KITTI's labels.
+pub(super) fn check_quantiles(
+    what: &str,
+    mut values: Vec<f64>,
+    expected: impl IntoIterator<Item = (f64, f64)>,
+    tolerance: impl Fn(f64) -> f64,
+) {
+    values.sort_by(f64::total_cmp);
+    for (share, expected) in expected {
+        let got = values[(share * values.len() as f64) as usize];
+        assert!((got - expected).abs() < tolerance(expected), "{what} at {share}: {got}, labels {expected}");
+    }
+}
+
+/// Checks by how much a vehicle exceeds what an annotator draws, in length and width.
+pub(super) fn check_margins(model: &VehicleModel) {
+    let over = model.size_lwh - model.annotated.size_lwh;
+    assert!(over.x > -0.18 && over.x < 0.54 && over.y.abs() < 0.23, "{}: {over}", model.name);
+}
+
+/// The number of the design that a vehicle of traffic wears.
+pub(super) fn design_number(model: &VehicleModel) -> u64 {
+    model.name.rsplit('/').next().unwrap().parse().unwrap()
 }
 
 /// Bounds without mirrors and aerial: the width below the belt line, the height of paint and sunroof.
@@ -54,35 +104,21 @@ fn the_body_fills_its_box_at_every_level() {
 fn sizes_follow_the_labels_of_kitti() {
     let n = 4000;
     let draws: Vec<Dimensions> = (0..n).map(|seed| Dimensions::of_seed(ObjectClass::Car, seed).unwrap()).collect();
-    let over = Margins::mean_of_vehicles().map(|m| m as f32);
     assert!(draws.iter().all(|d| d.length_m > d.width_m && d.height_m > 1.1));
-    let check = |name: &str, value: &dyn Fn(&Dimensions) -> f32, expected: [f32; 3], tolerance: f32| {
-        let mut values: Vec<f32> = draws.iter().map(value).collect();
-        values.sort_by(f32::total_cmp);
-        for (share, expected) in [0.05, 0.5, 0.95].iter().zip(expected) {
-            let got = values[(share * n as f64) as usize];
-            assert!((got - expected).abs() < tolerance, "{name} at {share}: {got}, labels {expected}");
-        }
-    };
-    check("length", &|d| d.length_m - over[0], [3.20, 3.89, 4.53], 0.12);
-    check("width", &|d| d.width_m - over[1], [1.46, 1.63, 1.81], 0.04);
-    check("height", &|d| d.height_m - over[2], [1.37, 1.50, 1.78], 0.05);
+    let sizes: Vec<DVec3> = draws.iter().map(Dimensions::size_lwh).collect();
+    let over = Margins::mean_of_vehicles();
+    let quantiles = [([3.20, 3.89, 4.53], 0.12), ([1.46, 1.63, 1.81], 0.04), ([1.37, 1.50, 1.78], 0.05)];
+    for (axis, (expected, tolerance)) in quantiles.into_iter().enumerate() {
+        let values = sizes.iter().map(|size| size[axis] - over[axis]).collect();
+        check_quantiles(&format!("axis {axis}"), values, [0.05, 0.5, 0.95].into_iter().zip(expected), |_| tolerance);
+    }
 }
 
 #[test]
 fn wheels_stand_on_the_ground_inside_the_flanks() {
     for model in cars(SEEDS) {
-        let (size, r) = (model.size_lwh.as_vec3(), model.wheel_radius_m as f32);
-        for (_, mesh) in &model.wheel.as_ref().unwrap().levels {
-            assert!((mesh.bounds.min.z + r).abs() < 1e-4, "{}: a corner at the lowest point", model.name);
-            let outer = model.wheel_centers[0].y + mesh.bounds.max.y;
-            assert!(outer < size.y / 2.0 - 0.005 && outer > size.y / 2.0 - 0.09, "{} wheel at {outer}", model.name);
-        }
-        for (k, c) in model.wheel_centers.iter().enumerate() {
-            assert_eq!(c.z, r);
-            assert_eq!(c.y > 0.0, k % 2 == 0);
-            assert_eq!(c.x > 0.0, k < 2);
-        }
+        let half_y = model.size_lwh.y as f32 / 2.0;
+        check_wheels(&model, half_y - 0.09..half_y - 0.005);
     }
 }
 
@@ -211,13 +247,9 @@ fn three_hundred_seeds_give_sound_meshes() {
     for seed in 0..300 {
         for class in [ObjectClass::Car, ObjectClass::Van] {
             let model = VehicleModel::generate(class, seed).unwrap();
+            check_meshes(&model);
             let shapes = [Some(&model.body), model.wheel.as_ref(), model.driver.as_ref()];
-            for shape in shapes.into_iter().flatten() {
-                assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", model.name);
-            }
             for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
-                assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()));
-                assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
                 for ([a, b, c], _) in mesh.triangles() {
                     assert!((b - a).cross(c - a).length() > 1e-9, "{}: a face without area", model.name);
                 }
@@ -298,8 +330,7 @@ fn a_stretched_vehicle_fills_its_extents_on_round_wheels_that_touch_the_ground()
         for class in [ObjectClass::Car, ObjectClass::Van] {
             let model = VehicleModel::of_traffic(class, seed).unwrap();
             let size = model.size_lwh.as_vec3();
-            let number = model.name.rsplit('/').next().unwrap().parse().unwrap();
-            let design = VehicleModel::generate(class, number).unwrap();
+            let design = VehicleModel::generate(class, design_number(&model)).unwrap();
             for ((_, mesh), (_, design)) in model.body.levels.iter().zip(&design.body.levels) {
                 let (length, height) = (mesh.bounds.size().x, mesh.bounds.max.z);
                 assert!((length - size.x).abs() < 2e-3, "{} is {length} long, not {}", model.name, size.x);
@@ -320,12 +351,9 @@ fn a_stretched_vehicle_fills_its_extents_on_round_wheels_that_touch_the_ground()
             assert!((wheel.min.z + r).abs() < 1e-3, "{}: on the ground", model.name);
             assert!((aspect(wheel) - aspect(of_design)).abs() < 1e-4, "{}: as round as the design's", model.name);
             assert!(model.wheel_centers.iter().all(|c| (c.z - r).abs() < 1e-5), "{}", model.name);
-            let b = model.annotated;
-            let over = (model.size_lwh - b.size_lwh).to_array();
-            assert!(
-                over[0] > -0.18 && over[0] < 0.54 && over[1].abs() < 0.23 && (-0.045..0.14).contains(&over[2]),
-                "{over:?}"
-            );
+            check_margins(&model);
+            let over_z = model.size_lwh.z - model.annotated.size_lwh.z;
+            assert!((-0.045..0.14).contains(&over_z), "{over_z}");
         }
     }
 }

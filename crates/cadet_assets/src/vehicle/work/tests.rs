@@ -1,13 +1,11 @@
 //! The bodies of trucks and trailers: they fill their boxes, stand on their wheels, and look as KITTI's are large.
 
-use parry3d::query::{Ray, RayCast};
-use parry3d::shape::TriMesh;
-
 use super::super::paint;
+use super::super::tests::{check_margins, check_meshes, check_quantiles, check_wheels, design_number};
 use super::body::BODIES;
 use super::*;
 use crate::annotation::vehicle_size;
-use cadet_base::geometry::Mesh;
+use crate::rays::Target;
 
 const SEEDS: u64 = 120;
 
@@ -18,20 +16,6 @@ fn models() -> impl Iterator<Item = VehicleModel> {
 
 fn kind(model: &VehicleModel) -> &str {
     model.name.split('/').next().unwrap()
-}
-
-fn solid_of(mesh: &Mesh) -> TriMesh {
-    let vertices = mesh.triangles().flat_map(|(corners, _)| corners).collect();
-    let faces = (0..mesh.num_faces() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    TriMesh::new(vertices, faces).unwrap()
-}
-
-/// Slot of the first face that a ray meets, and where.
-fn first_hit(mesh: &Mesh, from: Vec3, to: Vec3) -> Option<(u8, Vec3)> {
-    let shape = solid_of(mesh);
-    let direction = (to - from).normalize();
-    let hit = shape.cast_local_ray_and_get_normal(&Ray::new(from, direction), 100.0, false)?;
-    Some((mesh.slots().nth(hit.subshape as usize)?, from + direction * hit.time_of_impact))
 }
 
 #[test]
@@ -97,17 +81,15 @@ fn bodies_face_outwards_at_every_level() {
         let (low, high) =
             (Vec3::new(room.rear_x, -room.half_y, room.floor_z), Vec3::new(room.front_x, room.half_y, room.top_z));
         for level in 0..LEVELS {
-            let shape = solid_of(&body.draw(&room, seed, level).unwrap().build("body", 0.5));
+            let target = Target::new(&body.draw(&room, seed, level).unwrap().build("body", 0.5), |_| true);
             let (mut hits, mut backs) = (0, 0);
             for outwards in [Vec3::Y, Vec3::NEG_Y, Vec3::NEG_X, Vec3::Z] {
                 for k in 0..300 {
                     let shares = Vec3::new(0.618, 0.414, 0.732) * k as f32;
                     let from = low + (high - low) * (shares - shares.floor()) + outwards * 20.0;
-                    let ray = Ray::new(from, -outwards);
-                    let Some(hit) = shape.cast_local_ray_and_get_normal(&ray, 100.0, false) else { continue };
-                    let corners = shape.triangle(hit.subshape % shape.num_triangles() as u32);
+                    let Some(hit) = target.cast(from, -outwards) else { continue };
                     hits += 1;
-                    backs += u32::from(corners.normal().is_none_or(|n| n.dot(outwards) < 0.0));
+                    backs += u32::from(!hit.is_outside);
                 }
             }
             // Gaps at edges let some through.
@@ -162,21 +144,13 @@ fn a_file_is_a_body_for_each_of_its_kinds() {
 #[test]
 fn wheels_stand_on_the_ground_below_the_body() {
     for model in models() {
-        let size = model.size_lwh.as_vec3();
-        let Some(wheel) = &model.wheel else {
+        if model.wheel.is_none() {
             let low = model.body.levels[0].1.bounds.min.z;
             assert!(low.abs() < 0.03, "{} ends {low} over the ground", model.name);
             continue;
-        };
-        let r = model.wheel_radius_m as f32;
-        for (_, mesh) in &wheel.levels {
-            assert!((mesh.bounds.min.z + r).abs() < 1e-4);
-            let outer = model.wheel_centers[0].y + mesh.bounds.max.y;
-            assert!(outer < size.y / 2.0 + 1e-3 && outer > 0.36 * size.y, "{}: a wheel at {outer}", model.name);
         }
-        for (k, c) in model.wheel_centers.iter().enumerate() {
-            assert!(c.z == r && (c.y > 0.0) == (k % 2 == 0) && (c.x > 0.0) == (k < 2), "{}", model.name);
-        }
+        let width = model.size_lwh.y as f32;
+        check_wheels(&model, 0.36 * width..width / 2.0 + 1e-3);
         assert!((0.38..0.75).contains(&(model.wheelbase_m() / model.size_lwh.x)), "{}", model.name);
     }
 }
@@ -187,24 +161,20 @@ fn one_sees_through_below_the_load_and_through_the_windows() {
     for seed in 0..40 {
         let model = VehicleModel::generate(ObjectClass::Truck, seed).unwrap();
         let size = model.size_lwh.as_vec3();
-        let mesh = &model.body.levels[0].1;
+        let [near, distant] = [0, 3].map(|level: usize| Target::new(&model.body.levels[level].1, |_| true));
+        let is_bus = kind(&model) == "bus";
         // Into the windscreen: a pane first.
-        let z = if kind(&model) == "bus" { 1.7 } else { 0.0 };
-        let from_floor = |k: f32| Vec3::new(size.x, 0.3, if z > 0.0 { z } else { k });
-        let sees_glass = (0..40).any(|k| {
-            let from = from_floor(1.2 + 0.05 * k as f32);
-            let hit = first_hit(mesh, from, from - Vec3::X);
-            hit.is_some_and(|(slot, _)| slot == paint::slot::SCREEN)
-        });
-        assert!(sees_glass, "{}: no windscreen", model.name);
-        assert!(first_hit(&model.body.levels[3].1, from_floor(0.6), Vec3::new(0.0, 0.3, 0.6)).is_some());
-        if kind(&model) != "bus" {
+        let ahead = |z: f32| Vec3::new(size.x, 0.3, if is_bus { 1.7 } else { z });
+        let mut hits = (0..40).filter_map(|k| near.cast(ahead(1.2 + 0.05 * k as f32), Vec3::NEG_X));
+        assert!(hits.any(|hit| hit.slot == paint::slot::SCREEN), "{}: no windscreen", model.name);
+        assert!(distant.cast(ahead(0.6), Vec3::new(0.0, 0.3, 0.6) - ahead(0.6)).is_some());
+        if !is_bus {
             trucks += 1;
             // From the side, between the axles at the height of the hubs: free but for tanks and posts.
             let (front, rear) = (model.wheel_centers[0].x, model.wheel_centers[2].x);
             let free = (1..30).filter(|k| {
                 let x = rear + (front - rear) * *k as f32 / 30.0;
-                first_hit(mesh, Vec3::new(x, 4.0, 0.42), Vec3::new(x, 0.0, 0.42)).is_none()
+                near.cast(Vec3::new(x, 4.0, 0.42), Vec3::NEG_Y).is_none()
             });
             gaps += usize::from(free.count() >= 5);
         }
@@ -219,13 +189,13 @@ fn flanks_of_closed_bodies_have_no_holes() {
     {
         let size = model.size_lwh.as_vec3();
         for (level, (_, mesh)) in model.body.levels.iter().enumerate() {
+            let target = Target::new(mesh, |_| true);
             for k in 0..12 {
                 // The half behind the cab and the drawbar.
                 let x = size.x * (-0.46 + 0.5 * k as f32 / 11.0);
                 for z in [0.55, 0.7, 0.85] {
-                    let from = Vec3::new(x + 0.003, 4.0, z * size.z);
-                    let (_, at) = first_hit(mesh, from, from - Vec3::Y)
-                        .unwrap_or_else(|| panic!("{} level {level}: open at {x} {z}", model.name));
+                    let hit = target.cast(Vec3::new(x + 0.003, 4.0, z * size.z), Vec3::NEG_Y);
+                    let at = hit.unwrap_or_else(|| panic!("{} level {level}: open at {x} {z}", model.name)).point;
                     assert!(at.y > 0.5 * size.y - 0.25, "{} level {level}: {at} lies deep inside", model.name);
                 }
             }
@@ -249,25 +219,17 @@ fn occupants_sit_inside_of_what_is_driven() {
 #[test]
 fn faces_are_sound_and_few() {
     for model in models() {
-        let shapes = [Some(&model.body), model.wheel.as_ref(), model.driver.as_ref()];
-        for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
-            assert!(mesh.slots().all(|s| usize::from(s) < model.palette.materials().len()), "{}", model.name);
-            assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
-        }
-        let faces = |level: usize| model.body.levels[level].1.num_faces();
-        assert!(
-            faces(0) < 9000 && faces(1) < 5200 && faces(2) < 2400 && faces(3) < 1500,
-            "{}: {:?}",
-            model.name,
-            [0, 1, 2, 3].map(faces)
-        );
-        assert!(faces(3) < faces(1) && faces(1) <= faces(0), "{}", model.name);
+        check_meshes(&model);
+        let faces = [0, 1, 2, 3].map(|level: usize| model.body.levels[level].1.num_faces());
+        let is_few = faces.iter().zip([9000, 5200, 2400, 1500]).all(|(n, most)| *n < most);
+        assert!(is_few && faces[3] < faces[1] && faces[1] <= faces[0], "{}: {faces:?}", model.name);
     }
 }
 
 /// Quantiles of KITTI's 1,094 labels of trucks and 973 of Misc.
 #[test]
 fn sizes_follow_the_labels_of_kitti() {
+    const SHARES: [f64; 5] = [0.05, 0.16, 0.5, 0.84, 0.95];
     type Quantiles = [[f64; 5]; 3];
     let cases: [(ObjectClass, Quantiles, f64); 2] = [
         (
@@ -282,17 +244,11 @@ fn sizes_follow_the_labels_of_kitti() {
         ),
     ];
     for (class, quantiles, tolerance) in cases {
-        let n = 6000;
         let sizes: Vec<DVec3> =
-            (0..n).map(|k| vehicle_size(class, &mut Stream::from_seed("size", k)).unwrap()).collect();
+            (0..6000).map(|k| vehicle_size(class, &mut Stream::from_seed("size", k)).unwrap()).collect();
         for (axis, expected) in quantiles.iter().enumerate() {
-            let mut values: Vec<f64> = sizes.iter().map(|s| s[axis]).collect();
-            values.sort_by(f64::total_cmp);
-            for (share, expected) in [0.05, 0.16, 0.5, 0.84, 0.95].iter().zip(expected) {
-                let got = values[(share * n as f64) as usize];
-                let allowed = tolerance.max(0.06 * expected);
-                assert!((got - expected).abs() < allowed, "{class:?} axis {axis} at {share}: {got}, labels {expected}");
-            }
+            let (values, expected) = (sizes.iter().map(|s| s[axis]).collect(), SHARES.into_iter().zip(*expected));
+            check_quantiles(&format!("{class:?} axis {axis}"), values, expected, |v| tolerance.max(0.06 * v));
         }
     }
 }
@@ -303,11 +259,9 @@ fn traffic_wears_designs_near_its_size() {
         let mut far = 0;
         for seed in 0..300 {
             let model = VehicleModel::of_traffic(class, seed).unwrap();
-            let number: u64 = model.name.rsplit('/').next().unwrap().parse().unwrap();
-            let ratio = model.size_lwh / size_of_seed(class, number);
+            let ratio = model.size_lwh / size_of_seed(class, design_number(&model));
             far += usize::from(ratio.max_element() > 1.12 || ratio.min_element() < 0.89);
-            let over = model.size_lwh - model.annotated.size_lwh;
-            assert!(over.x > -0.18 && over.x < 0.54 && over.y.abs() < 0.23, "{over}");
+            check_margins(&model);
         }
         assert!(far < 36, "{class:?}: {far} of 300 are stretched by more than 12 %");
     }
