@@ -2,9 +2,8 @@
 
 use super::divergence::DivergentBeams;
 use super::spec::LidarSpec;
-use crate::sense::{Hits, NO_HIT, PosedInstance, PosedScene, SpinningGrid, Still, SurfaceFilter, cast, cast_layers};
-use cadet_base::error::{Error, Result};
-use cadet_base::math::{DMat3, DPose3, DVec3};
+use crate::sense::{Hits, NO_HIT, PosedScene};
+use cadet_base::math::DVec3;
 
 /// What a beam or a sub-beam met.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +24,7 @@ impl BeamHit {
         Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT, cos_incidence: f32::NAN };
 
     #[inline]
-    fn of(hits: &Hits, at: usize) -> Self {
+    pub(super) fn of(hits: &Hits, at: usize) -> Self {
         let (range_m, cos_incidence) = (hits.depth_m[at], hits.cos_incidence[at]);
         Self { range_m, instance: hits.instance[at], face: hits.face[at], cos_incidence }
     }
@@ -72,72 +71,6 @@ pub(super) trait Casting {
 /// How far from the frame's origin anything may be seen: what lies beyond the longest range is never reported.
 pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
     spec.max_range_m + spec.rings().iter().map(|r| r.height_m.abs() + r.left_m.abs()).fold(0.0, f64::max) + 1.0
-}
-
-/// A spinning sensor that stands still in a world that stands still.
-pub(super) struct StillCasting<'a> {
-    scene: &'a PosedScene,
-    world_from_velo: &'a DPose3,
-    rotation: DMat3,
-    grid: SpinningGrid,
-}
-
-impl<'a> StillCasting<'a> {
-    /// Refuses sensors that do not spin: the kernel casts grids alone.
-    pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3, spec: &LidarSpec) -> Result<Self> {
-        let grid = spec.grid(*world_from_velo).ok_or_else(|| Error::OutOfRange {
-            what: "firing pattern",
-            value: spec.name().to_owned(),
-            expected: "a sensor that spins, or a scan in motion".to_owned(),
-        })?;
-        Ok(Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation), grid })
-    }
-
-    fn in_range(&self, spec: &LidarSpec) -> impl Fn(&PosedInstance) -> bool {
-        let (sensor_world, reach_m) = (self.world_from_velo.translation, reach_m(spec));
-        move |i| i.is_within(sensor_world, reach_m)
-    }
-}
-
-impl Casting for StillCasting<'_> {
-    fn scene(&self) -> &PosedScene {
-        self.scene
-    }
-
-    fn cast(&self, spec: &LidarSpec) -> TurnHits {
-        let [opaque, transparent] = cast_layers(self.scene, &self.grid, &Still, self.in_range(spec));
-        TurnHits { opaque, transparent }
-    }
-
-    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[BeamHit; 4]> {
-        let (rows, columns) = (2 * spec.rings().len(), spec.num_columns());
-        let mut out = vec![[BeamHit::MISS; 4]; beams.len()];
-        for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
-            // The kernel keeps what is nearer: a depth below 0 switches a beam off.
-            let mut hits = Hits::new(rows, columns);
-            hits.depth_m.fill(-1.0);
-            for at in beams.iter().flat_map(|beam| DivergentBeams::cells(*beam, columns)) {
-                hits.depth_m[at] = f32::INFINITY;
-            }
-            cast(self.scene, grid, SurfaceFilter::Opaque, self.in_range(spec), &mut hits);
-            for (quarters, beam) in out.iter_mut().zip(beams) {
-                for (up, at) in DivergentBeams::cells(*beam, columns).into_iter().enumerate() {
-                    quarters[2 * side + up] = BeamHit::of(&hits, at);
-                }
-            }
-        }
-        out
-    }
-
-    #[inline]
-    fn direction_world(&self, _column: usize, _instance: u32, direction_velo: DVec3) -> DVec3 {
-        self.rotation * direction_velo
-    }
-
-    #[inline]
-    fn place_world(&self, _column: usize, place_velo: DVec3) -> DVec3 {
-        self.rotation * place_velo + self.world_from_velo.translation
-    }
 }
 
 impl TurnHits {

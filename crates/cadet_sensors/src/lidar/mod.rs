@@ -15,6 +15,7 @@ mod hdl64e;
 mod in_motion;
 mod intensity;
 mod laser_receiver;
+mod mixed_echoes;
 mod order;
 mod presets;
 mod receiver;
@@ -27,6 +28,7 @@ mod scan;
 mod scan_path;
 mod spec;
 mod spin;
+mod still_casting;
 mod surfaces;
 
 pub use air::{Fate, Weathered, weather_recorded};

@@ -1,6 +1,5 @@
 //! How much of a laser pulse a surface throws back to where it came from.
 
-use super::receiver::Receiver;
 use cadet_base::material::LidarMaterial;
 use cadet_base::math::{exp, lerp};
 
@@ -56,21 +55,6 @@ fn lobe(roughness: f64, cos_incidence: f64) -> f64 {
     falling * falling / (4.0 * alpha2)
 }
 
-/// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge return it one after the other.
-///
-/// `spot_pulses_per_m` is [`spot_pulses_per_m`]'s.
-#[inline(always)]
-pub(super) fn peak_share(spot_pulses_per_m: f64, range_m: f64, cos_incidence: f64) -> f64 {
-    let square = (cos_incidence * cos_incidence).max(1e-6);
-    let depth = spot_pulses_per_m * range_m;
-    1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
-}
-
-/// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per meter.
-pub(super) fn spot_pulses_per_m(receiver: &Receiver) -> f64 {
-    receiver.divergence_rad / 4.0 / receiver.pulse_m()
-}
-
 /// Fresnel's reflectance for light without polarization of a face to what has a refractive index, from the air.
 pub(super) fn fresnel(refractive_index: f64, cos_incidence: f64) -> f64 {
     let cos = cos_incidence.clamp(0.0, 1.0);
@@ -115,16 +99,5 @@ mod tests {
         let matt = LidarMaterial::diffuse(0.2);
         let cos85 = cadet_base::math::cos(85_f64.to_radians());
         assert!(reflectance(&matt, cos85) > 0.13, "asphalt at 20 m is nearly as bright as below the car");
-    }
-
-    #[test]
-    fn a_slanted_spot_returns_late_and_low() {
-        let receiver = Receiver { pulse_s: 5e-9, divergence_rad: 2e-3, ..Receiver::default() };
-        let share = |range_m, cos| peak_share(spot_pulses_per_m(&receiver), range_m, cos);
-        assert_eq!(share(50.0, 1.0), 1.0);
-        // Depth of the spot, in pulses, by hand: 30 m * 0.5 mrad * tan / 0.75 m = 0.35 at 86.7 degrees.
-        let cos = 1.73 / 30.0;
-        let depth = 30.0 * 0.5e-3 * cadet_base::math::tan(cadet_base::math::acos(cos)) / 0.749_481_145;
-        assert!((share(30.0, cos) - 1.0 / cadet_base::math::hypot(1.0, depth)).abs() < 1e-9);
     }
 }
