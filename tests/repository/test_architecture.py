@@ -119,11 +119,14 @@ def test_a_crate_depends_only_on_its_neighbors_and_knows_no_python(crate: str) -
 
 @pytest.mark.parametrize("crate", ROOMS)
 def test_a_room_uses_only_its_neighbors(crate: str) -> None:
-    modules = Modules(CORE[crate] / "src")
+    name, *path = crate.split("/")
+    inside, depth = tuple(path), len(path)
+    modules = Modules(CORE[name] / "src")
     used: dict[str, set[str]] = {}
-    for room, *inner in filter(None, modules.files):
-        others = {other[0] for other in modules.uses((room, *inner)) if other}
-        used.setdefault(room, set()).update(others - {room})
+    for module in modules.files:
+        if module[:depth] == inside and len(module) > depth:
+            uses = {other[depth] for other in modules.uses(module) if other[:depth] == inside and len(other) > depth}
+            used.setdefault(module[depth], set()).update(uses - {module[depth]})
     assert set(used) == set(ROOMS[crate])
     assert not {room: rooms - ROOMS[crate][room] for room, rooms in used.items() if rooms - ROOMS[crate][room]}
 

@@ -12,7 +12,7 @@ CRATES: dict[str, set[str]] = {
     "core": {"assets", "base", "sensors", "town", "world"},
 }
 
-# A room of a crate and those of its neighbors that it may use.
+# A room of a crate, or of a room of one, and those of its neighbors that it may use.
 ROOMS: dict[str, dict[str, set[str]]] = {
     "base": {
         "error": set(),
@@ -67,5 +67,16 @@ ROOMS: dict[str, dict[str, set[str]]] = {
         "camera": {"sense", "spray", "surface_cover", "weather", "wide_registers", "zeros"},
         "label": {"camera", "sense"},
         "rig": {"camera", "lidar"},
+    },
+    "sensors/lidar": {
+        "detection": set(),
+        "reflectance": set(),
+        "scan_pattern": set(),
+        "air": {"detection", "reflectance"},
+        "sensor": {"detection", "scan_pattern"},
+        "casting": {"scan_pattern", "sensor"},
+        "echoes": {"casting", "reflectance", "sensor"},
+        "returns": {"air", "detection", "echoes", "sensor"},
+        "scan": {"air", "casting", "echoes", "returns", "sensor"},
     },
 }

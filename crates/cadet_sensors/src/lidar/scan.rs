@@ -6,20 +6,11 @@
 
 use std::sync::Arc;
 
-use super::air::{Air, Plumes, Sprayed};
-use super::beams::BeamLine;
-use super::blooming::Blooming;
-use super::casting::Casting;
-use super::draws::Draws;
-use super::echo::first_echo;
-use super::echo_batch::EchoBatch;
-use super::in_motion::SceneInMotion;
-use super::mixed_echoes::echoes_of;
-use super::returned_points::Scan;
-use super::returns::arrivals;
-use super::spec::LidarSpec;
-use super::still_casting::StillCasting;
-use super::surfaces::SurfaceLookup;
+use crate::lidar::air::{Air, Plumes, Sprayed};
+use crate::lidar::casting::{Casting, SceneInMotion, StillCasting};
+use crate::lidar::echoes::{Blooming, Draws, SurfaceLookup, echoes_of, first_echo};
+use crate::lidar::returns::{EchoBatch, Scan, arrivals};
+use crate::lidar::sensor::{BeamLine, LidarSpec};
 use crate::sense::{Hits, PosedScene, RayCaster, SurfaceFilter, cast};
 use crate::spray::Spray;
 use crate::weather::Weather;

@@ -8,7 +8,7 @@
 use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use super::particles::CLOSED_M;
 use crate::lidar::Receiver;
-use crate::lidar::laser_receiver::focused;
+use crate::lidar::detection::focused;
 use cadet_base::math::{self, PI};
 use cadet_base::rng::CounterRng;
 

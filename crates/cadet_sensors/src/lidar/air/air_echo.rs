@@ -5,7 +5,7 @@ pub(super) const FAINTEST_SHARE: f64 = 0.6;
 
 /// An echo of a drop, a flake, fog, or spray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::lidar) struct AirEcho {
+pub(crate) struct AirEcho {
     pub range_m: f64,
     /// At the receiver, in units of reflectance / range^2.
     pub power: f64,

@@ -2,19 +2,18 @@
 
 mod aerosol;
 mod air_echo;
-mod ground;
 mod particles;
 mod recorded;
 mod spray;
 
 pub(super) use air_echo::AirEcho;
-pub(super) use ground::{FALLEN_SNOW, under_snow};
 pub use recorded::{Fate, Weathered, weather_recorded};
 pub(super) use spray::{Plumes, Sprayed};
 
 use self::aerosol::Fog;
 use self::particles::Particles;
-use super::receiver::Receiver;
+use crate::lidar::detection::Receiver;
+use crate::lidar::reflectance::{under_snow, under_water};
 use crate::weather::Weather;
 use cadet_base::material::Semantic;
 use cadet_base::math;
@@ -107,7 +106,7 @@ impl Air {
         if self.wetness == 0.0 {
             return 1.0;
         }
-        1.0 - self.wetness * (1.0 - ground::under_water(reflectance, cos_incidence))
+        1.0 - self.wetness * (1.0 - under_water(reflectance, cos_incidence))
     }
 }
 

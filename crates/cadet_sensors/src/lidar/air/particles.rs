@@ -11,7 +11,7 @@
 
 use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use crate::lidar::Receiver;
-use crate::lidar::laser_receiver::focused;
+use crate::lidar::detection::focused;
 use crate::weather::SizeDistribution;
 use cadet_base::math::{self, PI};
 use cadet_base::rng::CounterRng;

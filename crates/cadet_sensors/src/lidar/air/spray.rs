@@ -4,7 +4,7 @@
 use super::aerosol::{clump, reflectance_m};
 use super::air_echo::{AirEcho, FAINTEST_SHARE};
 use crate::lidar::Receiver;
-use crate::lidar::laser_receiver::focused;
+use crate::lidar::detection::focused;
 use crate::spray::{Plume, Spray};
 use cadet_base::math::{self, DVec3};
 use cadet_base::rng::CounterRng;
@@ -22,7 +22,7 @@ const SALT: u64 = 0x5f3a_91c4_d20b_7e65;
 
 /// The plumes about a sensor, near ones first.
 #[derive(Debug, Clone)]
-pub(in crate::lidar) struct Plumes<'a> {
+pub(crate) struct Plumes<'a> {
     plumes: Vec<NearPlume<'a>>,
     /// Reflectance of a diffuse surface that returns as much as spray of an extinction of 1/m.
     reflectance_m: f64,
@@ -40,7 +40,7 @@ struct NearPlume<'a> {
 
 /// What becomes of a beam in spray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::lidar) struct Sprayed {
+pub(crate) struct Sprayed {
     /// Power that is left of an echo from behind.
     pub transmittance: f64,
     /// The spray's own echo.
@@ -49,11 +49,11 @@ pub(in crate::lidar) struct Sprayed {
 
 impl Sprayed {
     /// A beam that meets none.
-    pub(in crate::lidar) const NOT: Self = Self { transmittance: 1.0, echo: None };
+    pub(crate) const NOT: Self = Self { transmittance: 1.0, echo: None };
 }
 
 impl<'a> Plumes<'a> {
-    pub(in crate::lidar) fn about(spray: &'a Spray, sensor_world: DVec3, receiver: &Receiver) -> Self {
+    pub(crate) fn about(spray: &'a Spray, sensor_world: DVec3, receiver: &Receiver) -> Self {
         let ball = |plume: &'a Plume| {
             let [low, high] = plume.bounds();
             let center_world = *plume.world_from_plume() * (0.5 * (low + high)).as_dvec3();
@@ -66,12 +66,12 @@ impl<'a> Plumes<'a> {
     }
 
     #[inline]
-    pub(in crate::lidar) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.plumes.is_empty()
     }
 
     /// What becomes of a beam of a laser of that focus up to its target, which may be infinitely far; `key` names the beam.
-    pub(in crate::lidar) fn meet(
+    pub(crate) fn meet(
         &self,
         origin_world: DVec3,
         direction_world: DVec3,
