@@ -2,6 +2,7 @@
 
 use strum::VariantArray;
 
+use super::face_flags::Flags;
 use super::value_noise::{hash2, value_noise};
 use super::visibility_pass::ImageRays;
 use super::windows::window;
@@ -106,22 +107,6 @@ const PER_PATTERN: usize = 8;
 const SMOOTH_BIT: usize = 1;
 const GLOSSY_BIT: usize = 2;
 const TRANSPARENT_BIT: usize = 4;
-
-/// Bits of [`ShadingFace::flags`].
-pub struct Flags;
-
-impl Flags {
-    /// Lies on the ground, level.
-    pub const GROUND: u32 = 1;
-    /// Vehicles near by hide the sky: not of leaves, which are above them or few.
-    pub const CONTACT: u32 = 2;
-    /// Snow does not lie on it.
-    pub const SHEDS_SNOW: u32 = 4;
-    /// Water soaks into it.
-    pub const ABSORBS: u32 = 8;
-    /// Throws the light of lamps back to where it comes from.
-    pub const RETRO: u32 = 16;
-}
 
 /// Data of a face that is read from memory to make it ready.
 pub struct FaceVertices {

@@ -12,6 +12,7 @@ mod distortion;
 mod exposure;
 mod face;
 mod face_cache;
+mod face_flags;
 mod fisheye;
 mod fisheye_pass;
 mod fragment_binning;

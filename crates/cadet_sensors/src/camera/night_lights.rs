@@ -1,6 +1,6 @@
 //! The lamps of a night: a grid tells which of them reach a place, so that a point sums few of them.
 
-use super::face::Flags;
+use super::face_flags::Flags;
 use crate::sense::{PosedLamp, PosedScene};
 use cadet_base::lamp::{Lamp, LampBeam, fade, lens, low_beam, luminaire};
 use cadet_base::math::{DVec3, Vec3};

@@ -8,7 +8,7 @@ use macro_rules_attribute::apply;
 
 use self::map::{EMPTY, HIGHEST_STEPS, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, steps};
 use self::rasterization::{LEVEL, rasterize_casters};
-use super::face::Flags;
+use super::face_flags::Flags;
 use super::value_noise::split;
 use crate::sense::PosedScene;
 use crate::wide_registers::array_of;

@@ -2,7 +2,8 @@
 
 use macro_rules_attribute::apply;
 
-use super::super::face::{Flags, ShaderVariant};
+use super::super::face::ShaderVariant;
+use super::super::face_flags::Flags;
 use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
 use super::super::textures::{self, PatternPoint};
 use super::super::value_noise::value_noise;

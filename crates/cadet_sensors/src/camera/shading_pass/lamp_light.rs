@@ -2,7 +2,8 @@
 
 use macro_rules_attribute::apply;
 
-use super::super::face::{Flags, ShaderVariant};
+use super::super::face::ShaderVariant;
+use super::super::face_flags::Flags;
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};

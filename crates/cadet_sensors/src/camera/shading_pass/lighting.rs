@@ -5,7 +5,8 @@
 
 use macro_rules_attribute::apply;
 
-use super::super::face::{Flags, ShaderVariant};
+use super::super::face::ShaderVariant;
+use super::super::face_flags::Flags;
 use super::super::light::Light;
 use super::super::shading_queue::BATCH_SIZE;
 use super::super::sky::Sky;

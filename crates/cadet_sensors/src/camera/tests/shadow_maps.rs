@@ -1,6 +1,6 @@
 //! Shadow maps: where shadows fall, how soft their edges are, and what is not drawn.
 
-use super::super::face::Flags;
+use super::super::face_flags::Flags;
 use super::super::shadow::{PcfTexels, ShadowMaps, ShadowQuery};
 use super::super::sky::Sky;
 use super::{EYE_HEIGHT_M, clear_sun_from, cuboid, gray, ground, instance, street};
