@@ -37,7 +37,7 @@ IMAGE: Final = {
     "distortion, color filters, noise": ("distortion", "mosaic", "noise", "development"),
     "labels": ("label",),
     "the scan of a few beams for them": ("lidar",),
-    "the rest of the camera": ("camera",),
+    "the rest of the camera": ("camera", "night_lights", "block_sums"),
 }
 SCAN: Final = {
     "visibility": ("sense",),
@@ -48,7 +48,8 @@ SCAN: Final = {
         "intensity",
         "receiver",
         "laser_receiver",
-        "returns",
+        "ring_receiver",
+        "arrivals",
     ),
     "halos": ("blooming",),
     "the rest of the LIDAR": ("lidar",),

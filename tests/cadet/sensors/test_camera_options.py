@@ -86,7 +86,7 @@ def test_exposure_and_white_balance_are_factors_of_the_light() -> None:
 
 
 def test_noise_has_the_deviation_that_is_asked_for() -> None:
-    """Read-out and photons as measured of KITTI's cameras (`camera/noise.rs`), times the factor."""
+    """Read-out and photons as measured of KITTI's cameras (`camera/sensor/noise.rs`), times the factor."""
     still = seen(noise=0.0)
     flat = smooth(still) & (light(still).max(axis=2) < 0.9)
     deviations = {}

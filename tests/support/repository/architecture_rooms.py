@@ -79,4 +79,15 @@ ROOMS: dict[str, dict[str, set[str]]] = {
         "returns": {"air", "detection", "echoes", "sensor"},
         "scan": {"air", "casting", "echoes", "returns", "sensor"},
     },
+    "sensors/camera": {
+        "png": set(),
+        "model": set(),
+        "surfaces": set(),
+        "visibility": {"model"},
+        "light": {"model", "surfaces"},
+        "sensor": {"model", "visibility"},
+        "overlays": {"light", "visibility"},
+        "shading": {"light", "sensor", "surfaces", "visibility"},
+        "render": {"light", "model", "overlays", "sensor", "shading", "visibility"},
+    },
 }

@@ -1,60 +1,25 @@
 //! The camera: model and lens, shading, sky, shadows, noise, PNG.
 
-mod ambient_cache;
-mod block_sums;
-mod bloom;
-mod compositing;
-mod contact_occlusion;
-mod coverage;
-mod deferred_shading;
-mod development;
-mod distortion;
-mod exposure;
-mod face;
-mod face_cache;
-mod face_flags;
-mod fisheye;
-mod fisheye_pass;
-mod fragment_binning;
-mod lens_drops;
 mod light;
-mod maps;
 mod model;
-mod mosaic;
-mod night_lights;
-mod noise;
+mod overlays;
 pub mod png;
-mod precipitation;
-mod radiance_pass;
 mod render;
-mod rolling_shutter;
-mod shading_pass;
-mod shading_queue;
-mod shadow;
-mod sky;
-mod sky_rows;
-mod sky_visibility;
-mod spray;
-mod surface_maps;
+mod sensor;
+mod shading;
+mod surfaces;
 #[cfg(test)]
 mod tests;
-mod textures;
-mod value_noise;
-mod visibility_pass;
-mod windows;
+mod visibility;
 
-pub use development::{CURVE_POINTS, Development, MOST_EXPOSURE_EV, MOST_NOISE, Response, WHITE_BALANCE_FACTORS};
-pub use distortion::{Distortion, Warp};
-pub use exposure::{Gain, LastGain, Metering};
-pub use fisheye::{Fisheye, MOST_ANGLE_RAD};
-pub use fisheye_pass::render_fisheye;
-pub use lens_drops::LensDrops;
-pub use maps::{Maps, SurfaceMaps};
 #[cfg(test)]
-pub(crate) use model::tests::kitti_like;
-pub use model::{CameraModel, MAX_MOTION_BLUR_S, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
-pub use precipitation::Precipitation;
-pub use render::{Foreground, Rendered, render, render_through};
-pub use rolling_shutter::{Moving, render_rolling};
-pub use surface_maps::{Motions, SurfaceMapKinds};
-pub use visibility_pass::{View, Visibility, visibility_pass};
+pub(crate) use model::kitti_like;
+pub use model::{
+    CURVE_POINTS, CameraModel, Development, Distortion, Fisheye, MAX_MOTION_BLUR_S, MAX_ROLLING_SHUTTER_S,
+    MOST_ANGLE_RAD, MOST_EXPOSURE_EV, MOST_NOISE, Maps, Pixel, Response, SIDES_PX, SurfaceMaps, WHITE_BALANCE_FACTORS,
+    Warp,
+};
+pub use overlays::{LensDrops, Precipitation};
+pub use render::{Foreground, Moving, Rendered, render, render_fisheye, render_rolling, render_through};
+pub use sensor::{Gain, LastGain, Metering};
+pub use visibility::{Motions, SurfaceMapKinds, View, Visibility, visibility_pass};

@@ -21,9 +21,8 @@ mod wet_ground;
 
 use std::sync::Arc;
 
-use super::sky::Sky;
-use super::sky_visibility::SkyProbes;
 use super::{Foreground, Rendered, View, render_through, visibility_pass};
+use crate::camera::light::{Sky, SkyProbes};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::frames::upright;

@@ -1,7 +1,7 @@
 //! Water and snow on surfaces of many materials: in what order of brightness, with what contours, and as LIDARs find them.
 
 use super::{INTRINSICS, SIZE, cuboid, ground, instance, picture};
-use crate::camera::value_noise::value_noise;
+use crate::camera::surfaces::value_noise;
 use crate::weather::Weather;
 use cadet_base::geometry::MeshBuilder;
 use cadet_base::material::{Material, Pattern, Semantic};

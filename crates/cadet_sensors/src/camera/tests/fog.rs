@@ -1,9 +1,7 @@
 //! What the air adds before a surface is there whatever the surface is.
 
 use super::{EYE_HEIGHT_M, INTRINSICS, SIZE, cuboid, gray, ground, picture};
-use crate::camera::light::Light;
-use crate::camera::sky::Sky;
-use crate::camera::sky_visibility::SkyProbes;
+use crate::camera::light::{Light, Sky, SkyProbes};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::instance::Instance;

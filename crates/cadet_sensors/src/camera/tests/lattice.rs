@@ -1,9 +1,8 @@
 //! Blocks of 8 x 4 pixels are shaded together: nobody may see where they meet.
 
-use super::super::exposure::{LUMA_WEIGHTS, MEAN_LUMA, MeteredPixel, gain_for_mean_luma};
-use super::super::noise::blur;
-use super::super::render::{Scratch, radiance};
 use super::{View, visibility_pass};
+use crate::camera::render::{Scratch, radiance};
+use crate::camera::sensor::{LUMA_WEIGHTS, MEAN_LUMA, MeteredPixel, blur, gain_for_mean_luma};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::math::{DMat3, DPose3, DQuat, DVec3};

@@ -2,8 +2,8 @@
 
 use super::{EYE_HEIGHT_M, INTRINSICS, SIZE, cuboid, gray, ground, view};
 use crate::camera::light::Light;
-use crate::camera::noise::ROWS_BEFORE;
 use crate::camera::render::{Scratch, radiance};
+use crate::camera::sensor::ROWS_BEFORE;
 use crate::camera::{render, visibility_pass};
 use crate::sense::PosedScene;
 use crate::weather::Weather;

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::reference::{COLUMNS, ROWS, Rate, Reference};
-use crate::camera::exposure::{
-    MEAN_LUMA, MeteredPixel, NIGHT_MEAN_LUMA, VEILING_GLARE_SHARE, balanced, gain_at_night, gain_for_mean_luma,
-};
-use crate::camera::kitti_like;
-use crate::camera::noise::ROWS_BEFORE;
+use crate::camera::light::Sky;
 use crate::camera::render::{Scratch, radiance};
-use crate::camera::sky::Sky;
-use crate::camera::{Maps, View, visibility_pass};
+use crate::camera::sensor::{
+    MEAN_LUMA, MeteredPixel, NIGHT_MEAN_LUMA, ROWS_BEFORE, VEILING_GLARE_SHARE, balanced, gain_at_night,
+    gain_for_mean_luma,
+};
+use crate::camera::{Maps, View, kitti_like, visibility_pass};
 use crate::lidar::LidarSpec;
 use crate::rig::Mount;
 use crate::sense::{PosedScene, Resolution};

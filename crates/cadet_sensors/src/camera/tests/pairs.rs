@@ -1,8 +1,8 @@
 //! Two pixels side by side are shaded at once: which ones these are may not show.
 
-use super::super::noise::ROWS_BEFORE;
-use super::super::render::{Scratch, radiance};
 use super::{EYE_HEIGHT_M, SIZE, View, clear_sun_from, cuboid, gray, street, view, visibility_pass};
+use crate::camera::render::{Scratch, radiance};
+use crate::camera::sensor::ROWS_BEFORE;
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 use cadet_base::instance::Instance;

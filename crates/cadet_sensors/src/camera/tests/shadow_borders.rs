@@ -1,9 +1,8 @@
 //! Where shadows begin and end, near and far, and how they end with the maps.
 
-use super::super::shadow::ShadowMaps;
-use super::super::sky::Sky;
 use super::shadow_maps::{sunlit, sunlit_ground};
 use super::{EYE_HEIGHT_M, clear_sun_from, cuboid, gray, ground};
+use crate::camera::light::{ShadowMaps, Sky};
 use crate::sense::PosedScene;
 use cadet_base::material::Semantic;
 use cadet_base::math::{self, DVec3, Vec3};

@@ -1,9 +1,8 @@
 //! Shadow maps: where shadows fall, how soft their edges are, and what is not drawn.
 
-use super::super::face_flags::Flags;
-use super::super::shadow::{PcfTexels, ShadowMaps, ShadowQuery};
-use super::super::sky::Sky;
 use super::{EYE_HEIGHT_M, clear_sun_from, cuboid, gray, ground, instance, street};
+use crate::camera::light::{PcfTexels, ShadowMaps, ShadowQuery, Sky};
+use crate::camera::surfaces::Flags;
 use crate::sense::PosedScene;
 use cadet_base::frames::facing;
 use cadet_base::geometry::MeshBuilder;

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::super::shadow::ShadowMaps;
-use super::super::sky::Sky;
 use super::shadow_maps::sunlit;
 use super::{EYE_HEIGHT_M, clear_sun_from, ground};
+use crate::camera::light::{ShadowMaps, Sky};
 use crate::sense::PosedScene;
 use cadet_assets::person::PersonModel;
 use cadet_assets::vehicle::VehicleModel;

@@ -1,7 +1,7 @@
 //! Sky visibility beside a long wall, under a roof, and beyond what is known.
 
-use super::super::sky_visibility::{SkyProbes, SkyVisibility};
 use super::{EYE_HEIGHT_M, cuboid, gray, ground};
+use crate::camera::light::{SkyProbes, SkyVisibility};
 use crate::sense::PosedScene;
 use cadet_base::instance::Instance;
 use cadet_base::material::Semantic;

@@ -1,10 +1,10 @@
 //! Plumes of spray in the image against sums along single rays.
 
-use super::super::light::Light;
-use super::super::render::{Foreground, Scratch, radiance, render_through};
-use super::super::spray::draw;
-use super::super::visibility_pass::Visibility;
 use super::*;
+use crate::camera::light::Light;
+use crate::camera::overlays::spray::draw;
+use crate::camera::render::{Foreground, Scratch, radiance, render_through};
+use crate::camera::visibility::Visibility;
 use crate::spray::Spray;
 use crate::spray::tests::{CAR_M, depth, smooth, vehicle};
 use cadet_base::actor::ObjectClass;

@@ -2,10 +2,10 @@
 
 use super::Reference;
 use super::shading::{Point, Surface};
-use crate::camera::night_lights::{
+use crate::camera::light::{
     LEAF_DIRECT_SHARE, LEAF_SCATTERED_SHARE, LEAST_LAMP_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO_REFLECTANCE, RETRO_SINE,
 };
-use crate::camera::shading_pass::{SurfaceCoat, lamp_coat};
+use crate::camera::shading::{SurfaceCoat, lamp_coat};
 use cadet_base::lamp::{LampBeam, fade};
 use cadet_base::material::Pattern;
 use cadet_base::math::Vec3;

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::shading::Surface;
 use super::{COLUMNS, MIDDLE, Part, ROWS, Reference, pixels};
-use crate::camera::sky_visibility::SkyVisibility;
+use crate::camera::light::SkyVisibility;
 use cadet_base::math::Vec3;
 
 /// Pixels of a block that are few.

@@ -2,13 +2,11 @@
 
 use super::shadow::ShadowMap;
 use super::{Key, Reference};
-use crate::camera::contact_occlusion::Occluder;
-use crate::camera::face::{clump, luminaire_share};
-use crate::camera::shading_pass::{environment, highlight};
-use crate::camera::sky_visibility::SkyVisibility;
-use crate::camera::textures::{PatternPoint, albedo};
-use crate::camera::value_noise::{hash2, value_noise};
-use crate::camera::windows::{radiance, window};
+use crate::camera::light::{Occluder, SkyVisibility};
+use crate::camera::shading::{clump, environment, highlight, luminaire_share};
+use crate::camera::surfaces::textures::albedo;
+use crate::camera::surfaces::windows::radiance;
+use crate::camera::surfaces::{PatternPoint, hash2, value_noise, window};
 use crate::sense::PosedInstance;
 use crate::surface_cover::absorbs_water;
 use cadet_base::geometry::{CLUSTER_FACES, LEAST_WEIGHT, Mesh, face_number};
