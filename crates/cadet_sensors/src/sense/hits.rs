@@ -1,9 +1,36 @@
-//! What the beams of a grid met.
-
-use super::moving::FaceHit;
+//! What a ray met, and what the beams of a grid met.
 
 /// The instance and the face of a beam that meets nothing.
 pub const NO_HIT: u32 = u32::MAX;
+
+/// A triangle that a ray met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceHit {
+    /// Distance from the ray's origin.
+    pub range_m: f64,
+    /// Index into [`super::PosedScene::instances`].
+    pub instance: u32,
+    /// Face of the instance's mesh.
+    pub face: u32,
+    /// Cosine of the incidence angle, 0..1.
+    pub cos_incidence: f32,
+}
+
+impl FaceHit {
+    /// Nearer, or of two equally near ones the earlier instance and face.
+    pub(super) fn is_before(&self, other: &Self) -> bool {
+        (self.range_m, self.instance, self.face) < (other.range_m, other.instance, other.face)
+    }
+}
+
+/// What a ray met.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SurfaceHits {
+    /// The first opaque triangle.
+    pub opaque: Option<FaceHit>,
+    /// The first transparent one before it.
+    pub transparent: Option<FaceHit>,
+}
 
 /// What the beams of a grid met, row-major.
 #[derive(Debug, Clone, PartialEq)]

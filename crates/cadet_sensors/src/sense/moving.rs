@@ -9,6 +9,7 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::Ray;
 
 use super::face_trees::{FaceTrees, LOOSE_M};
+use super::hits::{FaceHit, SurfaceHits};
 use super::motion::RigidMotion;
 use super::posed::{PosedInstance, PosedScene};
 use cadet_base::math::{DMat3, DPose3, DVec3};
@@ -31,35 +32,6 @@ struct MovingInstance {
     over_faces: Arc<Bvh>,
     /// Index into the motions, None at rest.
     motion: Option<usize>,
-}
-
-/// A triangle that a ray met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FaceHit {
-    /// Distance from the ray's origin.
-    pub range_m: f64,
-    /// Index into [`PosedScene::instances`].
-    pub instance: u32,
-    /// Face of the instance's mesh.
-    pub face: u32,
-    /// Cosine of the incidence angle, 0..1.
-    pub cos_incidence: f32,
-}
-
-impl FaceHit {
-    /// Nearer, or of two equally near ones the earlier instance and face.
-    pub(super) fn is_before(&self, other: &Self) -> bool {
-        (self.range_m, self.instance, self.face) < (other.range_m, other.instance, other.face)
-    }
-}
-
-/// What a ray met.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SurfaceHits {
-    /// The first opaque triangle.
-    pub opaque: Option<FaceHit>,
-    /// The first transparent one before it.
-    pub transparent: Option<FaceHit>,
 }
 
 impl MovingCaster {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::face_trees::FaceTrees;
-use super::hits::Hits;
+use super::hits::{FaceHit, Hits};
 use super::motion::RigidMotion;
-use super::moving::{FaceHit, MovingCaster};
+use super::moving::MovingCaster;
 use super::posed::PosedScene;
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::material::Material;
