@@ -60,7 +60,7 @@ const EXP_POWER: f32 = 16.0;
 /// By day lenses have half the radiance of a white wall in the sun, against which lights have to be seen.
 const DAY_LAMP_RADIANCE: f32 = 0.55;
 /// At night no pixel counts for more in what the lens scatters over all of the image, a white surface under 100 lx; around
-/// lamps there are halos ([`crate::camera::overlays::bloom`]).
+/// lamps there are halos ([`crate::camera::overlays`]).
 const NIGHT_GLARE_CEILING: f32 = 1.0;
 
 impl Light {
