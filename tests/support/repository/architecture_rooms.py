@@ -68,6 +68,15 @@ ROOMS: dict[str, dict[str, set[str]]] = {
         "label": {"camera", "sense"},
         "rig": {"camera", "lidar"},
     },
+    "sensors/sense": {
+        "grids": set(),
+        "scene": set(),
+        "spinning": {"grids"},
+        "cluster_culling": {"grids", "scene"},
+        "rays": {"grids", "scene"},
+        "beams": {"cluster_culling", "grids", "scene", "spinning"},
+        "raster": {"cluster_culling", "grids", "scene"},
+    },
     "sensors/lidar": {
         "detection": set(),
         "reflectance": set(),

@@ -1,8 +1,7 @@
 //! The clusters that a grid may see, the near ones first.
 
-use super::grid::{BeamGrid, Window};
-use super::posed::PosedScene;
-use super::to_grid::ToGrid;
+use crate::sense::grids::{BeamGrid, ToGrid, Window};
+use crate::sense::scene::PosedScene;
 use cadet_base::math::Vec3;
 
 /// A cluster in view.

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::grid::Window;
+use crate::sense::grids::Window;
 use crate::wide_registers::array_of;
 use cadet_base::math::{DVec3, lesser};
 
@@ -15,7 +15,7 @@ pub(super) const CLEARLY_NEARER_RATIO: f32 = 1.000_01;
 /// A face that was drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct DrawnFace {
-    /// Index into [`super::PosedScene::instances`].
+    /// Index into [`crate::sense::PosedScene::instances`].
     pub instance: u32,
     /// Face of the instance's mesh; the first of two that are drawn as one ([`cadet_base::geometry::ClusterPiece`]).
     pub face: u32,

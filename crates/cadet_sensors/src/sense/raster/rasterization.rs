@@ -1,7 +1,7 @@
 //! Draws triangles into the visibility buffer of a camera.
 //!
-//! The inside test is that of [`super::BeamGrid::cover`], bit for bit. What differs from casting onto any grid: depths are
-//! compared as 1 / z, which is affine on the image; blocks of 8 x 8 samples are drawn together; a hierarchy of depths
+//! The inside test is that of [`crate::sense::BeamGrid::cover`], bit for bit. What differs from casting onto any grid: depths
+//! are compared as 1 / z, which is affine on the image; blocks of 8 x 8 samples are drawn together; a hierarchy of depths
 //! hides clusters and triangles; and transparent surfaces are drawn in the same pass as opaque ones.
 
 use std::ops::Range;
@@ -9,13 +9,11 @@ use std::ops::Range;
 use macro_rules_attribute::{apply, derive};
 
 use super::block_rasterization::{ExactBlock, FaceOnImage};
-use super::cluster_culling::{VisibleCluster, sort_by_depth, visible_clusters};
-use super::grid::{BeamGrid, Window};
 use super::outline::FacePlanes;
-use super::pinhole::PinholeGrid;
-use super::posed::{PosedInstance, PosedScene};
-use super::to_grid::ToGrid;
 use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
+use crate::sense::cluster_culling::{VisibleCluster, sort_by_depth, visible_clusters};
+use crate::sense::grids::{BeamGrid, PinholeGrid, ToGrid, Window};
+use crate::sense::scene::{PosedInstance, PosedScene};
 use crate::wide_registers::array_of;
 use crate::zeros::DefaultZeros;
 use cadet_base::geometry::{CLUSTER_VERTICES, Cluster, LANES, face_number};

@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::azimuth_ticks::{AZIMUTH_MARGIN_RAD, HALF_TURN_RAD, TURN_RAD, Ticks, azimuth_rad_of};
-use super::grid::Window;
 use super::laser_ring::LaserRing;
 use super::row_lookup::{
     BULGE_SHARE, INVERSE_RHO_BINS, INVERSE_RHO_STEP_PER_M, Lookup, PLACE_STRIDE, SHARED_BITS, SortedRow, TANGENT_BINS,
     rows_of_place,
 };
+use crate::sense::grids::Window;
 use cadet_base::math::{self, Vec3, greater, lesser};
 
 /// Points this many times as far from the axis as the lasers are look alike to all of them but for their azimuth: a

@@ -5,11 +5,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::azimuth_ticks::{AZIMUTH_MARGIN_RAD, TURN_RAD, azimuth_rad_of};
-use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
-use super::hits::Hits;
 use super::laser_ring::LaserRing;
 use super::row_planes::{EIGHT, PlaneLanes, RowPlanes};
 use super::spinning_table::{POLAR_SHARE, SpinningTable};
+use crate::sense::grids::{Beam, BeamGrid, Hits, Window, tangents_of_circle};
 use crate::wide_registers::array_of;
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::geometry::{LANES, Lanes};

@@ -6,13 +6,13 @@ use cadet_base::math::{DMat3, DVec3};
 
 /// World to grid, in double precision.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ToGrid {
+pub(crate) struct ToGrid {
     pub rotation: DMat3,
     pub origin_world: DVec3,
 }
 
 impl ToGrid {
-    pub(super) fn new<G: BeamGrid>(grid: &G) -> Self {
+    pub(crate) fn new<G: BeamGrid>(grid: &G) -> Self {
         let world_from_grid = grid.world_from_grid();
         Self {
             rotation: DMat3::from_quat(world_from_grid.rotation).transpose(),
@@ -22,7 +22,7 @@ impl ToGrid {
 
     /// [`LANES`] points at once.
     #[inline(always)]
-    pub(super) fn lanes(&self, [x, y, z]: &Lanes) -> [[f64; LANES]; 3] {
+    pub(crate) fn lanes(&self, [x, y, z]: &Lanes) -> [[f64; LANES]; 3] {
         let (r, o) = (&self.rotation, &self.origin_world);
         let mut out = [[0.0; LANES]; 3];
         for i in 0..LANES {

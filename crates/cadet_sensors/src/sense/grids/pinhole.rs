@@ -20,12 +20,12 @@ pub struct PinholeGrid {
     /// (v - cy) / fy of every row, rising.
     rows_y: Vec<f64>,
     /// Column = x / z * scale + offset, and the same for rows.
-    pub(super) column_scale: f64,
-    pub(super) offset_columns: f64,
-    pub(super) row_scale: f64,
+    pub(crate) column_scale: f64,
+    pub(crate) offset_columns: f64,
+    pub(crate) row_scale: f64,
     pub(super) offset_rows: f64,
     /// Columns by which the samples of odd rows lie further to the right: 0 or 1/2.
-    pub(super) odd_shift_columns: f64,
+    pub(crate) odd_shift_columns: f64,
 }
 
 /// How far the single-precision projection may err, in samples.
@@ -224,7 +224,7 @@ impl BeamGrid for PinholeGrid {
 }
 
 /// The windows of [`LANES`] faces.
-pub(super) struct WindowLanes {
+pub(crate) struct WindowLanes {
     /// False where a window is empty.
     pub may_meet: [bool; LANES],
     rows: [[u32; LANES]; 2],
@@ -236,7 +236,7 @@ pub(super) struct WindowLanes {
 impl WindowLanes {
     /// The window of one of them, whose corners are given.
     #[inline(always)]
-    pub(super) fn of_lane(&self, i: usize, grid: &PinholeGrid, corners_cam: &[DVec3]) -> Window {
+    pub(crate) fn of_lane(&self, i: usize, grid: &PinholeGrid, corners_cam: &[DVec3]) -> Window {
         if self.crosses[i] {
             return grid.window_of_crossing(corners_cam);
         }
@@ -259,7 +259,7 @@ fn ceil_and_floor(v: f32) -> [u32; 2] {
 impl PinholeGrid {
     /// As [`BeamGrid::footprints`], columns and rows apart.
     #[inline(always)]
-    pub(super) fn footprint_lanes(&self, [x, y, z]: &Lanes, columns: &mut [f32; LANES], rows: &mut [f32; LANES]) {
+    pub(crate) fn footprint_lanes(&self, [x, y, z]: &Lanes, columns: &mut [f32; LANES], rows: &mut [f32; LANES]) {
         let (cs, co) = (self.column_scale as f32, self.offset_columns as f32);
         let (rs, ro) = (self.row_scale as f32, self.offset_rows as f32);
         let (last_column, last_row) = (self.columns() as f32, self.rows() as f32);
@@ -278,7 +278,7 @@ impl PinholeGrid {
 
     /// As [`BeamGrid::windows`], of faces whose corners fall on `columns` and `rows`.
     #[inline(always)]
-    pub(super) fn window_lanes<const N: usize>(
+    pub(crate) fn window_lanes<const N: usize>(
         &self,
         columns: [&[f32; LANES]; N],
         rows: [&[f32; LANES]; N],
@@ -333,7 +333,7 @@ impl PinholeGrid {
     }
 
     /// x / z of every column of even and of odd rows, and of those that would follow up to a multiple of `block`.
-    pub(super) fn padded_columns_x(&self, block: usize) -> [Vec<f64>; 2] {
+    pub(crate) fn padded_columns_x(&self, block: usize) -> [Vec<f64>; 2] {
         [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift_columns)].map(|(columns_x, shift)| {
             let n = columns_x.len();
             let at = |i: usize| (i as f64 + shift - self.offset_columns) / self.column_scale;
@@ -342,7 +342,7 @@ impl PinholeGrid {
     }
 
     /// y / z of every row, and of those that would follow up to a multiple of `block`.
-    pub(super) fn padded_rows_y(&self, block: usize) -> Vec<f64> {
+    pub(crate) fn padded_rows_y(&self, block: usize) -> Vec<f64> {
         let n = self.rows_y.len();
         let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.offset_rows) / self.row_scale);
         self.rows_y.iter().copied().chain(beyond).collect()

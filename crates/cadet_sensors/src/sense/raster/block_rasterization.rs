@@ -10,8 +10,8 @@ use macro_rules_attribute::apply;
 
 use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
 use super::outline::FacePlanes;
-use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
+use crate::sense::grids::PinholeGrid;
 use crate::wide_registers::array_of;
 use cadet_base::math::{DVec3, greater, lesser};
 
@@ -261,7 +261,7 @@ impl FaceOnImage {
         bits_by_column(&nearer)
     }
 
-    /// Draws the samples whose bits are set by the kernel's test ([`super::BeamGrid::cover`]), bit for bit.
+    /// Draws the samples whose bits are set by the kernel's test ([`crate::sense::BeamGrid::cover`]), bit for bit.
     #[cold]
     #[inline(never)]
     fn draw_exactly(&self, block: &mut Block, id: u32, mask: u64, exact: &ExactBlock<'_>) -> u64 {

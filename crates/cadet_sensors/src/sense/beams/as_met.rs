@@ -1,8 +1,7 @@
 //! Where points stand when the beams of a turning sensor meet them.
 
-use super::azimuth_ticks::azimuth_rad_of;
-use super::motion::RigidMotion;
-use super::posed::PosedScene;
+use crate::sense::scene::{PosedInstance, PosedScene, RigidMotion};
+use crate::sense::spinning::azimuth_rad_of;
 use cadet_base::geometry::LANES;
 use cadet_base::math::{DPose3, DVec3, PI, wrap_angle};
 
@@ -88,7 +87,7 @@ impl MetWhileTurning {
         let at_origin = |m: &RigidMotion| {
             m.velocity_world + m.angular_velocity_world.cross(world_from_velo.translation - m.pivot_world)
         };
-        let velocity = |(index, instance): (usize, &super::posed::PosedInstance)| {
+        let velocity = |(index, instance): (usize, &PosedInstance)| {
             let body = motion_of(index).unwrap_or(&rest);
             let linear_m_per_s = velo_from_world * (at_origin(body) - at_origin(sensor));
             let angular_rad_per_s = velo_from_world * (body.angular_velocity_world - sensor.angular_velocity_world);

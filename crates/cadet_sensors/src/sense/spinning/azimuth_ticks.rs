@@ -64,7 +64,7 @@ impl Ticks {
 
 /// The azimuth in [0, 2 pi] of a point, within 2e-6 rad; some number for the axis itself.
 #[inline]
-pub(super) fn azimuth_rad_of(x: f32, y: f32) -> f32 {
+pub(crate) fn azimuth_rad_of(x: f32, y: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
     let t = small / greater(large, f32::MIN_POSITIVE);

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::face_trees::FaceTrees;
-use super::hits::{FaceHit, Hits};
-use super::motion::RigidMotion;
 use super::moving::MovingCaster;
-use super::posed::PosedScene;
+use crate::sense::grids::{FaceHit, Hits};
+use crate::sense::scene::{PosedScene, RigidMotion};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::material::Material;
 use cadet_base::math::DVec3;

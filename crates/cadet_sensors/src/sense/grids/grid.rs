@@ -36,7 +36,7 @@ impl Window {
 /// Tangents of the directions in which a circle is seen from the origin of its plane: the middle lies at `across_m` and
 /// `along > 0` or behind. Infinite where the circle reaches beyond a right angle, None where it lies behind altogether.
 #[inline]
-pub(super) fn tangents_of_circle(across_m: f32, along_m: f32, radius_m: f32) -> Option<[f32; 2]> {
+pub(crate) fn tangents_of_circle(across_m: f32, along_m: f32, radius_m: f32) -> Option<[f32; 2]> {
     if along_m < -radius_m {
         return None;
     }

@@ -3,12 +3,10 @@
 use macro_rules_attribute::apply;
 
 use super::as_met::{AsMet, Still};
-use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
 use super::coarse_depth::CoarseDepth;
-use super::grid::{BeamGrid, Window};
-use super::hits::Hits;
-use super::posed::{PosedInstance, PosedScene};
-use super::to_grid::ToGrid;
+use crate::sense::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
+use crate::sense::grids::{BeamGrid, Hits, ToGrid, Window};
+use crate::sense::scene::{PosedInstance, PosedScene};
 use crate::wide_registers::array_of;
 use cadet_base::geometry::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, LANES, Lanes, face_number};
 use cadet_base::math::DVec3;

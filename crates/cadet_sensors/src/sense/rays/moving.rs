@@ -9,9 +9,8 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::Ray;
 
 use super::face_trees::{FaceTrees, LOOSE_M};
-use super::hits::{FaceHit, SurfaceHits};
-use super::motion::RigidMotion;
-use super::posed::{PosedInstance, PosedScene};
+use crate::sense::grids::{FaceHit, SurfaceHits};
+use crate::sense::scene::{PosedInstance, PosedScene, RigidMotion};
 use cadet_base::math::{DMat3, DPose3, DVec3};
 
 /// Casts rays at a scene whose instances move steadily about the instant at which they were posed.

@@ -1,6 +1,6 @@
 //! A flat convex polygon as planes through the camera: triangles, and quadrilaterals that are drawn as one.
 
-use super::edges::EdgePlanes;
+use crate::sense::grids::EdgePlanes;
 use cadet_base::math::{DVec3, greater, lesser};
 
 /// The edges of a polygon with three or four corners, and its plane; see [`EdgePlanes`].

@@ -1,7 +1,7 @@
 //! A triangle as the beams of one row of a spinning LIDAR meet it.
 
-use super::hits::Hits;
 use super::row_lookup::SortedRow;
+use crate::sense::grids::Hits;
 use crate::wide_registers::array_of;
 use cadet_base::math::DVec3;
 
@@ -11,7 +11,7 @@ pub(super) const EIGHT: usize = 8;
 /// A number for each edge and, last, for the normal: what the compiler puts into one vector register.
 type PerPlane = [f64; 4];
 
-/// [`super::edges::EdgePlanes`], axis by axis.
+/// [`crate::sense::grids::EdgePlanes`], axis by axis.
 pub(super) struct PlaneLanes {
     /// x, y and z of a x b, b x c, c x a, and of the normal.
     cross: [PerPlane; 3],

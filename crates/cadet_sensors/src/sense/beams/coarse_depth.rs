@@ -1,6 +1,6 @@
 //! A coarse map of how far beams have come, which tells what is hidden.
 
-use super::grid::{BeamGrid, Window};
+use crate::sense::grids::{BeamGrid, Window};
 use crate::wide_registers::array_of;
 use cadet_base::math::greater;
 

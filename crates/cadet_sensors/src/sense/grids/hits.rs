@@ -8,7 +8,7 @@ pub const NO_HIT: u32 = u32::MAX;
 pub struct FaceHit {
     /// Distance from the ray's origin.
     pub range_m: f64,
-    /// Index into [`super::PosedScene::instances`].
+    /// Index into [`crate::sense::PosedScene::instances`].
     pub instance: u32,
     /// Face of the instance's mesh.
     pub face: u32,
@@ -18,7 +18,7 @@ pub struct FaceHit {
 
 impl FaceHit {
     /// Nearer, or of two equally near ones the earlier instance and face.
-    pub(super) fn is_before(&self, other: &Self) -> bool {
+    pub(crate) fn is_before(&self, other: &Self) -> bool {
         (self.range_m, self.instance, self.face) < (other.range_m, other.instance, other.face)
     }
 }
@@ -41,7 +41,7 @@ pub struct Hits {
     pub columns: usize,
     /// The grid's depth in meters: range for a LIDAR, z along the optical axis for a camera; infinite for a miss.
     pub depth_m: Vec<f32>,
-    /// Index into [`super::PosedScene::instances`], [`NO_HIT`] for a miss.
+    /// Index into [`crate::sense::PosedScene::instances`], [`NO_HIT`] for a miss.
     pub instance: Vec<u32>,
     /// Face of the instance's mesh, [`NO_HIT`] for a miss.
     pub face: Vec<u32>,
@@ -89,7 +89,7 @@ impl Hits {
 
     /// Keeps the nearer hit; of two equal ones the earlier instance and face.
     #[inline(always)]
-    pub(super) fn keep_nearer(&mut self, at: usize, [depth_m, cos_incidence]: [f32; 2], [instance, face]: [u32; 2]) {
+    pub(crate) fn keep_nearer(&mut self, at: usize, [depth_m, cos_incidence]: [f32; 2], [instance, face]: [u32; 2]) {
         let nearest = self.depth_m[at];
         if depth_m < nearest || (depth_m == nearest && (instance, face) < (self.instance[at], self.face[at])) {
             self.depth_m[at] = depth_m;
