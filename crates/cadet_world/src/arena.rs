@@ -248,9 +248,7 @@ impl Arena {
     pub fn shuffle(&mut self, stream: &mut cadet_base::rng::Stream) {
         use super::agents::Pedestrian;
         let mut order: Vec<Slot> = (1..self.agents.len()).collect();
-        for i in (1..order.len()).rev() {
-            order.swap(i, stream.below(i + 1));
-        }
+        stream.shuffle(&mut order);
         order.insert(0, EGO);
         let mut new_slot = vec![0; order.len()];
         for (new, old) in order.iter().enumerate() {

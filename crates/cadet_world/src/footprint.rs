@@ -52,6 +52,11 @@ impl Footprint {
         self.rect().closest_point(p)
     }
 
+    /// How far `p` is from the rectangle; 0 inside it.
+    pub fn distance_m(&self, p: DVec2) -> f64 {
+        (self.closest_point(p) - p).length()
+    }
+
     /// Whether a point of the rectangle is nearer to `p` than `reach_m`.
     pub fn is_within(&self, p: DVec2, reach_m: f64) -> bool {
         self.rect().is_within(p, reach_m)

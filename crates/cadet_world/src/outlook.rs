@@ -5,13 +5,6 @@ use super::junctions::Request;
 use crate::streets::Ahead;
 use crate::walking::Walk;
 
-/// The place in a lane that a vehicle is changing to.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Claim {
-    pub footprint: Footprint,
-    pub is_inward: bool,
-}
-
 /// What an agent lets others know from one look to the next.
 #[derive(Default)]
 pub(crate) struct Outlook {
@@ -19,8 +12,8 @@ pub(crate) struct Outlook {
     pub way_ahead: Vec<Ahead>,
     /// What it wants of the next junction.
     pub request: Option<Request>,
-    /// Where it is changing lanes to.
-    pub claim: Option<Claim>,
+    /// The place in the lane that it is changing to.
+    pub claim: Option<Footprint>,
     /// What a pedestrian is about.
     pub walk: Option<Walk>,
 }

@@ -3,7 +3,7 @@
 use super::footprint::Footprint;
 use super::junctions::Junctions;
 use super::lane_use::LaneUse;
-use super::outlook::{Claim, Outlook};
+use super::outlook::Outlook;
 use super::slot::Slot;
 use crate::streets::{Ahead, LaneGraph};
 use crate::walking::Walk;
@@ -56,7 +56,7 @@ pub(super) struct TrafficState {
     /// By slot: what a pedestrian is about.
     walks: Vec<Option<Walk>>,
     /// By slot: where somebody is changing to.
-    claims: Vec<Option<Claim>>,
+    claims: Vec<Option<Footprint>>,
 }
 
 impl TrafficState {
@@ -145,20 +145,8 @@ impl TrafficState {
     }
 
     /// The places that somebody is changing to, by rising slot.
-    pub fn claims(&self) -> impl Iterator<Item = (Slot, &Claim)> {
+    pub fn claims(&self) -> impl Iterator<Item = (Slot, &Footprint)> {
         self.claims.iter().enumerate().filter_map(|(slot, claim)| Some((slot, claim.as_ref()?)))
-    }
-
-    /// Whether a driver is on the way into the next lane toward the middle of the road.
-    #[cfg_attr(not(test), allow(dead_code))]
-    pub fn is_changing_inward(&self, agent: Slot) -> bool {
-        self.claims[agent].is_some_and(|c| c.is_inward)
-    }
-
-    /// Whether a driver is on the way into the next lane toward the curb.
-    #[cfg_attr(not(test), allow(dead_code))]
-    pub fn is_changing_outward(&self, agent: Slot) -> bool {
-        self.claims[agent].is_some_and(|c| !c.is_inward)
     }
 
     /// What a pedestrian was about at the last look.

@@ -13,7 +13,7 @@ use crate::ego_command::EgoCommand;
 use crate::footprint::Footprint;
 use crate::junctions::Refusal;
 use crate::look::{Look, TurnSignal, VehicleLook};
-use crate::outlook::{Claim, Outlook};
+use crate::outlook::Outlook;
 use crate::params::STANDS_MPS;
 use crate::params::driver::{
     GIVES_UP_STEPS, HOLDS_BELOW_MPS, HOLDS_BELOW_MPS2, REDUCED_CLEARANCE_STEPS, RESPONSE_S, SHIFTING_M, SIDEWAYS_MPS,
@@ -41,8 +41,9 @@ pub(crate) struct Car {
     interaction_mps2: f64,
     desired_mps: f64,
     command: Option<EgoCommand>,
-    overtaking: Option<Overtaking>,
-    lanes: LaneChoice,
+    /// Of a driver on the way past a cyclist.
+    pub overtaking: Option<Overtaking>,
+    pub lanes: LaneChoice,
     /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
     own_offset_m: Option<f64>,
     cause: Cause,
@@ -165,21 +166,9 @@ impl Car {
     }
 
     /// What others have to know of a lane change.
-    fn claim(&self, own: &Footprint, graph: &LaneGraph) -> Option<Claim> {
+    fn claim(&self, own: &Footprint, graph: &LaneGraph) -> Option<Footprint> {
         let (change, route) = (self.lanes.change.as_ref()?, self.route.as_ref()?);
         Some(change.claim(own, route, graph))
-    }
-
-    /// Whether the driver is on the way past a cyclist.
-    #[cfg(test)]
-    pub fn overtakes(&self) -> bool {
-        self.overtaking.is_some()
-    }
-
-    /// Whether the driver is on the way into another lane.
-    #[cfg(test)]
-    pub fn changes_lane(&self) -> bool {
-        self.lanes.change.is_some()
     }
 }
 

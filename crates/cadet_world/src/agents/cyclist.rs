@@ -161,7 +161,7 @@ fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, graph: &
         .collect();
     let is_free = |offset_m: f64| {
         let line = places.iter().map(|(middle, left)| *middle + *left * offset_m);
-        line.into_iter().all(|p| near.iter().all(|o| (o.closest_point(p) - p).length() > own.half_width_m + ASIDE_M))
+        line.into_iter().all(|p| near.iter().all(|o| o.distance_m(p) > own.half_width_m + ASIDE_M))
     };
     let off_curb = -graph.lane(route.lanes[0]).curb_side();
     let lines_m = (0..12).map(|k| usual_m + off_curb * 0.12 * f64::from(k));
@@ -172,7 +172,7 @@ fn free_offset_m(route: &Route, own: &Footprint, around: &TrafficState, graph: &
 mod tests {
     use super::*;
     use crate::tests::towns::slope;
-    use cadet_base::rng::Stream;
+    use cadet_base::math::DVec3;
     use cadet_town::LaneId;
 
     #[test]
@@ -193,8 +193,7 @@ mod tests {
             let s_m = 90.0 + 12.2 + beyond_m;
             let (seed, mut stream) = (Stream::from_seed("way", 1), Stream::from_seed("habits", 1));
             let route = Route::by_bicycle(LaneId(0), s_m, 1.0, Habits::draw(&mut stream).keeps_m, seed, &graph);
-            let at = route.ahead(0.0, &graph);
-            let own = Footprint { center: at.at, heading: at.tangent, half_length_m: 0.95, half_width_m: 0.33, ..car };
+            let own = route.ahead(0.0, &graph).covered_by(DVec3::new(1.9, 0.66, 1.7), 0.0);
             free_offset_m(&route, &own, &around, &graph) - usual_offset_m(&route, &graph)
         };
         assert!(aside_m(-8.0) > 0.4, "before it: {}", aside_m(-8.0));

@@ -207,7 +207,7 @@ impl Behavior for Pedestrian {
                     .vehicles_level_with(front, self.own.body.position.z)
                     .map(|v| &v.footprint)
                     .filter(|f| f.velocity.length() > CRAWLS_MPS)
-                    .any(|f| (f.closest_point(front) - front).length() < 0.4);
+                    .any(|f| f.distance_m(front) < 0.4);
                 self.pace = if is_blocked { 0.0 } else { 1.0 };
             }
         }

@@ -4,14 +4,12 @@ use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
 use super::Body;
 use super::guided::{Step, along_ground};
+use super::wheels::CLEARANCE_M;
 use crate::physics::{DT_S, Physics, pose_f32};
 use cadet_base::error::{Error, Result, finite};
 use cadet_base::frames;
 use cadet_base::math::{self, DPose3, DVec2, DVec3};
 use cadet_base::plane::unit;
-
-/// How high above the ground the body begins that others bump into.
-const CLEARANCE_M: f64 = 0.2;
 
 /// A kinematic body.
 pub(crate) struct Cycle {

@@ -4,13 +4,10 @@ use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
 use super::Body;
 use super::settle::Settled;
-use super::wheels::wheel_pose;
+use super::wheels::CLEARANCE_M;
 use crate::physics::{Physics, pose_f32};
 use cadet_assets::vehicle::VehicleModel;
-use cadet_base::math::{DPose3, DVec3};
-
-/// How high above the ground the chassis of a vehicle that stands begins.
-const CLEARANCE_M: f64 = 0.2;
+use cadet_base::math::DPose3;
 
 /// A body at rest for good.
 pub(crate) struct Fixed {
@@ -25,12 +22,7 @@ impl Fixed {
         let world_from_box = settled.world_from_box;
         let builder = RigidBodyBuilder::fixed().pose(pose_f32(&world_from_box));
         let body = physics.insert_vehicle(builder, model.size_lwh, CLEARANCE_M);
-        let turn_rad = f64::from(id % 97);
-        let mut box_from_wheels = [DPose3::default(); 4];
-        for (i, wheel) in box_from_wheels.iter_mut().enumerate() {
-            let lift = DVec3::Z * settled.wheel_lift_m[i];
-            *wheel = wheel_pose(model.wheel_centers[i].as_dvec3() + lift, i, 0.0, turn_rad + i as f64);
-        }
+        let box_from_wheels = settled.box_from_wheels(model, 0.0, |i| f64::from(id % 97) + i as f64);
         Self { body, world_from_box, box_from_wheels }
     }
 }

@@ -5,18 +5,13 @@ use std::sync::Arc;
 use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
 use super::Body;
+use super::chassis::{MAX_STEER_RAD, STEER_RATE_RADPS};
 use super::settle::{Settled, settle};
-use super::wheels::wheel_pose;
+use super::wheels::CLEARANCE_M;
 use crate::physics::{DT_S, Physics, pose_f32};
 use cadet_assets::vehicle::VehicleModel;
 use cadet_base::frames;
 use cadet_base::math::{self, DPose3, DVec2, DVec3};
-
-/// How high above the ground the chassis begins.
-const CLEARANCE_M: f64 = 0.2;
-const MAX_STEER_RAD: f64 = 0.62;
-/// The most that the front wheels turn in a second.
-const STEER_RATE_RADPS: f64 = 0.9;
 
 /// A kinematic body.
 pub(crate) struct Guided {
@@ -100,13 +95,7 @@ impl Body for Guided {
 
     /// On the ground, steered and rolled.
     fn box_from_wheels(&self) -> Option<[DPose3; 4]> {
-        let mut wheels = [DPose3::default(); 4];
-        for (i, wheel) in wheels.iter_mut().enumerate() {
-            let center = self.model.wheel_centers[i].as_dvec3() + DVec3::Z * self.settled.wheel_lift_m[i];
-            let steer_rad = if i < 2 { self.steer_rad } else { 0.0 };
-            *wheel = wheel_pose(center, i, steer_rad, self.roll_rad);
-        }
-        Some(wheels)
+        Some(self.settled.box_from_wheels(&self.model, self.steer_rad, |_| self.roll_rad))
     }
 
     fn handle(&self) -> Option<RigidBodyHandle> {

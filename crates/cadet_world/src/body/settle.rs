@@ -1,5 +1,6 @@
 //! Sets a vehicle on the ground: height, pitch and roll from the ground under its four wheels.
 
+use super::wheels::wheel_pose;
 use crate::physics::Physics;
 use cadet_assets::vehicle::VehicleModel;
 use cadet_base::error::{Error, Result, finite};
@@ -13,6 +14,21 @@ pub(crate) struct Settled {
     pub world_from_box: DPose3,
     /// How far each wheel sits above (+) or below its design height, so that it touches the ground.
     pub wheel_lift_m: [f64; 4],
+}
+
+impl Settled {
+    /// The four wheels on the ground, the front ones steered, each rolled by so much.
+    pub fn box_from_wheels(
+        &self,
+        model: &VehicleModel,
+        steer_rad: f64,
+        roll_rad: impl Fn(usize) -> f64,
+    ) -> [DPose3; 4] {
+        std::array::from_fn(|i| {
+            let center = model.wheel_centers[i].as_dvec3() + DVec3::Z * self.wheel_lift_m[i];
+            wheel_pose(center, i, if i < 2 { steer_rad } else { 0.0 }, roll_rad(i))
+        })
+    }
 }
 
 /// The most that a wheel moves against the body to reach the ground.

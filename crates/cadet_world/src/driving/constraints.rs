@@ -27,9 +27,8 @@ pub(crate) fn traffic_aside<'a>(
 ) -> impl Iterator<Item = Constraint> + 'a {
     let aside: Vec<Ahead> = ahead.iter().map(|a| Ahead { at: a.at + a.tangent.perp() * aside_m, ..*a }).collect();
     let others = around.vehicles.iter().map(|v| (v.agent, &v.footprint));
-    let claimed = around.claims().map(|(other, claim)| (other, &claim.footprint));
     others
-        .chain(claimed)
+        .chain(around.claims())
         .filter(|(other, _)| *other != own.slot)
         .filter_map(move |(other, o)| own.gap_to(o, SIDE_MOVING_M, &aside, Cause::Vehicle(other)))
 }
@@ -61,7 +60,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, grap
     let moving = || others().map(|v| (Cause::Vehicle(v.agent), side_moving_m, &v.footprint));
     let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
     let claims = around.claims().filter(|(other, _)| *other != own.slot);
-    let claimed = claims.map(|(other, claim)| (Cause::Vehicle(other), SIDE_MOVING_M, &claim.footprint));
+    let claimed = claims.map(|(other, claim)| (Cause::Vehicle(other), SIDE_MOVING_M, claim));
     let mut constraints: Vec<Constraint> = standing()
         .chain(moving())
         .chain(claimed)
@@ -75,7 +74,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, grap
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
     let swept = [0.8, 1.6, 2.6].into_iter().find_map(|reach_m| {
         let there = own.route.ahead(reach_m, graph);
-        let swept = Footprint { center: there.at, heading: there.tangent, z_m: there.z_m, ..*footprint }.grown(swept_m);
+        let swept = there.moved(footprint).grown(swept_m);
         let meets = |o: &Footprint| {
             let to = o.center - footprint.center;
             to.length() < 14.0 && to.dot(footprint.heading) > 0.0 && swept.overlaps(o)
@@ -102,7 +101,7 @@ mod tests {
     use crate::params::CAR;
     use crate::streets::Route;
     use crate::tests::towns::{ground, lane, line, town};
-    use cadet_base::math::DVec2;
+    use cadet_base::math::{DVec2, DVec3};
     use cadet_base::rng::Stream;
 
     #[test]
@@ -114,10 +113,7 @@ mod tests {
         for speed_mps in [5.0, 14.0, 25.0, 36.0] {
             let stops_m = speed_mps * speed_mps / (2.0 * idm.comfortable_mps2);
             let route = Route::along([cadet_town::LaneId(0)].into(), 400.0 - 2.2 - stops_m);
-            let at = route.ahead(0.0, &graph);
-            let (half_length_m, half_width_m) = (2.2, 0.9);
-            let velocity = at.tangent * speed_mps;
-            let own = Footprint { center: at.at, heading: at.tangent, half_length_m, half_width_m, z_m: 0.0, velocity };
+            let own = route.ahead(0.0, &graph).covered_by(DVec3::new(4.4, 1.8, 1.5), speed_mps);
             let (axles, train_m, reduced_clearance) = (None, None, false);
             let route = &route;
             let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };

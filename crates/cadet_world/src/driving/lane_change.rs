@@ -5,7 +5,6 @@ use super::idm::IdmParameters;
 use super::junction_ahead::next_junction;
 use super::lane_view::{LaneView, Neighbor};
 use crate::footprint::Footprint;
-use crate::outlook::Claim;
 use crate::params::lane_change::{
     ACROSS_S, BEFORE_END_M, BEFORE_JUNCTION_M, CRITICAL_MPS, LEAST_GAP_M, LEAST_GAP_S, LEAST_MPS, OUTER_BIAS_MPS2,
     POLITENESS_FACTOR, SAFE_MPS2, STAY_S, STAYS_BEHIND_MPS2, THRESHOLD_MPS2,
@@ -87,13 +86,10 @@ impl LaneChange {
     }
 
     /// What the changer claims: its place in the new lane, whatever it still covers of the old one.
-    pub fn claim(&self, own: &Footprint, route: &Route, graph: &LaneGraph) -> Claim {
+    pub fn claim(&self, own: &Footprint, route: &Route, graph: &LaneGraph) -> Footprint {
         let place = route.ahead(0.0, graph);
         let center = place.at + place.tangent.perp() * self.left_m(route.offset_m);
-        Claim {
-            footprint: Footprint { center, heading: place.tangent, z_m: place.z_m, ..*own },
-            is_inward: self.is_inward,
-        }
+        Footprint { center, ..place.moved(own) }
     }
 }
 
@@ -255,10 +251,8 @@ mod tests {
         assert!((mobil_incentive(own, 0.0, follower, -0.3) - (expected + 0.3)).abs() < 1e-12);
         // On a free road one keeps right, and does not leave the right lane.
         let bias_mps2 = OUTER_BIAS_MPS2;
-        assert!(
-            mobil_incentive(0.0, 0.0, (0.0, 0.0), -bias_mps2) > 0.0
-                && mobil_incentive(0.0, 0.0, (0.0, 0.0), bias_mps2) < 0.0
-        );
+        let on_free_road = |bias_mps2: f64| mobil_incentive(0.0, 0.0, (0.0, 0.0), bias_mps2);
+        assert!(on_free_road(-bias_mps2) > 0.0 && on_free_road(bias_mps2) < 0.0);
     }
 
     #[test]
@@ -271,19 +265,12 @@ mod tests {
                     // A faster vehicle ahead asks for no more than the usual gap.
                     let by_hand = |v: f64, leader_mps: f64| idm_by_hand(v, gap_m, leader_mps) > -2.0;
                     let room = |v: f64| gap_m > 3.0 + 0.55 * 0.5 * v;
+                    let name = format!("{speed_mps} {other_mps} {gap_m}");
                     if other_mps <= speed_mps {
-                        assert_eq!(
-                            ahead,
-                            by_hand(speed_mps, other_mps) && room(speed_mps),
-                            "{speed_mps} {other_mps} {gap_m}"
-                        );
+                        assert_eq!(ahead, by_hand(speed_mps, other_mps) && room(speed_mps), "{name}");
                     }
                     if other_mps >= speed_mps {
-                        assert_eq!(
-                            behind,
-                            by_hand(other_mps, speed_mps) && room(other_mps),
-                            "{speed_mps} {other_mps} {gap_m}"
-                        );
+                        assert_eq!(behind, by_hand(other_mps, speed_mps) && room(other_mps), "{name}");
                     }
                 }
             }
@@ -352,14 +339,7 @@ mod tests {
             let begun = route.ahead(0.0, &graph);
             let from_m = route.change_to(graph.inner_of(old.id).unwrap(), &graph);
             route.offset_m = from_m * (1.0 - share_across(share));
-            let own = Footprint {
-                center: begun.at,
-                heading: begun.tangent,
-                half_length_m: 2.2,
-                half_width_m: 0.9,
-                z_m: begun.z_m,
-                velocity: begun.tangent * speed_mps,
-            };
+            let own = begun.covered_by(DVec3::new(4.4, 1.8, 1.5), speed_mps);
             let change = Some(LaneChange { is_inward: true, from_m, to_m: 0.0, share, returns: false });
             let mut choice = LaneChoice { change, ..LaneChoice::default() };
             let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };

@@ -51,7 +51,7 @@ impl LaneView {
         let mut view = Self::default();
         let vehicles = around.vehicles.iter().map(|v| (Some(v.agent), &v.footprint));
         let standing = around.standing_in_lanes.iter().map(|o| (None, o));
-        let claims = around.claims().map(|(slot, claim)| (Some(slot), &claim.footprint));
+        let claims = around.claims().map(|(slot, claim)| (Some(slot), claim));
         for (slot, o) in vehicles.chain(standing).chain(claims) {
             if own.is_some() && slot == own {
                 continue;

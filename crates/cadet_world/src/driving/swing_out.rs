@@ -96,8 +96,7 @@ fn at_its_line(other: &VehicleAt, lane: LaneId, around: &TrafficState, graph: &L
     if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || around.junctions.holds_any(other.agent) {
         return None;
     }
-    let line = Route::along(lanes, on.at.s_m).ahead(goes_m, graph);
-    Some(Footprint { center: line.at, heading: line.tangent, z_m: line.z_m, ..other.footprint })
+    Some(Route::along(lanes, on.at.s_m).ahead(goes_m, graph).moved(&other.footprint))
 }
 
 #[cfg(test)]
@@ -111,7 +110,8 @@ mod tests {
     use crate::params::junctions::STOP_LINE_M;
     use crate::streets::{LanePosition, Needs};
     use crate::tests::towns::crossing;
-    use cadet_base::math::{self, DVec3};
+    use cadet_base::math::DVec3;
+    use cadet_base::plane::heading_rad;
     use cadet_base::rng::Stream;
 
     const BUS_LWH: DVec3 = DVec3::new(12.0, 2.6, 3.0);
@@ -119,8 +119,8 @@ mod tests {
     /// The vehicle in the way of a turn by about a right angle to the right, 12 m before a crossing, while a car is on
     /// the lane that comes toward it out of the arm that it turns into, `oncoming_m` before the junction. The car may
     /// cross if it `holds` the junction.
-    fn in_the_way(size_lwh: DVec3, needs: Needs, oncoming_m: f64, oncoming_mps: f64, holds: bool) -> Option<Slot> {
-        let comes = Oncoming { size_lwh: DVec3::new(4.4, 1.8, 1.5), apart_m: 3.0, mps: oncoming_mps, holds };
+    fn in_the_way(size_lwh: DVec3, needs: Needs, oncoming_m: f64, mps: f64, holds: bool) -> Option<Slot> {
+        let comes = Oncoming { size_lwh: DVec3::new(4.4, 1.8, 1.5), apart_m: 3.0, mps, holds };
         in_the_way_of(size_lwh, needs, oncoming_m, comes)
     }
 
@@ -133,7 +133,6 @@ mod tests {
     }
 
     fn in_the_way_of(size_lwh: DVec3, needs: Needs, oncoming_m: f64, comes: Oncoming) -> Option<Slot> {
-        let oncoming_mps = comes.mps;
         let graph = LaneGraph::new(crossing());
         let into = graph.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
         let turns_right = |route: &Route| {
@@ -146,26 +145,17 @@ mod tests {
         });
         let route = routes.into_iter().find(turns_right).unwrap();
         let chain = [route.lanes[1]];
-        let rectangle = |at: DVec2, heading: DVec2, size_lwh: DVec3, speed_mps: f64| Footprint {
-            center: at,
-            heading,
-            half_length_m: size_lwh.x / 2.0,
-            half_width_m: size_lwh.y / 2.0,
-            z_m: 0.0,
-            velocity: heading * speed_mps,
-        };
-        let here = route.ahead(0.0, &graph);
-        let footprint = rectangle(here.at, here.tangent, size_lwh, 2.0);
+        let footprint = route.ahead(0.0, &graph).covered_by(size_lwh, 2.0);
         // The lane that leads into the junction beside the one that is left on.
         let exit = route.ahead(12.0 + graph.lane(chain[0]).length_m() + oncoming_m, &graph);
         let beside = exit.at + exit.tangent.perp() * comes.apart_m;
-        let oncoming = rectangle(beside, -exit.tangent, comes.size_lwh, oncoming_mps);
+        let oncoming = Ahead { at: beside, tangent: -exit.tangent, ..exit }.covered_by(comes.size_lwh, comes.mps);
         let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
-        let heading_rad = math::atan2(oncoming.heading.y, oncoming.heading.x);
+        let heading_rad = heading_rad(oncoming.heading);
         let at = graph.nearest(oncoming.center.extend(0.0), Some(heading_rad), 1.0).unwrap();
         let mut around = TrafficState::new(&graph);
         around.vehicles = vec![vehicle(1, footprint), vehicle(2, oncoming)];
-        around.lane_use.push(OnLane { agent: 2, at, half_length_m: 2.2, speed_mps: oncoming_mps });
+        around.lane_use.push(OnLane { agent: 2, at, half_length_m: 2.2, speed_mps: comes.mps });
         if comes.holds {
             around.junctions.resolve(&[Request::of_car(2, &chain)], &LaneUse::default(), &graph, 0);
         }

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use super::newcomers::ridden_bicycle;
 use super::overlap::comes_toward;
-use super::spawner::{Entry, Spawner};
+use super::spawner::{Newcomer, Spawner};
 use crate::agents::{AgentKind, Cyclist, Habits};
 use crate::body::stand_up;
 use crate::footprint::Footprint;
 use crate::slot::Slot;
 use crate::streets::{LaneGraph, Route};
 use cadet_assets::cyclist::CyclistModel;
-use cadet_base::math::{self, DVec2, DVec3};
+use cadet_base::math::DVec3;
+use cadet_base::plane::heading_rad;
 use cadet_base::rng::Stream;
 use cadet_town::{Lane, LaneId, LaneKind};
 
@@ -32,26 +33,20 @@ const HEADWAY_M: f64 = 4.0;
 const SHORTEST_WAY_M: f64 = 30.0;
 
 impl Spawner<'_> {
-    /// A cyclist for a slot, between two distances from the ego.
-    pub(super) fn new_cyclist(
-        &mut self,
-        slot: Slot,
-        stream: &mut Stream,
-        ring_m: (f64, f64),
-        entry: Entry,
-    ) -> Option<AgentKind> {
-        let model = Arc::new(CyclistModel::generate(stream.next_u64()));
-        if stream.chance(COMPANY_SHARE)
-            && let Some((lane, s_m)) = self.last_cyclist(slot)
+    /// A cyclist behind another, or at a random free place of a street.
+    pub(super) fn new_cyclist(&mut self, by: &mut Newcomer<'_>) -> Option<AgentKind> {
+        let model = Arc::new(CyclistModel::generate(by.stream.next_u64()));
+        if by.stream.chance(COMPANY_SHARE)
+            && let Some((lane, s_m)) = self.last_cyclist(by.slot)
         {
-            let behind_m = model.size_lwh.x + stream.range(BEHIND_M.0, BEHIND_M.1);
+            let behind_m = model.size_lwh.x + by.stream.within(BEHIND_M);
             if s_m > behind_m + 1.0
-                && let Some(joined) = self.cyclist_at(slot, &model, (lane, s_m - behind_m), BEHIND_M.0 - 1.0, stream)
+                && let Some(joined) = self.cyclist_at(by, &model, (lane, s_m - behind_m), BEHIND_M.0 - 1.0)
             {
                 return Some(joined);
             }
         }
-        let places = self.places_on(lanes_to_ride(&self.arena.streets.graph), model.size_lwh.x / 2.0, ring_m, entry);
+        let mut places = self.places_on(lanes_to_ride(&self.arena.streets.graph), model.size_lwh.x / 2.0, by);
         // On narrow streets who starts ahead of the ego would be followed for long; who comes toward it is seen.
         let way: Vec<LaneId> = self.ego_way().map_or_else(Vec::new, |route| route.lanes.into());
         let graph = &self.arena.streets.graph;
@@ -60,11 +55,11 @@ impl Spawner<'_> {
             road if way.iter().any(|on_way| graph.lane(*on_way).road == road) => TOWARD_EGO,
             _ => 1.0,
         };
-        let weights: Vec<f64> = places.iter().map(|(lane, _, weight)| weight * share(*lane)).collect();
+        places.iter_mut().for_each(|((lane, _), weight)| *weight *= share(*lane));
         for _ in 0..30 {
-            let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
-            let s_m = s_m + stream.range(0.0, 3.5);
-            if let Some(newcomer) = self.cyclist_at(slot, &model, (lane, s_m), HEADWAY_M, stream) {
+            let (lane, s_m) = by.draw(&places)?;
+            let s_m = s_m + by.stream.range(0.0, 3.5);
+            if let Some(newcomer) = self.cyclist_at(by, &model, (lane, s_m), HEADWAY_M) {
                 return Some(newcomer);
             }
         }
@@ -82,25 +77,17 @@ impl Spawner<'_> {
     /// A cyclist at a place of a lane, if it is free.
     fn cyclist_at(
         &mut self,
-        slot: Slot,
+        by: &mut Newcomer<'_>,
         model: &Arc<CyclistModel>,
         (lane, s_m): (LaneId, f64),
         headway_m: f64,
-        stream: &mut Stream,
     ) -> Option<AgentKind> {
         let graph = &self.arena.streets.graph;
-        let seed = self.key.indexed("cyclist route", stream.next_u64());
-        let habits = Habits::draw(&mut Stream::from_seed("cyclist habits", stream.next_u64()));
+        let seed = self.key.indexed("cyclist route", by.stream.next_u64());
+        let habits = Habits::draw(&mut Stream::from_seed("cyclist habits", by.stream.next_u64()));
         let route = Route::by_bicycle(lane, s_m, STRAIGHT, habits.keeps_m, seed, graph);
         let here = route.ahead(0.0, graph);
-        let rectangle = Footprint {
-            center: here.at,
-            heading: here.tangent,
-            half_length_m: model.size_lwh.x / 2.0,
-            half_width_m: model.size_lwh.y / 2.0,
-            z_m: here.z_m,
-            velocity: DVec2::ZERO,
-        };
+        let rectangle = here.covered_by(model.size_lwh, 0.0);
         let long = Footprint { half_length_m: rectangle.half_length_m + headway_m, ..rectangle.grown(0.2) };
         let is_taken = self.arena.vehicles().any(|(other, f)| {
             // A vehicle that comes from behind needs room to brake.
@@ -108,7 +95,7 @@ impl Spawner<'_> {
             let braking_m = if is_behind { f.velocity.length() } else { 0.0 };
             let long = Footprint { half_length_m: long.half_length_m + braking_m, ..long };
             let is_near = long.overlaps(&f) || rectangle.grown(0.5).overlaps(&f);
-            other != slot && (is_near || comes_toward(&f, &rectangle))
+            other != by.slot && (is_near || comes_toward(&f, &rectangle))
         }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.2).overlaps(o))
             || self.arena.on_road().any(|o| long.overlaps(&o));
         if is_taken || route.remaining_m(graph) < SHORTEST_WAY_M {
@@ -119,10 +106,10 @@ impl Spawner<'_> {
         let before_m = if graph.signals().arm_of(lane).is_some() { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
         let stop_mps = (2.0 * (free_m - before_m).max(0.0)).sqrt();
         let speed_mps = route.speed_for_bends(5.0, 1.5, graph).min(stop_mps).min(4.5);
-        let yaw_rad = math::atan2(here.tangent.y, here.tangent.x);
+        let yaw_rad = heading_rad(here.tangent);
         let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.extend(here.z_m), yaw_rad).ok()?;
         let velocity = here.tangent * speed_mps;
-        let own = ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, stream.unit());
+        let own = ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, by.stream.unit());
         Some(Cyclist::new(own, habits, route, speed_mps).into())
     }
 }

@@ -2,18 +2,16 @@
 
 use std::sync::Arc;
 
-use super::driven::chassis_on;
-use super::spawner::{Entry, Spawner};
+use super::driven::{chassis_on, straight_weight};
+use super::spawner::{Entry, Newcomer, Spawner};
 use crate::agents::{AgentKind, Car};
 use crate::body::Body;
 use crate::driving::{IdmParameters, LaneView};
-use crate::params::{CAR, LONG_M};
-use crate::slot::Slot;
-use crate::streets::{CAR_STRAIGHT_WEIGHT, LONG_STRAIGHT_WEIGHT, LanePosition, Needs, Route};
+use crate::params::CAR;
+use crate::streets::{LanePosition, Needs, Route};
 use cadet_assets::vehicle::VehicleModel;
 use cadet_base::actor::ObjectClass;
 use cadet_base::math::DVec3;
-use cadet_base::rng::Stream;
 use cadet_town::LaneId;
 
 /// Vehicles start so much farther from the ego than on streets, are gone beyond this distance, and newcomers appear before
@@ -65,62 +63,59 @@ impl Spawner<'_> {
     /// A vehicle at a free place of a lane. Newcomers appear where they come nearer to the ego.
     pub(super) fn place_fast(
         &mut self,
-        slot: Slot,
-        stream: &mut Stream,
-        model: Arc<VehicleModel>,
+        by: &mut Newcomer<'_>,
+        model: &Arc<VehicleModel>,
         needs: Needs,
-        ring_m: (f64, f64),
-        entry: Entry,
     ) -> Option<AgentKind> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
-        let mut idm = IdmParameters::draw(&CAR, stream);
+        let mut idm = IdmParameters::draw(&CAR, by.stream);
         idm.desired_speed_factor *= CARS_SHARE;
-        let limiter_mps = stream.range(TRUCKS_MPS.0, TRUCKS_MPS.1);
+        let limiter_mps = by.stream.within(TRUCKS_MPS);
         if is_truck {
             idm.top_speed_mps = limiter_mps;
         }
         let (ego, view) = self.arena.ego_place();
         let ego_mps = self.arena.ego_car().own.body.forward_mps(&self.arena.physics);
         let graph = &self.arena.streets.graph;
-        let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
+        let mut places: Vec<((LaneId, f64), f64)> = Vec::new();
         for lane in graph.open_lanes().filter(|l| graph.is_fast(l.id) && (!needs.is_some() || graph.fits(l.id, needs)))
         {
             let from_curb = std::iter::successors(graph.outer_of(lane.id), |id| graph.outer_of(*id)).count();
             if is_truck && from_curb > 0 {
                 continue;
             }
-            if entry == Entry::MapEdge && !graph.begins_with_map(lane) {
+            if by.entry == Entry::MapEdge && !graph.begins_with_map(lane) {
                 continue;
             }
             let wanted_mps = (idm.desired_speed_factor * lane.speed_limit_mps).min(idm.top_speed_mps);
             let mut s_m = 2.0;
-            while s_m < if entry == Entry::MapEdge { lane.length_m().min(EDGE_M) } else { lane.length_m() } {
+            let most_m = if by.entry == Entry::MapEdge { EDGE_M } else { f64::INFINITY };
+            while s_m < lane.length_m().min(most_m) {
                 let pose = lane.pose_at(s_m);
                 let to = pose.translation.truncate() - ego;
                 let distance_m = to.length();
                 let is_with_ego = (pose.rotation * DVec3::X).truncate().dot(view) > 0.0;
                 let is_ahead = to.dot(view) > 0.0;
                 let comes_nearer = if is_with_ego { is_ahead == (wanted_mps < ego_mps) } else { is_ahead };
-                if (ring_m.0..ring_m.1).contains(&distance_m) && (comes_nearer || entry != Entry::Unseen) {
-                    let near = if entry == Entry::Anywhere { 60.0 / (distance_m + 60.0) } else { 1.0 };
+                if (by.ring_m.0..by.ring_m.1).contains(&distance_m) && (comes_nearer || by.entry != Entry::Unseen) {
+                    let near = if by.entry == Entry::Anywhere { 60.0 / (distance_m + 60.0) } else { 1.0 };
                     let own_way = if is_with_ego { 1.3 } else { 1.0 };
-                    places.push((lane.id, s_m, near * own_way * LANES[from_curb.min(2)]));
+                    places.push(((lane.id, s_m), near * own_way * LANES[from_curb.min(2)]));
                 }
                 s_m += PLACES_EVERY_M;
             }
         }
-        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         for _ in 0..TRIES {
-            let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
-            let s_m = (s_m + stream.range(0.0, PLACES_EVERY_M)).min(graph.lane(lane).length_m() - 0.5);
-            let at = LanePosition { lane, s_m, left_m: stream.clipped_normal(0.0, 0.12) };
-            let seed = self.key.indexed("car route", stream.next_u64());
-            let straight = if 2.0 * half_m > LONG_M { LONG_STRAIGHT_WEIGHT } else { CAR_STRAIGHT_WEIGHT };
-            let route = Route::with_needs(at, straight, needs, seed, graph);
+            let (lane, s_m) = by.draw(&places)?;
+            let s_m = (s_m + by.stream.range(0.0, PLACES_EVERY_M)).min(graph.lane(lane).length_m() - 0.5);
+            let at = LanePosition { lane, s_m, left_m: by.stream.clipped_normal(0.0, 0.12) };
+            let seed = self.key.indexed("car route", by.stream.next_u64());
+            let route = Route::with_needs(at, straight_weight(model), needs, seed, graph);
             let wanted_mps =
                 (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, graph)).min(idm.top_speed_mps);
-            let seen = LaneView::of(lane, s_m, half_m, Some(slot), &self.arena.around, graph);
+            let view = |id: LaneId| LaneView::of(id, s_m, half_m, Some(by.slot), &self.arena.around, graph);
+            let seen = view(lane);
             let speed_mps =
                 seen.leader.filter(|l| l.gap_m < 90.0).map_or(wanted_mps, |l| wanted_mps.min(l.speed_mps + 1.0));
             let is_free = |gap_m: f64, behind_mps: f64, ahead_mps: f64| {
@@ -128,9 +123,7 @@ impl Spawner<'_> {
                 gap_m > GAP_M + GAP_S * behind_mps + closing_mps * closing_mps / (2.0 * SOFTLY_MPS2)
             };
             // Nor is anybody about to be passed on the curb's side.
-            let beside = |id: Option<LaneId>| {
-                id.map(|id| LaneView::of(id, s_m, half_m, Some(slot), &self.arena.around, graph)).unwrap_or_default()
-            };
+            let beside = |id: Option<LaneId>| id.map(view).unwrap_or_default();
             let (inner, outer) = (beside(graph.inner_of(lane)), beside(graph.outer_of(lane)));
             let passes_nobody = inner
                 .leader
@@ -143,7 +136,7 @@ impl Spawner<'_> {
                 continue;
             }
             let physics = &mut self.arena.physics;
-            let Some(chassis) = chassis_on(&route, &model, speed_mps, physics, graph) else { continue };
+            let Some(chassis) = chassis_on(&route, model, speed_mps, physics, graph) else { continue };
             return Some(Car::new(chassis, Some(route), idm).into());
         }
         None

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use super::spawner::Spawner;
+use super::spawner::{Entry, Newcomer, Spawner};
 use crate::agents::Pedestrian;
 use crate::slot::Slot;
 use crate::walking::{GroupPlace, Motion, nearness};
 use cadet_assets::person::PersonModel;
 use cadet_base::math::{self, DVec2, DVec3};
 use cadet_base::plane::unit;
-use cadet_base::rng::Stream;
 
 /// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
 const COMPANY_SHARE: f64 = 0.75;
@@ -25,15 +24,10 @@ const TALK_M: (f64, f64) = (0.65, 1.1);
 const CIRCLE_M: f64 = 0.6;
 
 impl Spawner<'_> {
-    /// The one who leads a group of people who walk, or who stand, that a newcomer joins; farther from a place than a
-    /// distance, if one is given.
-    pub(super) fn group_to_join(
-        &self,
-        slot: Slot,
-        walks: bool,
-        away: Option<(DVec2, f64)>,
-        stream: &mut Stream,
-    ) -> Option<Slot> {
+    /// The one who leads a group of people who walk, or who stand, that somebody joins; as far from the ego as they come
+    /// in if it may not be seen.
+    pub(super) fn group_to_join(&self, by: &mut Newcomer<'_>, walks: bool, ego: DVec2) -> Option<Slot> {
+        let Newcomer { slot, ring_m: (least_m, _), entry, .. } = *by;
         let earlier = self.arena.each::<Pedestrian>().rev().filter(|(other, ..)| *other < slot);
         let leaders = earlier.take(JOINS_WITHIN).map(|(other, _, p)| p.company.map_or(other, |c| c.leader));
         let leader = leaders.into_iter().find(|leader| {
@@ -45,14 +39,14 @@ impl Spawner<'_> {
             *leader != slot
                 && is_alike
                 && !self.arena.agents[*leader].is_placed
-                && away.is_none_or(|(place, least_m)| (self.place_of(*leader).truncate() - place).length() > least_m)
+                && (entry == Entry::Anywhere || (self.place_of(*leader).truncate() - ego).length() > least_m)
         });
         let share = leader.map_or(0.0, |leader| match self.group_size(leader) {
             1 => COMPANY_SHARE,
             size if size < MOST_TOGETHER => GROWS_SHARE,
             _ => 0.0,
         });
-        let joins = stream.chance(share);
+        let joins = by.stream.chance(share);
         leader.filter(|_| joins)
     }
 
@@ -68,14 +62,13 @@ impl Spawner<'_> {
     /// Two abreast where the sidewalk has the room, one behind the other where not.
     pub(super) fn in_a_row(
         &mut self,
-        slot: Slot,
+        by: &mut Newcomer<'_>,
         leader: Slot,
-        stream: &mut Stream,
         model: &Arc<PersonModel>,
         (walkway, s_m, direction): (usize, f64, f64),
     ) -> Option<Pedestrian> {
-        let apart_m = stream.range(ASIDE_M.0, ASIDE_M.1);
-        let row_m = stream.range(BEHIND_M.0, BEHIND_M.1);
+        let apart_m = by.stream.within(ASIDE_M);
+        let row_m = by.stream.within(BEHIND_M);
         let (size, room) = (self.group_size(leader), self.arena.streets.sidewalks.room_m(walkway));
         let lead_m = self.pedestrian(leader).lateral_m;
         let has_room_for_two = room > apart_m / 2.0;
@@ -93,8 +86,8 @@ impl Spawner<'_> {
         let at = self.on_sidewalk(walkway, s_m, lateral_m);
         let ahead = self.arena.streets.sidewalks.spot(walkway, s_m).tangent;
         let is_near_somebody =
-            self.arena.people().any(|(other, place)| other != slot && nearness(place - at.truncate(), ahead) < 1.0);
-        if is_near_somebody || !self.has_room_for_person(at, slot, 0.0) {
+            self.arena.people().any(|(other, place)| other != by.slot && nearness(place - at.truncate(), ahead) < 1.0);
+        if is_near_somebody || !self.has_room_for_person(at, by.slot, 0.0) {
             return None;
         }
         if aside.is_none() && is_aside {
@@ -103,7 +96,7 @@ impl Spawner<'_> {
                 pedestrian.keep_to(kept_m);
             }
         }
-        let mut walker = self.walker_on(stream, Arc::clone(model), (walkway, s_m, direction), lateral_m)?;
+        let mut walker = self.walker_on(by.stream, Arc::clone(model), (walkway, s_m, direction), lateral_m)?;
         walker.company = Some(GroupPlace { leader, aside_m, behind_m });
         Some(walker)
     }
@@ -111,27 +104,25 @@ impl Spawner<'_> {
     /// Somebody who stands with others, turned to the first of them.
     pub(super) fn in_a_circle(
         &mut self,
-        slot: Slot,
+        by: &mut Newcomer<'_>,
         leader: Slot,
-        stream: &mut Stream,
         model: &Arc<PersonModel>,
-        hidden: bool,
     ) -> Option<Pedestrian> {
         let middle = self.place_of(leader);
-        let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
+        let (distance_m, bearing) = (by.stream.within(TALK_M), by.stream.range(-math::PI, math::PI));
         let away = unit(bearing);
         let at = middle + (away * distance_m).extend(0.0);
-        if !self.arena.streets.graph.is_sidewalk(at) || !self.has_room_for_person(at, slot, CIRCLE_M) {
+        if !self.arena.streets.graph.is_sidewalk(at) || !self.has_room_for_person(at, by.slot, CIRCLE_M) {
             return None;
         }
-        if !hidden
+        if by.entry == Entry::Anywhere
             && self.group_size(leader) == 1
             && let Some(pedestrian) = self.arena.agents[leader].get_mut::<Pedestrian>()
         {
             pedestrian.own.body.yaw_rad = bearing;
         }
         let yaw_rad = math::wrap_angle(bearing + math::PI);
-        let mut walker = self.posed_walker(stream, Arc::clone(model), at, yaw_rad)?;
+        let mut walker = self.posed_walker(by.stream, Arc::clone(model), at, yaw_rad)?;
         walker.company = Some(GroupPlace { leader, aside_m: 0.0, behind_m: 0.0 });
         Some(walker)
     }

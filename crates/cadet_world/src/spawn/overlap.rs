@@ -40,7 +40,7 @@ impl Cover {
             }
             (Self::Box(a), Self::Trunk(p)) | (Self::Trunk(p), Self::Box(a)) => {
                 let at = p.truncate();
-                (a.closest_point(at) - at).length() < BODY_M && a.is_level_with(at, p.z)
+                a.distance_m(at) < BODY_M && a.is_level_with(at, p.z)
             }
         }
     }

@@ -2,9 +2,10 @@
 
 use super::config::TrafficConfig;
 use crate::arena::Arena;
+use crate::slot::Slot;
 use crate::streets::Route;
 use cadet_assets::imported::UserModels;
-use cadet_base::rng::StreamKey;
+use cadet_base::rng::{Stream, StreamKey};
 
 /// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
 /// and more people walk than along it, as out of sight they belong to a town but not to a picture.
@@ -18,6 +19,24 @@ pub(crate) enum Entry {
     Unseen,
     /// Where a road begins at the map's edge, in view too: on small maps nothing else is left.
     MapEdge,
+}
+
+/// Somebody who is to come in.
+pub(crate) struct Newcomer<'s> {
+    /// The one that it gets.
+    pub slot: Slot,
+    pub stream: &'s mut Stream,
+    /// The distances from the ego between which it comes in.
+    pub ring_m: (f64, f64),
+    pub entry: Entry,
+}
+
+impl Newcomer<'_> {
+    /// One of some places, by their weights; `None` where there is none.
+    pub fn draw<T: Copy>(&mut self, places: &[(T, f64)]) -> Option<T> {
+        let weights: Vec<f64> = places.iter().map(|(_, weight)| *weight).collect();
+        places.get(self.stream.weighted(&weights)).map(|(place, _)| *place)
+    }
 }
 
 /// Puts agents into an arena.

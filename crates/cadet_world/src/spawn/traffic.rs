@@ -1,7 +1,7 @@
 //! Traffic round the ego: all of it at the start, and newcomers for who has gone.
 
-use super::fast;
-use super::spawner::{Entry, Spawner};
+use super::spawner::{Entry, Newcomer, Spawner};
+use super::{fast, trams};
 use crate::agents::{Agent, AgentKind, Car, Cyclist, Pedestrian};
 use crate::arena::Arena;
 use crate::driving::Cause;
@@ -9,7 +9,6 @@ use crate::slot::{EGO, Slot};
 use crate::streets::Route;
 use cadet_base::actor::ObjectClass;
 use cadet_base::error::Result;
-use cadet_base::rng::Stream;
 use cadet_town::Town;
 
 /// Steps between two looks at who has gone too far away.
@@ -75,7 +74,8 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<Vec<Shortfa
     let people: Vec<Slot> = spawner.arena.each::<Pedestrian>().map(|(slot, ..)| slot).collect();
     spawner.assign_belongings(&people);
     spawner.seat_people(town);
-    placed.push(Shortfall { setting: "num_trams", asked: config.num_trams, placed: spawner.fill_tracks() });
+    let num_trams = add(spawner, "trams", config.num_trams, trams::STARTS_M, Spawner::new_tram);
+    placed.push(Shortfall { setting: "num_trams", asked: config.num_trams, placed: num_trams });
     placed.retain(|kind| kind.placed < kind.asked);
     Ok(placed)
 }
@@ -109,8 +109,8 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
     }
 }
 
-/// Makes somebody for a slot, between two distances from the ego; `None` where there is no place.
-type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<AgentKind>;
+/// Makes somebody; `None` where there is no place.
+type Make<'s> = fn(&mut Spawner<'s>, &mut Newcomer<'_>) -> Option<AgentKind>;
 
 /// Adds so many, or as many as find room; returns how many.
 fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) -> usize {
@@ -118,7 +118,8 @@ fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: 
     let mut stream = spawner.key.stream(name);
     for _ in 0..count {
         let slot = spawner.arena.agents.len();
-        if let Some(newcomer) = make(spawner, slot, &mut stream, ring_m, Entry::Anywhere) {
+        let mut by = Newcomer { slot, stream: &mut stream, ring_m, entry: Entry::Anywhere };
+        if let Some(newcomer) = make(spawner, &mut by) {
             spawner.arena.put(newcomer);
             spawner.refresh_traffic_state();
         }
@@ -137,7 +138,8 @@ fn replace<'s>(
     for slot in gone {
         let mut stream = spawner.key.indexed(name, *respawns);
         *respawns += 1;
-        if let Some(newcomer) = make(spawner, *slot, &mut stream, ring_m, entry) {
+        let mut by = Newcomer { slot: *slot, stream: &mut stream, ring_m, entry };
+        if let Some(newcomer) = make(spawner, &mut by) {
             spawner.arena.replace(*slot, newcomer);
             spawner.refresh_traffic_state();
         }

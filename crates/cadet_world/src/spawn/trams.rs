@@ -2,25 +2,24 @@
 
 use std::sync::Arc;
 
-use super::spawner::{Entry, Spawner};
-use crate::agents::{Actor, Coupled, Train, Tram, TramCar};
+use super::spawner::{Entry, Newcomer, Spawner};
+use crate::agents::{Actor, AgentKind, Coupled, Train, Tram, TramCar};
 use crate::body::{Guided, Settled, settle};
 use crate::footprint::Footprint;
 use crate::look::VehicleLook;
 use crate::physics::DT_S;
 use crate::slot::Slot;
-use crate::streets::Track;
+use crate::streets::{Ahead, Track};
 use cadet_assets::vehicle::VehicleModel;
 use cadet_assets::vehicle::tram::train_of_traffic;
-use cadet_base::math::{self, DVec2};
-use cadet_base::rng::Stream;
+use cadet_base::plane::heading_rad;
 use cadet_town::{LaneId, LaneKind};
 
 /// Trams farther from the ego than this give their place to others, which appear where it does not see them.
 const GONE_M: f64 = 210.0;
 const APPEARS_M: (f64, f64) = (95.0, 190.0);
 /// Trams start this far from the ego.
-const STARTS_M: (f64, f64) = (12.0, 130.0);
+pub(super) const STARTS_M: (f64, f64) = (12.0, 130.0);
 /// What has reached the end of its line is taken away where nobody sees it.
 const UNSEEN_M: f64 = 100.0;
 /// Between a tram and the next that appears, whichever way it goes.
@@ -37,29 +36,16 @@ const STOPS_MPS2: f64 = 1.0;
 const CAB_TO_BOGIE_M: f64 = 2.4;
 
 impl Spawner<'_> {
-    /// Places the trams of the start; returns how many found room.
-    pub(super) fn fill_tracks(&mut self) -> usize {
-        let before = self.arena.agents.len();
-        let mut stream = self.key.stream("trams");
-        for _ in 0..self.config.num_trams {
-            let seed = stream.next_u64();
-            if let Some(tram) = self.new_tram(seed, &mut stream, STARTS_M, Entry::Anywhere, None) {
-                self.arena.put(tram);
-            }
-        }
-        self.arena.agents.len() - before
-    }
-
     /// Replaces a tram that has gone too far away, or has reached the end of its line, unseen; returns how many steps pass
     /// before the next one.
     pub(super) fn renew_tram(&mut self, respawns: &mut u64) -> Option<u64> {
         for slot in self.gone_trams() {
             let mut stream = self.key.indexed("new trams", *respawns);
             *respawns += 1;
-            let seed = stream.next_u64();
-            let Some(tram) = self.new_tram(seed, &mut stream, APPEARS_M, Entry::Unseen, Some(slot)) else { continue };
-            self.arena.replace(slot, tram.into());
-            return Some((stream.range(PAUSE_S.0, PAUSE_S.1) / DT_S) as u64);
+            let mut by = Newcomer { slot, stream: &mut stream, ring_m: APPEARS_M, entry: Entry::Unseen };
+            let Some(tram) = self.new_tram(&mut by) else { continue };
+            self.arena.replace(slot, tram);
+            return Some((stream.within(PAUSE_S) / DT_S) as u64);
         }
         None
     }
@@ -78,26 +64,17 @@ impl Spawner<'_> {
         gone.map(|(slot, ..)| slot).collect()
     }
 
-    /// The cars of a tram at a random free place of the tracks between two distances from the ego.
-    /// It takes the place of who is in the slot `but`.
-    fn new_tram(
-        &mut self,
-        seed: u64,
-        stream: &mut Stream,
-        ring_m: (f64, f64),
-        entry: Entry,
-        but: Option<Slot>,
-    ) -> Option<Tram> {
-        let models = train_of_traffic(seed);
+    /// A tram at a random free place of the tracks.
+    pub(super) fn new_tram(&mut self, by: &mut Newcomer<'_>) -> Option<AgentKind> {
+        let models = train_of_traffic(by.stream.next_u64());
         let length_m: f64 = models.iter().map(|m| m.size_lwh.x).sum();
         let tracks = self.arena.streets.graph.lanes().iter();
         let tracks = tracks.filter(|l| l.kind == LaneKind::Tram && l.junction.is_none());
-        let places = self.places_on(tracks, length_m / 2.0, ring_m, entry);
-        let weights: Vec<f64> = places.iter().map(|(.., weight)| *weight).collect();
+        let places = self.places_on(tracks, length_m / 2.0, by);
         for _ in 0..12 {
-            let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
-            if let Some(tram) = self.tram_at(&models, length_m, (lane, s_m), stream, but) {
-                return Some(tram);
+            let place = by.draw(&places)?;
+            if let Some(tram) = self.tram_at(by, &models, length_m, place) {
+                return Some(tram.into());
             }
         }
         None
@@ -106,18 +83,16 @@ impl Spawner<'_> {
     /// A tram with its middle at a place of a track, if it is free.
     fn tram_at(
         &mut self,
+        by: &mut Newcomer<'_>,
         models: &[Arc<VehicleModel>],
         length_m: f64,
         (lane, s_m): (LaneId, f64),
-        stream: &mut Stream,
-        but: Option<Slot>,
     ) -> Option<Tram> {
         let graph = &self.arena.streets.graph;
         let track = Track::through(lane, graph);
         let front_m = track.start_of(lane)? + s_m + length_m / 2.0;
         let free_m = graph.lane(lane).length_m() - s_m - length_m / 2.0;
-        let speed_mps =
-            stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
+        let speed_mps = by.stream.within(STARTS_MPS).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
         // A vehicle that has been let into the junction behind needs the room.
         let junctions = &self.arena.around.junctions;
         let behind = std::iter::successors(Some(lane), |id| graph.lane(*id).predecessors.first().copied());
@@ -127,7 +102,7 @@ impl Spawner<'_> {
         let is_spaced = self.arena.each::<Tram>().all(|(slot, _, tram)| {
             let other = &tram.train;
             let ahead_m = other.track.start_of(lane).map(|m| other.front_m - m - s_m - length_m / 2.0);
-            but == Some(slot) || ahead_m.is_none_or(|m| m.abs() > SPACING_M)
+            slot == by.slot || ahead_m.is_none_or(|m| m.abs() > SPACING_M)
         });
         if !is_spaced {
             return None;
@@ -139,16 +114,15 @@ impl Spawner<'_> {
             .zip(&cars)
             .map(|(model, car)| {
                 let (center, heading) = train.place(car);
-                let [half_length_m, half_width_m] = [model.size_lwh.x, model.size_lwh.y].map(|m| m / 2.0);
                 let on = train.track.position(train.front_m - car.middle_m);
                 let z_m = graph.lane(on.lane).point_at(on.s_m).z;
-                Footprint { center, heading, half_length_m, half_width_m, z_m, velocity: DVec2::ZERO }
+                Ahead { distance_m: 0.0, at: center, z_m, tangent: heading }.covered_by(model.size_lwh, speed_mps)
             })
             .collect();
         let is_taken = footprints.iter().any(|own| {
             let wide = own.grown(BESIDE_M);
             let long = Footprint { half_length_m: own.half_length_m + HEADWAY_M, ..wide };
-            self.arena.vehicles().any(|(slot, other)| but != Some(slot) && long.overlaps(&other))
+            self.arena.vehicles().any(|(slot, other)| slot != by.slot && long.overlaps(&other))
                 || self.arena.around.standing.iter().any(|o| own.overlaps(o))
                 || self.arena.on_road().any(|o| long.overlaps(&o))
         });
@@ -157,17 +131,16 @@ impl Spawner<'_> {
         }
         // All of them find ground before the first is in rapier's world.
         let settled = models.iter().zip(&footprints).map(|(model, place)| {
-            let (at, yaw_rad) = (place.center, math::atan2(place.heading.y, place.heading.x));
+            let (at, yaw_rad) = (place.center, heading_rad(place.heading));
             Some((settle(&self.arena.physics, model, at.extend(place.z_m), yaw_rad).ok()?, yaw_rad))
         });
         let settled: Option<Vec<(Settled, f64)>> = settled.collect();
         let places = settled?.into_iter().zip(&footprints);
         let cars = models.iter().zip(cars).zip(places).map(|((model, coupled), ((settled, yaw_rad), place))| {
-            let (physics, velocity) = (&mut self.arena.physics, place.heading * speed_mps);
-            let body = Guided::new(physics, Arc::clone(model), settled, yaw_rad, velocity);
+            let body = Guided::new(&mut self.arena.physics, Arc::clone(model), settled, yaw_rad, place.velocity);
             TramCar { own: Actor { body, look: VehicleLook::new(Arc::clone(model), true) }, coupled }
         });
-        Some(Tram::new(cars.collect(), train, stream))
+        Some(Tram::new(cars.collect(), train, by.stream))
     }
 }
 

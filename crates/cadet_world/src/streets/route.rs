@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::lane_graph::{LaneGraph, LanePosition};
 use super::room::Needs;
+use crate::footprint::Footprint;
 use crate::params::TURNS_RAD;
 use cadet_base::math::{self, DVec2, DVec3};
 use cadet_base::plane::{nearest, piece_at};
@@ -33,6 +34,25 @@ pub(crate) struct Ahead {
     /// Height of the road there.
     pub z_m: f64,
     pub tangent: DVec2,
+}
+
+impl Ahead {
+    /// What a box of a size covers there that heads along the route at a speed.
+    pub fn covered_by(&self, size_lwh: DVec3, speed_mps: f64) -> Footprint {
+        Footprint {
+            center: self.at,
+            heading: self.tangent,
+            half_length_m: size_lwh.x / 2.0,
+            half_width_m: size_lwh.y / 2.0,
+            z_m: self.z_m,
+            velocity: self.tangent * speed_mps,
+        }
+    }
+
+    /// What somebody would cover there, heading along the route.
+    pub fn moved(&self, own: &Footprint) -> Footprint {
+        Footprint { center: self.at, heading: self.tangent, z_m: self.z_m, ..*own }
+    }
 }
 
 /// A car's way: the lane it is on, those that follow, and how far along it is.

@@ -82,21 +82,17 @@ fn prams_and_cases_are_seldom_within_anything() {
         let mut world = town_people(seed, false);
         for _ in 0..60 {
             world.step(SECOND);
-            let vehicles: Vec<Footprint> = parked(&world)
-                .into_iter()
-                .chain(cars(&world).into_iter().map(|(a, _)| a))
-                .map(|a| footprint(&world, a))
-                .collect();
+            let driven = cars(&world).into_iter().map(|(agent, _)| agent);
+            let vehicles = boxes(&world, driven.chain(parked(&world)));
             let people: Vec<(i32, DVec2)> =
                 walkers(&world).into_iter().map(|(a, _)| (a.id, place(&world, a))).collect();
             for (id, thing) in footprints(&world) {
                 seen += 1;
                 things.insert((seed, id));
-                if vehicles.iter().any(|v| v.overlaps(&thing)) {
+                if vehicles.iter().any(|(_, v)| v.overlaps(&thing)) {
                     in_vehicles.insert((seed, id));
                 }
-                let touched =
-                    people.iter().any(|(other, at)| *other != id && (thing.closest_point(*at) - *at).length() < 0.15);
+                let touched = people.iter().any(|(other, at)| *other != id && thing.distance_m(*at) < 0.15);
                 in_people += usize::from(touched);
             }
         }

@@ -9,7 +9,7 @@ const HALF_M: f64 = 150.0;
 const BRIDGE_M: f64 = 6.0;
 
 /// A level road along x, and one along y that leads over it.
-fn crossing(seed: u64) -> World {
+fn crossing() -> Arc<Town> {
     let mut network = RoadNetwork::straight(2.0 * HALF_M, 3.5);
     for mut lane in RoadNetwork::straight(2.0 * HALF_M, 3.5).lanes {
         lane.id.0 += 2;
@@ -19,15 +19,13 @@ fn crossing(seed: u64) -> World {
     }
     let ground = Ground::new(&network).unwrap();
     let walkways = walkways(&ground);
-    World::new(town(network, ground, walkways), StreamKey::scene(seed)).unwrap()
+    town(network, ground, walkways)
 }
 
 #[test]
 fn agents_stay_on_the_surface_of_their_road() {
     for seed in 0..2 {
-        let mut world = crossing(seed);
-        let config = TrafficConfig { num_cars: 14, num_cyclists: 4, num_pedestrians: 10, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(crossing(), seed, [14, 10, 4]);
         let mut crossed = [0, 0];
         for _ in 0..60 {
             world.step(SECOND);
@@ -48,11 +46,10 @@ fn agents_stay_on_the_surface_of_their_road() {
 
 #[test]
 fn nobody_brakes_for_what_stands_on_the_other_level() {
-    let mut world = crossing(1);
+    let mut world = World::new(crossing(), StreamKey::scene(1)).unwrap();
     // On the bridge, over the lane below.
-    let course = Course::Stand { x_m: 1.75, y_m: -1.75, yaw_rad: 1.57 };
-    world.add(ObjectClass::Car, ModelChoice::Seed(4), &course, Overlap::Refuse).unwrap();
-    let placed = world.snapshot().actors.iter().find(|a| a.id != 0).unwrap().world_from_box.translation;
+    let placed = add(&mut world, ObjectClass::Car, 1.75, -1.75, 1.57, 4).unwrap();
+    let placed = actor(&world, placed).world_from_box.translation;
     assert!((placed.z - BRIDGE_M).abs() < 0.3, "{placed}");
     world.move_ego(-60.0, -1.75, 0.0, Overlap::Refuse).unwrap();
     world.set_ego_driving(true);

@@ -2,13 +2,7 @@
 
 use super::towns::{hilly_ring, slope, suburb};
 use super::*;
-use crate::DT_S;
-use crate::agents::Cyclist;
 use crate::look::{CyclistLook, Ride};
-
-fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
-    world.arena.each::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
-}
 
 fn ride(agent: &Agent) -> (Ride, f64, f64) {
     let CyclistLook { model, ride } = &agent.get::<Cyclist>().unwrap().own.look;
@@ -16,10 +10,7 @@ fn ride(agent: &Agent) -> (Ride, f64, f64) {
 }
 
 fn full_of_cyclists(seed: u64) -> World {
-    let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
-    let config = TrafficConfig { num_cars: 16, num_pedestrians: 24, num_cyclists: 8, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
-    world
+    filled(suburb(seed), seed, [16, 24, 8])
 }
 
 #[test]
@@ -33,20 +24,13 @@ fn cyclists_touch_nobody_and_keep_to_the_right_for_minutes() {
             world.step(15);
             let riders: Vec<&Agent> = cyclists(&world).into_iter().map(|(agent, _)| agent).collect();
             let driven = cars(&world).into_iter().map(|(agent, _)| agent);
-            let boxes: Vec<(i32, Footprint)> = riders
-                .iter()
-                .copied()
-                .chain(driven)
-                .chain(parked(&world))
-                .map(|a| (a.id, footprint(&world, a)))
-                .collect();
+            let boxes = boxes(&world, riders.iter().copied().chain(driven).chain(parked(&world)));
             for (i, (id, a)) in boxes.iter().enumerate().take(riders.len()) {
                 for (other, b) in &boxes[i + 1..] {
                     assert!(!a.overlaps(b), "seed {seed}, tick {tick}: cyclist {id} in {other} at {}", a.center);
                 }
                 for (walker, _) in walkers(&world) {
-                    let p = place(&world, walker);
-                    let apart_m = (a.closest_point(p) - p).length();
+                    let apart_m = a.distance_m(place(&world, walker));
                     assert!(apart_m > 0.15, "seed {seed}, tick {tick}: cyclist {id} in walker {}", walker.id);
                 }
                 gone_m += a.velocity.length() / 4.0;
@@ -85,19 +69,14 @@ fn nobody_stands_for_a_minute_behind_cyclists() {
         let mut world = full_of_cyclists(seed);
         for tick in 0..180 {
             world.step(SECOND);
-            for (agent, driver) in cars(&world) {
-                let stands_s = driver.standing_steps as f64 * DT_S;
-                assert!(stands_s < 60.0, "seed {seed}, {tick} s: car {} stands, {:?}", agent.id, driver.cause());
-            }
+            nobody_stands(&world, 60.0, &format!("seed {seed}, {tick} s"));
         }
     }
 }
 
 #[test]
 fn wheels_turn_by_the_way_over_their_radius_and_lean_goes_into_the_bend() {
-    let mut world = World::new(hilly_ring(), StreamKey::scene(3)).unwrap();
-    let config = TrafficConfig { num_cars: 0, num_pedestrians: 0, num_cyclists: 3, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
+    let mut world = filled(hilly_ring(), 3, [0, 0, 3]);
     let state = |world: &World| {
         let (agent, _) = cyclists(world)[0];
         let (ride, radius_m, _) = ride(agent);
@@ -125,14 +104,13 @@ fn wheels_turn_by_the_way_over_their_radius_and_lean_goes_into_the_bend() {
 
 #[test]
 fn a_car_follows_a_cyclist_at_a_distance_and_a_scripted_one_goes_where_it_is_told() {
-    let mut world = World::new(slope(0.02), StreamKey::scene(1)).unwrap();
-    world.move_ego(-60.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.02), 1, [-60.0, 0.0, 0.0]);
     let course = Course::Straight { x_m: -40.0, y_m: -0.4, yaw_rad: 0.0, speed_mps: 4.0 };
-    let id = world.add(ObjectClass::Cyclist, ModelChoice::Seed(5), &course, Overlap::Refuse).unwrap();
+    let id = put(&mut world, ObjectClass::Cyclist, 5, &course);
     let mut nearest_m = f64::INFINITY;
     for _ in 0..15 {
         world.drive(4.0, 5.0).unwrap();
-        let actor = world.snapshot().actors.into_iter().find(|a| a.id == id).unwrap();
+        let actor = actor(&world, id);
         assert_eq!(actor.class, ObjectClass::Cyclist);
         let expected_m = -40.0 + 4.0 * world.time_s();
         let at = actor.world_from_box.translation;
@@ -140,10 +118,9 @@ fn a_car_follows_a_cyclist_at_a_distance_and_a_scripted_one_goes_where_it_is_tol
         nearest_m = nearest_m.min(at.x - world.ego().world_from_ego.translation.x);
     }
     assert!(nearest_m > 4.0, "{nearest_m} m from middle to middle");
-    let stand = Course::Stand { x_m: 0.0, y_m: 9.0, yaw_rad: 1.0 };
-    world.add(ObjectClass::Cyclist, ModelChoice::Seed(6), &stand, Overlap::Refuse).unwrap();
+    add(&mut world, ObjectClass::Cyclist, 0.0, 9.0, 1.0, 6).unwrap();
     let Some(Fixture::Cyclist(cyclist)) = world.arena.agents.last().unwrap().get() else { unreachable!() };
     assert!(cyclist.look.ride.stands);
-    let again = world.add(ObjectClass::Cyclist, ModelChoice::Seed(7), &stand, Overlap::Refuse);
+    let again = add(&mut world, ObjectClass::Cyclist, 0.0, 9.0, 1.0, 7);
     assert!(matches!(again, Err(Error::Scene { .. })), "two at one place");
 }

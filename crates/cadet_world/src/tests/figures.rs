@@ -1,6 +1,6 @@
 //! People and riders of a user's: rigid, but upright and on their way as those that are built in.
 
-use super::scripted::{actor, path};
+use super::scripted::path;
 use super::*;
 use cadet_assets::imported::{MaterialRules, MeshAsset, UserModels};
 use cadet_assets::source_mesh::{SourceMaterial, SourceMesh, SourceTriangle};
@@ -38,13 +38,10 @@ const CYCLIST: ObjectClass = ObjectClass::Cyclist;
 /// A road that rises to the east, with the ego far from who is added.
 fn world_of_figures(rise_per_m: f64) -> World {
     let meshes = [wedge(PEDESTRIAN, [0.4, 0.6, 1.8]), wedge(SITTING, [0.8, 0.6, 1.3]), wedge(CYCLIST, [1.8, 0.6, 1.7])];
-    let world = World::new(slope(rise_per_m), StreamKey::scene(0)).unwrap();
-    let mut world = world.with_user_models(UserModels::new(0.5, &meshes).unwrap());
-    world.move_ego(-60.0, 0.0, 0.0, Overlap::Refuse).unwrap();
-    world
+    with_ego_at(slope(rise_per_m), 0, [-60.0, 0.0, 0.0]).with_user_models(UserModels::new(0.5, &meshes).unwrap())
 }
 
-fn put(world: &mut World, class: ObjectClass, course: &Course) -> i32 {
+fn put_named(world: &mut World, class: ObjectClass, course: &Course) -> i32 {
     world.add(class, ModelChoice::Named(class.kitti_name()), course, Overlap::Refuse).unwrap()
 }
 
@@ -52,7 +49,7 @@ fn put(world: &mut World, class: ObjectClass, course: &Course) -> i32 {
 fn figures_stand_upright_on_a_slope_in_the_boxes_of_their_meshes() {
     let mut world = world_of_figures(0.1);
     for (k, (class, size)) in [(PEDESTRIAN, [0.4, 0.6, 1.8]), (SITTING, [0.8, 0.6, 1.3])].into_iter().enumerate() {
-        let id = put(&mut world, class, &Course::Stand { x_m: 10.0, y_m: 5.0 * k as f64, yaw_rad: 0.7 });
+        let id = put_named(&mut world, class, &Course::Stand { x_m: 10.0, y_m: 5.0 * k as f64, yaw_rad: 0.7 });
         world.step(SECOND);
         let now = actor(&world, id);
         let at = DVec3::new(10.0, 5.0 * k as f64, 1.0);
@@ -68,7 +65,7 @@ fn figures_stand_upright_on_a_slope_in_the_boxes_of_their_meshes() {
     // Two wheels stand along the slope, and a crossfall does not tip them.
     for yaw_rad in [0.0, 0.7, math::PI / 2.0] {
         let mut world = world_of_figures(0.1);
-        let id = put(&mut world, CYCLIST, &Course::Stand { x_m: 10.0, y_m: 0.0, yaw_rad });
+        let id = put_named(&mut world, CYCLIST, &Course::Stand { x_m: 10.0, y_m: 0.0, yaw_rad });
         let pose = actor(&world, id).world_from_box;
         let (forward, left) = (pose.rotation * DVec3::X, pose.rotation * DVec3::Y);
         assert!(left.z.abs() < 1e-9, "rolled by {}", left.z);
@@ -82,9 +79,9 @@ fn figures_stand_upright_on_a_slope_in_the_boxes_of_their_meshes() {
 fn figures_follow_a_path_and_go_straight_on() {
     let mut world = world_of_figures(0.05);
     let walks = path(&[(1.0, 0.0, 5.0), (5.0, 6.0, 5.0), (9.0, 6.0, 11.0)]);
-    let (walker, rider) = (put(&mut world, PEDESTRIAN, &walks), {
+    let (walker, rider) = (put_named(&mut world, PEDESTRIAN, &walks), {
         let straight = Course::Straight { x_m: 0.0, y_m: -6.0, yaw_rad: 0.3, speed_mps: 5.0 };
-        put(&mut world, CYCLIST, &straight)
+        put_named(&mut world, CYCLIST, &straight)
     });
     for t in 1..=10 {
         world.step(SECOND);
@@ -109,7 +106,7 @@ fn figures_follow_a_path_and_go_straight_on() {
 fn drivers_brake_for_figures() {
     let stops_at = |class, course: &Course| {
         let mut world = world_of_figures(0.0);
-        put(&mut world, class, course);
+        put_named(&mut world, class, course);
         world.drive(300.0, 6.0).unwrap();
         world.ego().world_from_ego.translation.x
     };
@@ -143,7 +140,7 @@ fn figures_have_the_limits_of_their_class() {
         "scene: a person at (500, 0) would stand beyond the ground's edge"
     );
     assert_eq!(world.arena.agents.len(), 1, "who is refused leaves nothing");
-    put(&mut world, CYCLIST, &stand);
+    put_named(&mut world, CYCLIST, &stand);
     let near = Course::Stand { x_m: 5.5, y_m: 5.0, yaw_rad: 0.0 };
     let taken =
         world.add(SITTING, ModelChoice::Named("Person_sitting"), &near, Overlap::Refuse).unwrap_err().to_string();

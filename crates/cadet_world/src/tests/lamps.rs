@@ -24,10 +24,7 @@ pub(super) fn is_amber(lens: &Material) -> bool {
 }
 
 fn traffic(needs_lamps: bool) -> World {
-    let mut world = World::new(suburb(3), StreamKey::scene(3)).unwrap().with_lamps(needs_lamps);
-    let config = TrafficConfig { num_cars: 20, num_pedestrians: 20, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
-    world
+    filled(suburb(3), 3, [20, 20, 0]).with_lamps(needs_lamps)
 }
 
 /// Speeds of what is driven, by id.

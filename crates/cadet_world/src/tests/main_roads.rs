@@ -4,31 +4,19 @@ use std::collections::BTreeSet;
 
 use super::towns::{long_main_roads, main_roads};
 use super::*;
-use crate::DT_S;
 use cadet_town::LaneKind;
 
 #[test]
 fn traffic_flows_on_main_roads_without_touching_or_jamming() {
     for seed in 0..6 {
-        let name = format!("main roads {seed}");
-        let mut world = World::new(main_roads(seed), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 24, num_pedestrians: 24, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
-        let gone_m = watch(&mut world, 60, &name);
-        let num_cars = cars(&world).len() as f64;
-        assert!(gone_m > 2.0 * 60.0 * num_cars, "{name}: {gone_m} m in all by {num_cars} cars");
-        for (agent, driver) in cars(&world) {
-            let stood_s = driver.standing_steps as f64 * DT_S;
-            assert!(stood_s < 60.0, "{name}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
-        }
+        let mut world = filled(main_roads(seed), seed, [24, 24, 0]);
+        flows(&mut world, 60, (2.0, 60.0), &format!("main roads {seed}"));
     }
 }
 
 #[test]
 fn vans_that_turn_into_narrow_arms_touch_nobody_who_waits_there() {
-    let mut world = World::new(main_roads(3), StreamKey::scene(3)).unwrap();
-    let config = TrafficConfig { num_cars: 36, num_pedestrians: 0, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
+    let mut world = filled(main_roads(3), 3, [36, 0, 0]);
     watch(&mut world, 90, "main roads 3, 36 cars");
 }
 
@@ -60,15 +48,13 @@ fn drivers_change_lanes_between_junctions_without_touching() {
     let (mut num_changes, mut num_lanes) = (0, BTreeSet::new());
     for seed in 11..16 {
         let name = format!("lane changes on main roads {seed}");
-        let mut world = World::new(long_main_roads(seed), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 36, num_pedestrians: 0, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(long_main_roads(seed), seed, [36, 0, 0]);
         let mut changing = BTreeSet::new();
         for _ in 0..90 {
             watch(&mut world, 1, &name);
             for (agent, driver) in cars(&world) {
                 let lane = driver.route.as_ref().unwrap().lanes[0];
-                if !driver.changes_lane() {
+                if driver.lanes.change.is_none() {
                     changing.remove(&agent.id);
                 } else if changing.insert(agent.id) {
                     num_changes += 1;

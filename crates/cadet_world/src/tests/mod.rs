@@ -33,14 +33,16 @@ use super::body::Fixed;
 use super::footprint::Footprint;
 use super::junctions::{Junctions, Refusal, Request};
 use super::{Course, ModelChoice, Overlap, Shortfall, TrafficConfig, Waypoint, World};
-use crate::agents::{Actor, Agent, Behavior, Car, Cyclist, Fixture, Pedestrian};
+use crate::DT_S;
+use crate::agents::{Actor, Agent, Behavior, Car, Cyclist, Fixture, OfKind, Pedestrian};
 use crate::look::VehicleLook;
 use crate::streets::{LaneGraph, LanePosition};
 use crate::walking::Motion;
-use cadet_base::actor::{BrakesFor, ObjectClass};
+use cadet_base::actor::{ActorState, BrakesFor, ObjectClass};
 use cadet_base::error::{Error, Result};
 use cadet_base::math::{self, DVec2, DVec3};
 use cadet_base::rng::StreamKey;
+use cadet_town::Town;
 use towns::{crossing, hills, hilly_ring, map, slope, suburb};
 
 const SECOND: u32 = 60;
@@ -50,13 +52,55 @@ fn add(world: &mut World, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, 
     world.add(class, ModelChoice::Seed(seed), &Course::Stand { x_m, y_m, yaw_rad }, Overlap::Refuse)
 }
 
-/// The cars in traffic, the ego first.
+/// Somebody on a course, by the model of a seed.
+fn put(world: &mut World, class: ObjectClass, seed: u64, course: &Course) -> i32 {
+    world.add(class, ModelChoice::Seed(seed), course, Overlap::Refuse).unwrap()
+}
+
+/// A town with so many cars, people, and cyclists.
+fn filled(town: Arc<Town>, seed: u64, [num_cars, num_pedestrians, num_cyclists]: [usize; 3]) -> World {
+    let config = TrafficConfig { num_cars, num_pedestrians, num_cyclists, ..TrafficConfig::default() };
+    filled_as(town, seed, &config)
+}
+
+fn filled_as(town: Arc<Town>, seed: u64, config: &TrafficConfig) -> World {
+    let mut world = World::new(town, StreamKey::scene(seed)).unwrap();
+    world.spawn_traffic(config).unwrap();
+    world
+}
+
+/// A town without traffic, and the ego at a place with a yaw.
+fn with_ego_at(town: Arc<Town>, seed: u64, [x_m, y_m, yaw_rad]: [f64; 3]) -> World {
+    let mut world = World::new(town, StreamKey::scene(seed)).unwrap();
+    world.move_ego(x_m, y_m, yaw_rad, Overlap::Refuse).unwrap();
+    world
+}
+
+/// All of a kind who may move, by slot: of the cars the ego is the first.
+fn all<K: OfKind>(world: &World) -> Vec<(&Agent, &K)> {
+    world.arena.each::<K>().map(|(_, agent, own)| (agent, own)).collect()
+}
+
 fn cars(world: &World) -> Vec<(&Agent, &Car)> {
-    world.arena.each::<Car>().map(|(_, agent, driver)| (agent, driver)).collect()
+    all(world)
 }
 
 fn walkers(world: &World) -> Vec<(&Agent, &Pedestrian)> {
-    world.arena.each::<Pedestrian>().map(|(_, agent, pedestrian)| (agent, pedestrian)).collect()
+    all(world)
+}
+
+fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
+    all(world)
+}
+
+/// An actor but the ego, as snapshots show it.
+fn actor(world: &World, id: i32) -> ActorState {
+    world.snapshot().actors.into_iter().find(|a| a.id == id).unwrap()
+}
+
+/// What some agents cover, by their ids.
+fn boxes<'a>(world: &World, agents: impl IntoIterator<Item = &'a Agent>) -> Vec<(i32, Footprint)> {
+    agents.into_iter().map(|a| (a.id, footprint(world, a))).collect()
 }
 
 fn parked(world: &World) -> Vec<&Agent> {
@@ -112,16 +156,14 @@ fn a_car_follows_a_hilly_bend_at_its_speed_heading_forwards() {
 /// By so much who turns or squeezes past may touch, as `benches/traffic.py` has it.
 const OVERLAP_M: f64 = 0.02;
 
-/// Steps for a minute and looks at everything four times a second: nobody overlaps, flies, sinks, tips or loses the
+/// Steps for some seconds and looks at everything four times a second: nobody overlaps, flies, sinks, tips or loses the
 /// numbers. Returns how far the driven cars went in all.
 fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
     let mut gone_m = 0.0;
-    let mut crossings = 0;
     for tick in 0..seconds * 4 {
         world.step(SECOND / 4);
         let driven: Vec<&Agent> = cars(world).into_iter().map(|(agent, _)| agent).collect();
-        let rectangles: Vec<(i32, Footprint)> =
-            driven.iter().copied().chain(parked(world)).map(|a| (a.id, footprint(world, a))).collect();
+        let rectangles = boxes(world, driven.iter().copied().chain(parked(world)));
         let walkers = walkers(world);
         for (i, (id, a)) in rectangles.iter().enumerate().take(driven.len()) {
             let pose = driven[i].actor().body.world_from_box(&world.arena.physics);
@@ -135,18 +177,13 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
             for (other, b) in &rectangles[i + 1..] {
                 assert!(
                     !a.grown(-OVERLAP_M / 2.0).overlaps(&b.grown(-OVERLAP_M / 2.0)),
-                    "{name}: cars {id} ({}) and {other} overlap at tick {tick}, {} and {}, speeds {} and {}",
+                    "{name}: cars {id} ({}) and {other} overlap at tick {tick}, {a:?} and {b:?}",
                     driven[i].actor().look.model().name,
-                    a.center,
-                    b.center,
-                    a.velocity.length(),
-                    b.velocity.length()
                 );
             }
             for (walker, _) in &walkers {
-                let p = place(world, walker);
-                let apart = (a.closest_point(p) - p).length();
-                assert!(apart > 0.05, "{name}: car {id} runs into walker {} at tick {tick}", walker.id);
+                let apart_m = a.distance_m(place(world, walker));
+                assert!(apart_m > 0.05, "{name}: car {id} runs into walker {} at tick {tick}", walker.id);
             }
         }
         for (walker, pedestrian) in &walkers {
@@ -154,49 +191,39 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
             assert!(p.is_finite());
             assert!((p.z - world.ground_height(p.x, p.y).expect("on the ground")).abs() < 1e-6);
             if matches!(pedestrian.motion, Motion::Crosses { .. }) {
-                crossings += 1;
-            } else {
-                // Narrow lanes end nearer to their middles, and at corners curb stones reach into lanes.
-                let graph = &world.arena.streets.graph;
-                let is_within = |at: &LanePosition| at.left_m.abs() < graph.lane(at.lane).width_at(at.s_m) / 2.0;
-                let is_on_curb = graph.is_sidewalk(p);
-                let lane = graph.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
-                let near = || {
-                    let all = world.arena.present().map(|(_, a)| a).filter(|a| a.actor().body.person().is_none());
-                    let apart = |a: &Agent| (footprint(world, a).closest_point(p.truncate()) - p.truncate()).length();
-                    let nearest = all.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("a vehicle");
-                    format!(
-                        "{:?}, {:.2} m from {}",
-                        pedestrian.motion,
-                        apart(nearest),
-                        nearest.actor().look.model().name
-                    )
-                };
-                assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}, {}", walker.id, near());
+                continue;
             }
+            // Narrow lanes end nearer to their middles, and at corners curb stones reach into lanes.
+            let graph = &world.arena.streets.graph;
+            let is_within = |at: &LanePosition| at.left_m.abs() < graph.lane(at.lane).width_at(at.s_m) / 2.0;
+            let is_on_curb = graph.is_sidewalk(p);
+            let lane = graph.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
+            let motion = pedestrian.motion;
+            assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}, {motion:?}", walker.id);
         }
-    }
-    let (cars, num_walkers) = (cars(world), walkers(world).len());
-    let driven = cars.len() as f64 * f64::from(seconds);
-    #[allow(clippy::print_stderr)]
-    {
-        eprintln!(
-            "{name}: {} cars, {} parked, {} walkers, mean speed {:.2} m/s, crossing {:.3}, standing cars {}",
-            cars.len(),
-            parked(world).len(),
-            num_walkers,
-            gone_m / driven,
-            f64::from(crossings) / (num_walkers.max(1) as f64 * f64::from(seconds * 4)),
-            cars.iter().filter(|(_, driver)| driver.standing_steps > 600).count(),
-        );
     }
     gone_m
 }
 
+/// No car in traffic has stood for so long.
+fn nobody_stands(world: &World, longest_s: f64, name: &str) {
+    for (agent, driver) in cars(world) {
+        let stood_s = driver.standing_steps as f64 * DT_S;
+        assert!(stood_s < longest_s, "{name}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
+    }
+}
+
+/// Watches traffic in which cars go so fast in the mean, and none stands for so long.
+fn flows(world: &mut World, seconds: u32, (least_mps, longest_s): (f64, f64), name: &str) {
+    let gone_m = watch(world, seconds, name);
+    let num_cars = cars(world).len() as f64;
+    assert!(gone_m > least_mps * f64::from(seconds) * num_cars, "{name}: {gone_m} m in all by {num_cars} cars");
+    nobody_stands(world, longest_s, name);
+}
+
 #[test]
 fn snow_lies_on_what_is_parked_and_on_nothing_that_drives() {
-    let mut world = World::new(suburb(3), StreamKey::scene(3)).unwrap();
-    world.spawn_traffic(&TrafficConfig { num_cars: 10, num_cyclists: 4, ..TrafficConfig::default() }).unwrap();
+    let world = filled(suburb(3), 3, [10, 24, 4]);
     let parked: Vec<i32> = parked(&world).iter().map(|agent| agent.id).collect();
     let driven: Vec<i32> = cars(&world).iter().map(|(agent, _)| agent.id).collect();
     let (mut covered, mut bare) = (0, 0);
@@ -215,22 +242,17 @@ fn snow_lies_on_what_is_parked_and_on_nothing_that_drives() {
 #[test]
 fn cars_share_a_crossing_for_minutes_without_touching() {
     for seed in 0..5 {
-        let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 14, num_pedestrians: 20, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(crossing(), seed, [14, 20, 0]);
         let num_cars = cars(&world).len();
         assert!(num_cars >= 8, "{num_cars}");
-        let gone_m = watch(&mut world, 60, &format!("crossing {seed}"));
-        assert!(gone_m > 1.5 * 60.0 * num_cars as f64, "the traffic jams: {gone_m} m in all");
+        flows(&mut world, 60, (1.5, 60.0), &format!("crossing {seed}"));
     }
 }
 
 #[test]
 fn cars_share_a_hilly_ring() {
     for seed in 0..5 {
-        let mut world = World::new(hilly_ring(), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 16, num_pedestrians: 20, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(hilly_ring(), seed, [16, 20, 0]);
         watch(&mut world, 60, &format!("ring {seed}"));
     }
 }
@@ -240,19 +262,15 @@ fn traffic_lives_in_suburbs_and_shared_maps() {
     let maps = ["Town01.xodr", "Town02.xodr"].into_iter().filter_map(map);
     for (i, town) in (0..5).map(suburb).chain(maps).enumerate() {
         let name = format!("{} {i}", town.name);
-        let mut world = World::new(town, StreamKey::scene(i as u64)).unwrap();
-        let config = TrafficConfig { num_cars: 40, num_pedestrians: 40, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(town, i as u64, [40, 40, 0]);
         watch(&mut world, 60, &name);
     }
 }
 
 #[test]
 fn a_car_keeps_its_distance_to_one_that_stands_in_its_lane() {
-    let town = slope(0.03);
     for seed in 0..4 {
-        let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
-        world.move_ego(-60.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+        let mut world = with_ego_at(slope(0.03), seed, [-60.0, 0.0, 0.0]);
         add(&mut world, ObjectClass::Car, 20.0, 0.1, 0.02, seed).unwrap();
         let gone_m = world.drive(200.0, 3.0).unwrap();
         let half_m =
@@ -265,8 +283,7 @@ fn a_car_keeps_its_distance_to_one_that_stands_in_its_lane() {
 
 #[test]
 fn parked_wheels_touch_sloping_and_bent_ground() {
-    let town = hilly_ring();
-    let mut world = World::new(Arc::clone(&town), StreamKey::scene(0)).unwrap();
+    let mut world = World::new(hilly_ring(), StreamKey::scene(0)).unwrap();
     for k in 0..40 {
         let a = f64::from(k) * 0.4;
         let (x, y) = ((20.0 + f64::from(k)) * math::cos(a), (20.0 + f64::from(k)) * math::sin(a));
@@ -298,8 +315,7 @@ fn what_finds_no_room_is_told() {
 #[test]
 fn the_same_calls_give_the_same_bits() {
     let run = |seed: u64| {
-        let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
-        world.spawn_traffic(&TrafficConfig { num_cars: 8, num_pedestrians: 8, ..TrafficConfig::default() }).unwrap();
+        let mut world = filled(crossing(), seed, [8, 8, 0]);
         world.drive(30.0, 2.0).unwrap();
         world.step(200);
         let s = world.snapshot();
@@ -318,9 +334,7 @@ fn the_same_calls_give_the_same_bits() {
 
 #[test]
 fn every_actor_has_one_body_and_scenery_has_none() {
-    let mut world = World::new(suburb(2), StreamKey::scene(2)).unwrap();
-    let config = TrafficConfig { num_cars: 8, num_pedestrians: 8, num_cyclists: 4, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
+    let mut world = filled(suburb(2), 2, [8, 8, 4]);
     world.step(SECOND);
     let s = world.snapshot();
     let bodies: Vec<i32> = s.instances.iter().filter(|i| i.is_body).map(|i| i.actor_id).collect();
@@ -371,10 +385,8 @@ fn what_makes_no_sense_is_refused() {
 fn shares_of_vehicle_classes_hold_and_what_is_left_out_neither_drives_nor_parks() {
     use ObjectClass::{Car, Truck, Van};
     let classes = |vehicle_shares: Vec<(ObjectClass, f64)>| {
-        let mut world = World::new(suburb(1), StreamKey::scene(1)).unwrap();
         let config = TrafficConfig { num_cars: 60, num_pedestrians: 5, vehicle_shares, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
-        let actors = world.snapshot().actors;
+        let actors = filled_as(suburb(1), 1, &config).snapshot().actors;
         let count = |class: ObjectClass| actors.iter().filter(|a| a.class == class).count();
         (count(Car), count(Van), actors.len())
     };

@@ -9,7 +9,7 @@ use cadet_town::{GroundKind, LaneId, RoadNetwork, Town};
 /// What a run of some minutes showed.
 #[derive(Debug, Default)]
 struct Seen {
-    changes: [usize; 2],
+    changes: f64,
     hardest_mps2: f64,
     /// The largest of the ego's pitch, of a car's slip sideways, and of its distance from its line where it keeps its lane.
     pitch_rad: f64,
@@ -18,11 +18,6 @@ struct Seen {
     on_right: usize,
     car_mps: Vec<f64>,
     truck_mps: Vec<f64>,
-    near_ego: Vec<f64>,
-}
-
-fn is_truck(agent: &Agent) -> bool {
-    agent.actor().look.class() == ObjectClass::Truck
 }
 
 /// Lane and place of everybody who drives, by id.
@@ -48,31 +43,28 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
             let left = pose.rotation * DVec3::Y;
             seen.slip_mps = seen.slip_mps.max(velocity.dot(left).abs());
             let own = now.iter().find(|n| n.0 == agent.id);
-            let Some((_, lane, s_m, speed_mps)) = own.copied() else { continue };
+            let Some((_, lane, _, speed_mps)) = own.copied() else { continue };
             if let Some((.., was_mps)) = before.iter().find(|b| b.0 == agent.id) {
                 seen.hardest_mps2 = seen.hardest_mps2.max((was_mps - speed_mps) * 4.0);
                 if (was_mps - speed_mps) * 4.0 > 1.0 {
                     braked_s.insert(agent.id, world.time_s());
                 }
             }
-            let _ = s_m;
-            let off_m = world.town().network.lane(lane).project(pose.translation).1;
-            if !driver.changes_lane() {
-                seen.off_line_m = seen.off_line_m.max(off_m);
+            if driver.lanes.change.is_none() {
+                seen.off_line_m = seen.off_line_m.max(world.town().network.lane(lane).project(pose.translation).1);
             }
             let kind = world.town().ground.kind_at(pose.translation.x, pose.translation.y);
             assert_eq!(kind, Some(GroundKind::Road), "{name}: {}", agent.id);
             if agent.id == 0 || (pose.translation - world.ego().world_from_ego.translation).length() > 240.0 {
                 continue;
             }
-            if is_truck(agent) { seen.truck_mps.push(speed_mps) } else { seen.car_mps.push(speed_mps) }
+            let is_truck = agent.actor().look.class() == ObjectClass::Truck;
+            if is_truck { &mut seen.truck_mps } else { &mut seen.car_mps }.push(speed_mps);
         }
-        let ego = world.ego().world_from_ego.translation;
-        let near = |a: &&Agent| a.id != 0 && (position(world, a) - ego).length() < 80.0;
-        seen.near_ego.push(cars(world).into_iter().map(|(a, _)| a).filter(near).count() as f64);
         // Vehicles that were behind another on the lane to the left, and are ahead now, both at speed.
         let graph = &world.arena.streets.graph;
-        let changing: Vec<i32> = cars(world).iter().filter(|(_, d)| d.changes_lane()).map(|(a, _)| a.id).collect();
+        let changing = cars(world).into_iter().filter(|(_, driver)| driver.lanes.change.is_some());
+        let changing: Vec<i32> = changing.map(|(agent, _)| agent.id).collect();
         for (id, lane, s_m, speed_mps) in &now {
             let Some((_, lane_before, s_before, _)) = before.iter().find(|b| b.0 == *id) else { continue };
             for (other, other_lane, other_s, other_mps) in now.iter().filter(|o| graph.inner_of(*lane) == Some(o.1)) {
@@ -87,14 +79,10 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
             }
         }
         seen.pitch_rad = seen.pitch_rad.max(pitch_rad(world).abs());
-        for slot in 0..world.arena.agents.len() {
-            seen.changes[0] += usize::from(world.arena.around.is_changing_inward(slot));
-            seen.changes[1] += usize::from(world.arena.around.is_changing_outward(slot));
-        }
+        // Each change is seen at all quarters of a second that it takes.
+        seen.changes += changing.len() as f64 / (4.0 * 4.6);
         before = now;
     }
-    // Each change is seen at all quarters of a second that it takes.
-    seen.changes = seen.changes.map(|n| (n as f64 / (4.0 * 4.6)).round() as usize);
     seen
 }
 
@@ -120,34 +108,17 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 #[test]
-#[allow(clippy::print_stderr)]
 fn traffic_flows_on_motorways_for_minutes() {
-    let (mut changes, mut on_right) = (0, 0);
+    let (mut changes, mut on_right) = (0.0, 0);
     for seed in 0..6 {
-        let mut world = World::new(motorway(seed), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 36, num_pedestrians: 4, num_cyclists: 2, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(motorway(seed), seed, [36, 4, 2]);
         let name = format!("motorway {seed}");
         let limit_mps = world.town().network.driving().next().unwrap().speed_limit_mps;
         let start_mps = world.ego().velocity_world.length();
         assert!(start_mps > 0.7 * limit_mps, "{name}: {start_mps} m/s at the start");
         let num = cars(&world).len();
         let seen = drive(&mut world, 120, &name);
-        eprintln!(
-            "{name}: {num} vehicles, limit {:.0} km/h, cars {:.0} km/h, trucks {:.0} km/h, {:?} changes, braking {:.1} m/s2, \
-             pitch {:.2} deg, slip {:.2} m/s, off line {:.2} m, {} on the right, {:.1} near the ego",
-            3.6 * limit_mps,
-            3.6 * mean(&seen.car_mps),
-            3.6 * mean(&seen.truck_mps),
-            seen.changes,
-            seen.hardest_mps2,
-            seen.pitch_rad.to_degrees(),
-            seen.slip_mps,
-            seen.off_line_m,
-            seen.on_right,
-            mean(&seen.near_ego),
-        );
-        changes += seen.changes.iter().sum::<usize>();
+        changes += seen.changes;
         assert!(walkers(&world).is_empty() && world.snapshot().actors.iter().all(|a| a.class != ObjectClass::Cyclist));
         assert!(num > 20, "{name}: {num} vehicles");
         assert!((75.0..95.0).contains(&(3.6 * mean(&seen.truck_mps))), "{name}: trucks");
@@ -156,7 +127,7 @@ fn traffic_flows_on_motorways_for_minutes() {
         assert!(seen.pitch_rad < 0.05 && seen.slip_mps < 2.0 && seen.off_line_m < 0.9, "{name}: {seen:?}");
         on_right += seen.on_right;
     }
-    assert!(changes > 20, "{changes} changes");
+    assert!(changes > 20.0, "{changes} changes");
     // In 440 minutes of driving.
     assert!(on_right <= 2, "{on_right} pass on the right");
 }
@@ -177,17 +148,15 @@ fn two_lanes() -> Arc<Town> {
 
 #[test]
 fn a_slow_truck_is_passed_on_the_left_and_the_right_lane_taken_again() {
-    let mut world = World::new(two_lanes(), StreamKey::scene(1)).unwrap();
-    world.move_ego(-1150.0, -5.625, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(two_lanes(), 1, [-1150.0, -5.625, 0.0]);
     let course = Course::Straight { x_m: -800.0, y_m: -5.625, yaw_rad: 0.0, speed_mps: 15.0 };
-    let truck = world.add(ObjectClass::Truck, ModelChoice::Seed(3), &course, Overlap::Refuse).unwrap();
+    let truck = put(&mut world, ObjectClass::Truck, 3, &course);
     world.drive(0.1, 5.0).unwrap();
     let (mut beside_m, mut ways, mut hardest_mps2) = (f64::INFINITY, Vec::new(), 0.0_f64);
     let mut before_mps = 0.0;
     for _ in 0..75 * 4 {
         world.step(SECOND / 4);
-        let around = &world.arena.around;
-        let way = (around.is_changing_inward(0), around.is_changing_outward(0));
+        let way = world.arena.ego_car().lanes.change.map(|change| change.is_inward);
         if ways.last() != Some(&way) {
             ways.push(way);
         }
@@ -203,11 +172,7 @@ fn a_slow_truck_is_passed_on_the_left_and_the_right_lane_taken_again() {
             break;
         }
     }
-    assert_eq!(
-        ways,
-        [(false, false), (true, false), (false, false), (false, true), (false, false)],
-        "left, then right"
-    );
+    assert_eq!(ways, [None, Some(true), None, Some(false), None], "left, then right");
     let ego = world.ego().world_from_ego.translation;
     assert!((ego.y + 5.625).abs() < 0.4 && beside_m > 0.8 && beside_m < 3.0, "at {ego}, {beside_m} m beside the truck");
     assert!(hardest_mps2 < 2.5, "{hardest_mps2}");
@@ -216,12 +181,11 @@ fn a_slow_truck_is_passed_on_the_left_and_the_right_lane_taken_again() {
 #[test]
 fn nobody_changes_into_a_gap_that_another_claims() {
     // Two claims of the middle of three lanes can't be made at once: whoever looks second sees the first one's.
-    let mut world = World::new(motorway(3), StreamKey::scene(3)).unwrap();
-    world.spawn_traffic(&TrafficConfig { num_cars: 60, ..TrafficConfig::default() }).unwrap();
+    let mut world = filled(motorway(3), 3, [60, 24, 0]);
     let mut claims = 0;
     for _ in 0..90 * 4 {
         world.step(SECOND / 4);
-        let claimed: Vec<Footprint> = world.arena.around.claims().map(|(_, c)| c.footprint).collect();
+        let claimed: Vec<Footprint> = world.arena.around.claims().map(|(_, claim)| *claim).collect();
         claims += claimed.len();
         for (i, a) in claimed.iter().enumerate() {
             assert!(claimed[i + 1..].iter().all(|b| !a.overlaps(b)), "at {} s", world.time_s());

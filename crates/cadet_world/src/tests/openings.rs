@@ -6,8 +6,7 @@ use super::*;
 fn two_in_a_hundred_parked_cars_stand_open_with_the_boxes_of_closed_ones() {
     let (mut all, mut open) = (0, 0);
     for seed in 0..12 {
-        let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
-        world.spawn_traffic(&TrafficConfig { num_cars: 0, num_pedestrians: 0, ..TrafficConfig::default() }).unwrap();
+        let world = filled(suburb(seed), seed, [0, 0, 0]);
         for agent in parked(&world) {
             let VehicleLook { model, opened, .. } = &parked_car(agent).unwrap().look;
             all += 1;

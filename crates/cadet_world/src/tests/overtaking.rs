@@ -18,10 +18,9 @@ fn straight_road() -> Arc<Town> {
 
 /// The ego, and a cyclist 25 m ahead of it who rides 1 m from the right border.
 fn behind_a_cyclist() -> (World, i32) {
-    let mut world = World::new(straight_road(), StreamKey::scene(1)).unwrap();
-    world.move_ego(-230.0, -1.5, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(straight_road(), 1, [-230.0, -1.5, 0.0]);
     let course = Course::Straight { x_m: -205.0, y_m: -2.0, yaw_rad: 0.0, speed_mps: RIDER_MPS };
-    let id = world.add(ObjectClass::Cyclist, ModelChoice::Seed(5), &course, Overlap::Refuse).unwrap();
+    let id = put(&mut world, ObjectClass::Cyclist, 5, &course);
     world.drive(0.1, 5.0).unwrap();
     (world, id)
 }
@@ -72,7 +71,7 @@ fn nobody_overtakes_into_who_comes_the_other_way() {
     for from_x in [-100.0, -40.0, 20.0, 80.0, 140.0] {
         let (mut world, rider) = behind_a_cyclist();
         let course = Course::Straight { x_m: from_x, y_m: 1.5, yaw_rad: math::PI, speed_mps: 8.0 };
-        let oncoming = world.add(ObjectClass::Car, ModelChoice::Seed(3), &course, Overlap::Refuse).unwrap();
+        let oncoming = put(&mut world, ObjectClass::Car, 3, &course);
         let (passed, least_m) = passes(&mut world, rider, &[oncoming, rider], 45);
         assert!(passed.is_some(), "overtakes afterwards, oncoming from {from_x}");
         assert!(least_m > 1.3, "{least_m} m beside, oncoming from {from_x}");
@@ -91,10 +90,9 @@ fn a_car_that_stands_on_the_other_side_is_passed_first() {
 
 #[test]
 fn without_another_lane_a_cyclist_is_followed() {
-    let mut world = World::new(slope(0.0), StreamKey::scene(1)).unwrap();
-    world.move_ego(-80.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.0), 1, [-80.0, 0.0, 0.0]);
     let course = Course::Straight { x_m: -60.0, y_m: -0.6, yaw_rad: 0.0, speed_mps: RIDER_MPS };
-    let rider = world.add(ObjectClass::Cyclist, ModelChoice::Seed(5), &course, Overlap::Refuse).unwrap();
+    let rider = put(&mut world, ObjectClass::Cyclist, 5, &course);
     world.drive(0.1, 5.0).unwrap();
     assert!(passes(&mut world, rider, &[rider], 30).0.is_none());
 }

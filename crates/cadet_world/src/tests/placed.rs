@@ -9,8 +9,7 @@ fn reason(refused: Result<i32>) -> String {
 
 #[test]
 fn nobody_is_put_where_another_stands_unless_that_is_allowed() {
-    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-    world.move_ego(0.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.0), 0, [0.0, 0.0, 0.0]);
     let car = add(&mut world, ObjectClass::Car, 12.0, 0.0, 0.0, 1).unwrap();
     let person = add(&mut world, ObjectClass::Pedestrian, 20.0, 4.0, 0.0, 1).unwrap();
     let num_agents = world.arena.agents.len();
@@ -42,8 +41,7 @@ fn nobody_is_put_where_another_stands_unless_that_is_allowed() {
 
 #[test]
 fn a_path_begins_where_nobody_stands() {
-    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-    world.move_ego(0.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.0), 0, [0.0, 0.0, 0.0]);
     let path = |y_m| Course::Path([0.0, 4.0].map(|t_s| Waypoint { t_s, x_m: 2.0 + 5.0 * t_s, y_m }).to_vec());
     let seed = ModelChoice::Seed(0);
     assert!(reason(world.add(ObjectClass::Car, seed, &path(0.5), Overlap::Refuse)).contains("the ego (id 0)"));

@@ -2,42 +2,31 @@
 
 use super::towns::place as place_of;
 use super::*;
-use crate::DT_S;
 use cadet_town::SpotKind;
 
-const SECONDS: u32 = 60;
-
-fn flows(kind: usize, config: &TrafficConfig, least_mps: f64) {
+fn flows_at(kind: usize, config: &TrafficConfig, least_mps: f64) {
     for seed in 0..10 {
-        let name = format!("place {kind}, seed {seed}");
-        let mut world = World::new(place_of(kind, seed), StreamKey::scene(seed)).unwrap();
-        world.spawn_traffic(config).unwrap();
-        let gone_m = watch(&mut world, SECONDS, &name);
-        let num_cars = cars(&world).len() as f64;
-        assert!(gone_m > least_mps * f64::from(SECONDS) * num_cars, "{name}: {gone_m} m in all by {num_cars} cars");
-        for (agent, driver) in cars(&world) {
-            let stood_s = driver.standing_steps as f64 * DT_S;
-            assert!(stood_s < 45.0, "{name}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
-        }
+        let mut world = filled_as(place_of(kind, seed), seed, config);
+        flows(&mut world, 60, (least_mps, 45.0), &format!("place {kind}, seed {seed}"));
     }
 }
 
 #[test]
 fn traffic_flows_through_the_aisles_of_car_parks() {
     let config = TrafficConfig { num_cars: 12, num_pedestrians: 24, parking_occupancy: 0.7, ..Default::default() };
-    flows(0, &config, 1.2);
+    flows_at(0, &config, 1.2);
 }
 
 #[test]
 fn traffic_flows_through_commercial_areas() {
     let config = TrafficConfig { num_cars: 18, num_pedestrians: 6, num_cyclists: 2, ..Default::default() };
-    flows(1, &config, 2.0);
+    flows_at(1, &config, 2.0);
 }
 
 #[test]
 fn traffic_flows_on_a_campus_among_people() {
     let config = TrafficConfig { num_cars: 6, num_pedestrians: 70, num_cyclists: 8, ..Default::default() };
-    flows(2, &config, 0.8);
+    flows_at(2, &config, 0.8);
 }
 
 #[test]
@@ -46,10 +35,9 @@ fn bays_are_as_full_as_the_district_and_yards_have_trucks() {
     for seed in 0..4 {
         for (kind, spot_kind) in [(0, SpotKind::Lot), (1, SpotKind::Yard)] {
             let town = place_of(kind, seed);
-            let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
             let config =
                 TrafficConfig { num_cars: 1, num_pedestrians: 0, parking_occupancy: 0.6, ..Default::default() };
-            world.spawn_traffic(&config).unwrap();
+            let world = filled_as(Arc::clone(&town), seed, &config);
             let ego = world.ego().world_from_ego.translation;
             // What lies farther off is left empty.
             let is_near = |s: &&cadet_town::ParkingSpot| (s.world_from_spot.translation - ego).length() < 270.0;
@@ -83,6 +71,6 @@ fn nobody_on_foot_appears_in_a_bicycle_that_stands() {
     assert!(walkers(&world).len() > 15, "{} people", walkers(&world).len());
     for (agent, _) in walkers(&world) {
         let at = place(&world, agent);
-        assert!(world.arena.vehicles().all(|(_, o)| (o.closest_point(at) - at).length() > 0.3), "{at}");
+        assert!(world.arena.vehicles().all(|(_, o)| o.distance_m(at) > 0.3), "{at}");
     }
 }

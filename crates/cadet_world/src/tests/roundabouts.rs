@@ -1,7 +1,6 @@
 //! Roundabouts: who comes gives way, all go round the same way, and nobody signals but to leave.
 
 use super::*;
-use crate::DT_S;
 use crate::look::TurnSignal;
 use cadet_assets::props::{ARROW_BOARD, ROUNDABOUT_SIGN, Shipped};
 use cadet_town::{Lane, LaneKind, PropConfig, SuburbConfig, Town};
@@ -26,9 +25,7 @@ fn traffic_goes_round_without_touching_or_jamming_and_signals_to_leave() {
     let (mut early, mut leaving, mut late_looks) = (0, 0, 0);
     for seed in 0..4 {
         let name = format!("roundabouts {seed}");
-        let mut world = World::new(town(seed), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 22, num_pedestrians: 10, num_cyclists: 6, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(town(seed), seed, [22, 10, 6]);
         let mut was_on = std::collections::BTreeSet::new();
         for _ in 0..16 {
             watch(&mut world, 5, &name);
@@ -48,10 +45,7 @@ fn traffic_goes_round_without_touching_or_jamming_and_signals_to_leave() {
                     leaving += usize::from(shows && is_late);
                 }
             }
-            for (agent, driver) in cars(&world) {
-                let stood_s = driver.standing_steps as f64 * DT_S;
-                assert!(stood_s < 45.0, "{name}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
-            }
+            nobody_stands(&world, 45.0, &name);
         }
     }
     assert!(entered >= 30 && cyclists_entered >= 4, "{entered} cars, {cyclists_entered} cyclists");

@@ -4,21 +4,12 @@ use super::towns::{hilly_ring, slope};
 use super::*;
 use crate::agents::{Led, Scripted};
 use crate::look::PersonLook;
-use cadet_base::actor::ActorState;
 use cadet_base::frames::yaw_of;
-use cadet_base::math::{TAU, wrap_angle};
+use cadet_base::math::wrap_angle;
 use cadet_base::plane::unit;
 
 pub(super) fn path(points: &[(f64, f64, f64)]) -> Course {
     Course::Path(points.iter().map(|(t_s, x_m, y_m)| Waypoint { t_s: *t_s, x_m: *x_m, y_m: *y_m }).collect())
-}
-
-fn put(world: &mut World, class: ObjectClass, seed: u64, course: &Course) -> i32 {
-    world.add(class, ModelChoice::Seed(seed), course, Overlap::Refuse).unwrap()
-}
-
-pub(super) fn actor(world: &World, id: i32) -> ActorState {
-    world.snapshot().actors.into_iter().find(|a| a.id == id).unwrap()
 }
 
 fn scripted(world: &World, slot: usize) -> &Scripted {
@@ -35,8 +26,7 @@ fn roll_rad(world: &World, slot: usize) -> f64 {
 #[test]
 fn a_scripted_car_is_where_its_path_is_and_rolls_along_it() {
     // 7 m/s uphill, a stop of a second, then 5 m/s to the left.
-    let mut world = World::new(slope(0.05), StreamKey::scene(0)).unwrap();
-    world.move_ego(-50.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.05), 0, [-50.0, 0.0, 0.0]);
     let course = path(&[(0.5, 0.0, 5.0), (4.5, 28.0, 5.0), (5.5, 28.0, 5.0), (9.5, 28.0, 25.0)]);
     let id = put(&mut world, ObjectClass::Car, 4, &course);
     let slot = world.arena.agents.len() - 1;
@@ -77,8 +67,7 @@ fn a_scripted_car_is_where_its_path_is_and_rolls_along_it() {
 
 #[test]
 fn a_scripted_car_turns_no_faster_than_a_car_can() {
-    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-    world.move_ego(-50.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.0), 0, [-50.0, 0.0, 0.0]);
     let id = put(&mut world, ObjectClass::Car, 4, &path(&[(0.0, 0.0, 5.0), (2.0, 20.0, 5.0), (4.0, 20.0, 25.0)]));
     let (mut before, mut turned) = (0.0, 0.0);
     for step in 1..=240 {
@@ -95,8 +84,7 @@ fn a_scripted_car_turns_no_faster_than_a_car_can() {
 
 #[test]
 fn a_scripted_person_walks_with_the_gait_of_the_way_gone() {
-    let mut world = World::new(hilly_ring(), StreamKey::scene(0)).unwrap();
-    world.move_ego(48.0, 0.0, 1.57, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(hilly_ring(), 0, [48.0, 0.0, 1.57]);
     for seed in 0..6 {
         let y = 2.0 * seed as f64;
         let id = put(&mut world, ObjectClass::Pedestrian, seed, &path(&[(0.0, 0.0, y), (10.0, 13.0, y)]));
@@ -123,8 +111,7 @@ fn a_scripted_person_walks_with_the_gait_of_the_way_gone() {
 
 #[test]
 fn who_goes_straight_on_keeps_the_speed_and_stops_where_the_ground_ends() {
-    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-    world.move_ego(-50.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+    let mut world = with_ego_at(slope(0.0), 0, [-50.0, 0.0, 0.0]);
     let straight = |x_m, y_m, yaw_rad, speed_mps| Course::Straight { x_m, y_m, yaw_rad, speed_mps };
     let id = put(&mut world, ObjectClass::Van, 1, &straight(70.0, 8.0, 0.3, 9.0));
     let heading = unit(0.3);
@@ -145,8 +132,7 @@ fn who_goes_straight_on_keeps_the_speed_and_stops_where_the_ground_ends() {
 #[test]
 fn traffic_brakes_for_a_scripted_car_and_for_a_scripted_person() {
     let run = |class: ObjectClass, points: &[(f64, f64, f64)]| {
-        let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-        world.move_ego(-60.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+        let mut world = with_ego_at(slope(0.0), 0, [-60.0, 0.0, 0.0]);
         put(&mut world, class, 2, &path(points));
         world.drive(300.0, 6.0).unwrap();
         world.ego().world_from_ego.translation.x
@@ -164,9 +150,7 @@ fn traffic_brakes_for_a_scripted_car_and_for_a_scripted_person() {
 fn walkers_go_round_who_follows_a_script() {
     let mut num_met = 0;
     for seed in 0..4 {
-        let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 0, num_pedestrians: 12, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(crossing(), seed, [0, 12, 0]);
         world.step(SECOND);
         // Somebody all but stands in the way of each who walks, on the line that the walker keeps.
         let in_the_way: Vec<DVec2> = walkers(&world)
@@ -200,8 +184,7 @@ fn walkers_go_round_who_follows_a_script() {
 #[test]
 fn the_same_script_gives_the_same_bits_and_moves_nobody_elses_draws() {
     let run = |with_script: bool| {
-        let mut world = World::new(crossing(), StreamKey::scene(5)).unwrap();
-        world.spawn_traffic(&TrafficConfig { num_cars: 6, num_pedestrians: 6, ..TrafficConfig::default() }).unwrap();
+        let mut world = filled(crossing(), 5, [6, 6, 0]);
         if with_script {
             // Far from everybody.
             put(&mut world, ObjectClass::Car, 3, &path(&[(0.0, 90.0, 90.0), (9.0, 60.0, 100.0)]));
@@ -248,17 +231,4 @@ fn paths_that_make_no_sense_are_refused() {
     assert_eq!(refused(ObjectClass::Pedestrian, &off), reason);
     let too_fast = Course::Straight { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0, speed_mps: 80.0 };
     assert_eq!(refused(ObjectClass::Car, &too_fast), "speed is 80, expected 0 to 70 m/s");
-}
-
-#[test]
-fn wheels_roll_forwards() {
-    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
-    world.move_ego(-50.0, 0.0, 0.0, Overlap::Refuse).unwrap();
-    put(&mut world, ObjectClass::Car, 4, &path(&[(0.0, 0.0, 5.0), (10.0, 10.0, 5.0)]));
-    let slot = world.arena.agents.len() - 1;
-    let before = roll_rad(&world, slot);
-    world.step(6);
-    let turned = wrap_angle(roll_rad(&world, slot) - before);
-    // The top of a wheel that rolls forwards goes forwards.
-    assert!((0.2..0.5).contains(&turned) && turned < TAU, "{turned}");
 }

@@ -1,11 +1,7 @@
 //! People who sit: on their seats, in the way of nobody.
 
-use std::sync::Arc;
-
-use crate::{Course, ModelChoice, Overlap, TrafficConfig, World};
-use cadet_base::actor::ObjectClass;
-use cadet_base::rng::StreamKey;
-use cadet_town::{PropConfig, SuburbConfig, Town};
+use super::*;
+use cadet_town::{PropConfig, SuburbConfig};
 
 #[test]
 fn sitting_people_stay_on_the_seats_of_the_town() {
@@ -14,9 +10,8 @@ fn sitting_people_stay_on_the_seats_of_the_town() {
         let key = StreamKey::scene(seed);
         let props = PropConfig { clutter: 2.0, ..Default::default() };
         let town = Arc::new(Town::suburb(&key, &SuburbConfig::default(), &props).unwrap());
-        let mut world = World::new(Arc::clone(&town), key).unwrap();
         let config = TrafficConfig { num_cars: 4, num_pedestrians: 12, seat_occupancy: 0.8, ..Default::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled_as(Arc::clone(&town), seed, &config);
         let sitters = |world: &World| {
             let actors = world.snapshot().actors;
             let sitters = actors.into_iter().filter(|a| a.class == ObjectClass::PersonSitting);
@@ -44,20 +39,17 @@ fn sitting_people_stay_on_the_seats_of_the_town() {
 fn nobody_sits_where_no_seat_is_taken() {
     let key = StreamKey::scene(3);
     let town = Arc::new(Town::suburb(&key, &SuburbConfig::default(), &PropConfig::default()).unwrap());
-    let mut world = World::new(town, key).unwrap();
-    world.spawn_traffic(&TrafficConfig { seat_occupancy: 0.0, ..Default::default() }).unwrap();
+    let world = filled_as(town, 3, &TrafficConfig { seat_occupancy: 0.0, ..Default::default() });
     assert!(world.snapshot().actors.iter().all(|a| a.class != ObjectClass::PersonSitting));
 }
 
 #[test]
 fn a_sitting_person_is_added_by_name_and_never_moves() {
     let mut world = World::new(Arc::new(Town::flat()), StreamKey::scene(0)).unwrap();
-    let stand = Course::Stand { x_m: 12.0, y_m: 3.0, yaw_rad: 1.0 };
-    let id = world.add(ObjectClass::PersonSitting, ModelChoice::Seed(5), &stand, Overlap::Refuse).unwrap();
-    let snapshot = world.snapshot();
-    let sitter = snapshot.actors.iter().find(|a| a.id == id).unwrap();
+    let id = add(&mut world, ObjectClass::PersonSitting, 12.0, 3.0, 1.0, 5).unwrap();
+    let sitter = actor(&world, id);
     assert!((1.0..1.6).contains(&sitter.size_lwh.z) && sitter.class == ObjectClass::PersonSitting);
-    let again = world.add(ObjectClass::PersonSitting, ModelChoice::Seed(5), &stand, Overlap::Refuse).unwrap_err();
+    let again = add(&mut world, ObjectClass::PersonSitting, 12.0, 3.0, 1.0, 5).unwrap_err();
     assert!(again.to_string().contains("would overlap the Person_sitting"), "{again}");
     let walk = Course::Straight { x_m: 5.0, y_m: 3.0, yaw_rad: 1.0, speed_mps: 1.0 };
     let error = world.add(ObjectClass::PersonSitting, ModelChoice::Seed(5), &walk, Overlap::Refuse).unwrap_err();

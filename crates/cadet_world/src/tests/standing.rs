@@ -27,8 +27,7 @@ fn a_car_on_a_slope_settles_along_it_and_does_not_creep() {
 fn a_car_that_stands_with_turned_wheels_does_not_turn() {
     for (rise_per_m, steer_rad) in [(0.0, 0.5), (0.0, -0.5), (0.05, 0.5), (0.05, -0.3)] {
         for yaw in [0.0, 1.0, 2.5] {
-            let mut world = World::new(slope(rise_per_m), StreamKey::scene(1)).unwrap();
-            world.move_ego(3.0, 2.0, yaw, Overlap::Refuse).unwrap();
+            let mut world = with_ego_at(slope(rise_per_m), 1, [3.0, 2.0, yaw]);
             world.step(2 * SECOND);
             let heading = |world: &World| footprint(world, world.arena.ego()).heading;
             let (before, at) = (heading(&world), position(&world, world.arena.ego()));

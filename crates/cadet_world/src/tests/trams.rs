@@ -2,14 +2,13 @@
 
 use super::towns::{slope, tram_roads};
 use super::*;
-use crate::DT_S;
 use crate::agents::Tram;
 use crate::lane_use::LaneUse;
 use cadet_town::{LaneId, LaneKind, Town};
 
 /// The trams.
 pub(super) fn trains(world: &World) -> Vec<(&Agent, &Tram)> {
-    world.arena.each::<Tram>().map(|(_, agent, tram)| (agent, tram)).collect()
+    all(world)
 }
 
 /// What the cars of a train cover, the first ahead.
@@ -26,11 +25,9 @@ pub(super) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
 }
 
 pub(super) fn busy(seed: u64, town: &Arc<Town>) -> World {
-    let mut world = World::new(Arc::clone(town), StreamKey::scene(seed)).unwrap();
     let config =
         TrafficConfig { num_cars: 30, num_pedestrians: 20, num_cyclists: 6, num_trams: 4, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
-    world
+    filled_as(Arc::clone(town), seed, &config)
 }
 
 #[test]
@@ -41,12 +38,9 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
         num_trains += trains(&world).len();
         for tick in 0..300 {
             world.step(15);
-            let others = world
-                .arena
-                .active()
-                .filter(|(_, agent)| agent.get::<Tram>().is_none() && agent.actor().body.person().is_none());
-            let others: Vec<(i32, Footprint)> =
-                others.map(|(_, a)| a).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
+            let is_other = |a: &&Agent| a.get::<Tram>().is_none() && a.actor().body.person().is_none();
+            let others = world.arena.active().map(|(_, agent)| agent).filter(is_other);
+            let others = boxes(&world, others.chain(parked(&world)));
             let trains = trains(&world);
             for (k, (agent, driver)) in trains.iter().enumerate() {
                 let own_cars = cars_of(&world, driver);
@@ -59,7 +53,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                         assert!(!own.overlaps(&other), "seed {seed}, tick {tick}: two trams at {at}");
                     }
                     for (walker, _) in walkers(&world) {
-                        let apart_m = (own.closest_point(place(&world, walker)) - place(&world, walker)).length();
+                        let apart_m = own.distance_m(place(&world, walker));
                         assert!(apart_m > 0.15, "seed {seed}, tick {tick}: tram {} in {}", agent.id, walker.id);
                     }
                     // Both ends, and the middle, are over a track, but for the chord of 10.5 m in a bend of 20 m.
@@ -84,10 +78,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                 }
             }
         }
-        for (agent, driver) in cars(&world) {
-            let stood_s = driver.standing_steps as f64 * DT_S;
-            assert!(stood_s < 60.0, "seed {seed}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
-        }
+        nobody_stands(&world, 60.0, &format!("seed {seed}"));
     }
     assert!(num_trains >= 5, "{num_trains} trams");
     assert!(gone_m > 1000.0 && crossed > 10, "{gone_m} m in all, {crossed} looks in junctions, {longest_s} s stood");
@@ -127,8 +118,8 @@ fn trams_come_one_after_the_other() {
     for (seed, town) in towns_with_tracks(3) {
         let mut world = busy(seed, &town);
         let leaders = |world: &World| -> Vec<(i32, f64, LaneId)> {
-            let drivers = world.arena.each::<Tram>();
-            drivers.map(|(_, a, d)| (a.id, d.train.front_m, d.train.track.position(0.0).lane)).collect()
+            let drivers = trains(world).into_iter();
+            drivers.map(|(a, d)| (a.id, d.train.front_m, d.train.track.position(0.0).lane)).collect()
         };
         let start = leaders(&world);
         for (k, a) in start.iter().enumerate() {
@@ -155,8 +146,7 @@ fn trams_come_one_after_the_other() {
 #[test]
 fn without_tracks_there_are_no_trams_and_worlds_stay_as_they_were() {
     let poses = |num_trams: usize| {
-        let mut world = World::new(suburb(3), StreamKey::scene(3)).unwrap();
-        world.spawn_traffic(&TrafficConfig { num_trams, ..TrafficConfig::default() }).unwrap();
+        let mut world = filled_as(suburb(3), 3, &TrafficConfig { num_trams, ..TrafficConfig::default() });
         world.step(300);
         world.snapshot().actors.iter().map(|a| (a.id, a.world_from_box.translation)).collect::<Vec<_>>()
     };
@@ -167,10 +157,9 @@ fn without_tracks_there_are_no_trams_and_worlds_stay_as_they_were() {
 fn a_tram_can_be_added_and_led() {
     let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
     let course = Course::Straight { x_m: 10.0, y_m: 6.0, yaw_rad: 0.0, speed_mps: 8.0 };
-    let id = world.add(ObjectClass::Tram, ModelChoice::Seed(4), &course, Overlap::Refuse).unwrap();
+    let id = put(&mut world, ObjectClass::Tram, 4, &course);
     world.step(SECOND);
-    let snapshot = world.snapshot();
-    let tram = snapshot.actors.iter().find(|a| a.id == id).unwrap();
+    let tram = actor(&world, id);
     assert!((tram.world_from_box.translation.x - 18.0).abs() < 0.05, "{}", tram.world_from_box.translation);
     assert!(tram.class == ObjectClass::Tram && (13.0..16.0).contains(&tram.size_lwh.x));
     assert!(add(&mut world, ObjectClass::Tram, 18.0, 6.0, 0.0, 1).is_err());

@@ -2,7 +2,6 @@
 
 use super::towns::{main_roads, suburb};
 use super::*;
-use crate::DT_S;
 use crate::streets::Needs;
 use cadet_town::LaneId;
 
@@ -19,16 +18,14 @@ fn trucks_share_the_streets_without_touching_or_jamming() {
             0 => (main_roads(seed), format!("main roads with trucks {seed}")),
             _ => (suburb(seed), format!("suburb with trucks {seed}")),
         };
-        let mut world = World::new(town, StreamKey::scene(seed)).unwrap();
-        let config = TrafficConfig { num_cars: 40, num_pedestrians: 30, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let mut world = filled(town, seed, [40, 30, 0]);
         let before: Vec<(i32, DVec2)> = trucks(&world).iter().map(|(a, _)| (a.id, place(&world, a))).collect();
         num_trucks += before.len();
         watch(&mut world, 45, &name);
         for (agent, driver) in trucks(&world) {
             longest_m = longest_m.max(agent.actor().look.size_lwh().x);
-            let stood_s = driver.standing_steps as f64 * DT_S;
-            assert!(stood_s < 40.0, "{name}: truck {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
+            let (stood_s, cause) = (driver.standing_steps as f64 * DT_S, driver.cause());
+            assert!(stood_s < 40.0, "{name}: truck {} stands for {stood_s} s, {cause:?}", agent.id);
             if let Some((_, from)) = before.iter().find(|(id, _)| *id == agent.id) {
                 gone_m += (place(&world, agent) - *from).length();
             }
@@ -43,15 +40,14 @@ fn trucks_share_the_streets_without_touching_or_jamming() {
 fn trucks_keep_to_lanes_that_have_room() {
     let mut num_trucks = 0;
     for seed in 0..8 {
-        let mut world = World::new(main_roads(seed), StreamKey::scene(seed)).unwrap();
-        world.spawn_traffic(&TrafficConfig { num_cars: 40, ..TrafficConfig::default() }).unwrap();
+        let world = filled(main_roads(seed), seed, [40, 24, 0]);
         let graph = &world.arena.streets.graph;
         for (agent, driver) in trucks(&world) {
             let lane = graph.lane(driver.route.as_ref().unwrap().lanes[0]);
             let width_m = agent.actor().look.size_lwh().y;
             assert!(lane.width_m.iter().all(|lane_m| *lane_m > width_m), "{width_m} m wide on {:?}", lane.width_m);
             let standing = world.arena.around.standing.iter();
-            let apart = |p: DVec2| move |o: &Footprint| (o.closest_point(p) - p).length();
+            let apart = |p: DVec2| move |o: &Footprint| o.distance_m(p);
             let least = lane.center.iter().flat_map(|p| standing.clone().map(apart(p.truncate()))).fold(9.0, f64::min);
             assert!(least > width_m / 2.0 + 0.1, "something stands {least} m from the lane's middle");
             // Or what stands at the edge of that room would stop them.
@@ -87,8 +83,8 @@ fn a_long_van_does_not_turn_where_it_would_swing_into_the_oncoming_lane() {
         num_tight += graph.lanes().iter().filter(|l| l.junction.is_some() && !graph.fits(l.id, long)).count();
         for _ in 0..60 {
             world.step(SECOND);
-            for (agent, driver) in cars(&world).into_iter().filter(|(a, _)| a.actor().look.class() == ObjectClass::Van)
-            {
+            let is_van = |(agent, _): &(&Agent, &Car)| agent.actor().look.class() == ObjectClass::Van;
+            for (agent, driver) in cars(&world).into_iter().filter(is_van) {
                 let (size_lwh, lane) = (agent.actor().look.size_lwh(), driver.route.as_ref().unwrap().lanes[0]);
                 num_looks += 1;
                 num_long += usize::from(size_lwh.x > 5.6);
@@ -103,10 +99,9 @@ fn a_long_van_does_not_turn_where_it_would_swing_into_the_oncoming_lane() {
 #[test]
 fn a_place_without_a_trailer_or_a_truck_holds_the_same_car() {
     let fill = |seed: u64, vehicle_shares: &[(ObjectClass, f64)]| {
-        let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
         let vehicle_shares = vehicle_shares.to_vec();
         let config = TrafficConfig { num_cars: 0, num_pedestrians: 0, vehicle_shares, ..TrafficConfig::default() };
-        world.spawn_traffic(&config).unwrap();
+        let world = filled_as(suburb(seed), seed, &config);
         let key =
             |a: &&Agent| (a.actor().look.class(), place(&world, a).to_string(), a.actor().look.size_lwh().to_string());
         parked(&world).iter().map(key).collect::<Vec<_>>()

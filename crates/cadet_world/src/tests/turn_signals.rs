@@ -1,5 +1,6 @@
 //! Turn signals tell where a car goes, and flash; cyclists point there.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use super::lamps::is_amber;
@@ -20,10 +21,7 @@ fn lit(world: &World) -> BTreeMap<i32, [bool; 2]> {
 }
 
 fn busy(seed: u64, num_cyclists: usize) -> World {
-    let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
-    let config = TrafficConfig { num_cars: 24, num_pedestrians: 0, num_cyclists, ..TrafficConfig::default() };
-    world.spawn_traffic(&config).unwrap();
-    world
+    filled(suburb(seed), seed, [24, 0, num_cyclists])
 }
 
 /// The yaw of a body, and whether it is on a lane of a junction.
@@ -44,26 +42,26 @@ struct Passage {
     shown: [u32; 2],
 }
 
-/// Counts what was shown on ways through junctions: by straight on, left, right; none, left, right.
-fn passages(
-    world: &mut World,
-    (half_seconds, before_looks): (u32, usize),
+/// Counts what was shown in two minutes on ways through junctions: by straight on, left, right; none, left, right.
+fn count_passages(
+    tally: &mut [[u32; 3]; 3],
+    (mut world, before_looks): (World, usize),
     moves: impl Fn(&Agent) -> bool,
     shown: impl Fn(&World) -> BTreeMap<i32, [bool; 2]>,
-) -> [[u32; 3]; 3] {
-    let (mut tally, mut inside, mut before) = ([[0; 3]; 3], BTreeMap::<i32, Passage>::new(), BTreeMap::new());
-    for _ in 0..half_seconds * 2 {
+) {
+    let (mut inside, mut before) = (BTreeMap::<i32, Passage>::new(), BTreeMap::new());
+    for _ in 0..480 {
         world.step(SECOND / 4);
-        let shown = shown(world);
+        let shown = shown(&world);
         for (_, agent) in world.arena.active().filter(|(_, a)| moves(a)) {
-            let yaw = heading(world, agent);
+            let yaw = heading(&world, agent);
             let sides = shown.get(&agent.id).copied().unwrap_or_default();
             let recent: &mut Vec<[bool; 2]> = before.entry(agent.id).or_default();
             recent.push(sides);
             if recent.len() > before_looks {
                 recent.remove(0);
             }
-            if is_in_junction(world, agent) {
+            if is_in_junction(&world, agent) {
                 let start = || {
                     let count = |k: usize| recent.iter().filter(|s| s[k]).count() as u32;
                     Passage { began: yaw, shown: [count(0), count(1)] }
@@ -74,36 +72,29 @@ fn passages(
                 }
             } else if let Some(passage) = inside.remove(&agent.id) {
                 let turned = math::wrap_angle(yaw - passage.began);
-                let way = if turned > 0.8 {
-                    1
-                } else if turned < -0.8 {
-                    2
-                } else {
-                    0
+                let way = match turned {
+                    0.8.. => 1,
+                    ..-0.8 => 2,
+                    -0.3..=0.3 => 0,
+                    _ => continue,
                 };
-                if way == 0 && turned.abs() > 0.3 {
-                    continue;
-                }
                 let [left, right] = passage.shown;
-                tally[way][if left > right {
-                    1
-                } else if right > left {
-                    2
-                } else {
-                    0
-                }] += 1;
+                let side = match left.cmp(&right) {
+                    Ordering::Equal => 0,
+                    Ordering::Greater => 1,
+                    Ordering::Less => 2,
+                };
+                tally[way][side] += 1;
             }
         }
     }
-    tally
 }
 
 #[test]
 fn who_turns_off_signals_to_that_side_and_who_goes_straight_on_does_not() {
     let mut tally = [[0; 3]; 3];
     for seed in [3, 5] {
-        let of_seed = passages(&mut busy(seed, 0), (240, 16), |a| a.get::<Car>().is_some() && a.id > 0, lit);
-        tally.as_flattened_mut().iter_mut().zip(of_seed.as_flattened()).for_each(|(sum, n)| *sum += n);
+        count_passages(&mut tally, (busy(seed, 0), 16), |a| a.get::<Car>().is_some() && a.id > 0, lit);
     }
     let [straight, left, right] = tally;
     assert!(left[1] >= 4 && left[0] + left[2] == 0, "{tally:?}");
@@ -153,12 +144,11 @@ fn signals_flash_ninety_times_a_minute_lit_half_of_the_time() {
 fn cyclists_point_where_they_turn_and_nowhere_else() {
     let arms = |world: &World| {
         let arm = |ride: &Ride| [ride.arm_share > 0.5, ride.arm_share < -0.5];
-        world.arena.each::<Cyclist>().map(|(_, agent, rider)| (agent.id, arm(&rider.own.look.ride))).collect()
+        cyclists(world).into_iter().map(|(agent, rider)| (agent.id, arm(&rider.own.look.ride))).collect()
     };
     let mut tally = [[0; 3]; 3];
     for seed in [3, 5, 8] {
-        let of_seed = passages(&mut busy(seed, 24), (240, 48), |a| a.get::<Cyclist>().is_some(), arms);
-        tally.as_flattened_mut().iter_mut().zip(of_seed.as_flattened()).for_each(|(sum, n)| *sum += n);
+        count_passages(&mut tally, (busy(seed, 24), 48), |a| a.get::<Cyclist>().is_some(), arms);
     }
     let [straight, left, right] = tally;
     // Some never point, and who comes to the junction at a crawl keeps both hands on the bar.

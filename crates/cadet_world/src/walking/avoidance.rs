@@ -39,7 +39,7 @@ pub(crate) fn free_line(
         [0.7, 1.5, 2.3].iter().all(|ahead| {
             let spot = sidewalks.spot(own.walkway, own.s_m + own.direction * ahead);
             let p = spot.at + spot.tangent.perp() * lateral;
-            let clear_of_things = near.iter().all(|o| (o.closest_point(p) - p).length() > SHOULDER_M + 0.1);
+            let clear_of_things = near.iter().all(|o| o.distance_m(p) > SHOULDER_M + 0.1);
             let clear_of_people = others.iter().all(|other| {
                 // Where they will be when we get there.
                 let then = other.at + other.heading * (other.speed_mps * ahead / own.walking_speed_mps.max(0.5));

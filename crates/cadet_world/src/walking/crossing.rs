@@ -28,7 +28,7 @@ pub(crate) fn way_across(
         let way = |t: f64| from.lerp(to, t);
         let is_clear = (0..=20)
             .map(|k| way(f64::from(k) / 20.0))
-            .all(|p| around.standing.iter().all(|o| (o.closest_point(p) - p).length() > SHOULDER_M + 0.1));
+            .all(|p| around.standing.iter().all(|o| o.distance_m(p) > SHOULDER_M + 0.1));
         let leads_over_a_lane = (1..10)
             .map(|k| way(f64::from(k) / 10.0))
             .any(|p| streets.graph.nearest(p.extend(position.z), None, 1.0).is_some());

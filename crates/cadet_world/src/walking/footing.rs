@@ -58,7 +58,7 @@ impl Nearby {
         let ahead = (to - from).normalize_or(DVec2::X);
         let is_free = |p: DVec2| {
             let enters = |o: &Footprint| {
-                let (before, after) = ((o.closest_point(from) - from).length(), (o.closest_point(p) - p).length());
+                let (before, after) = (o.distance_m(from), o.distance_m(p));
                 after < BODY_M && after < before
             };
             let touches = |other: &DVec2| {
@@ -129,7 +129,7 @@ mod tests {
     fn nobody_steps_into_a_vehicle_and_everybody_gets_round_one() {
         for is_parked in [true, false] {
             let way = walk(DVec2::new(0.0, -0.3), DVec2::new(0.02, 0.0), &[], is_parked);
-            assert!(way.iter().all(|p| (CAR.closest_point(*p) - *p).length() >= BODY_M));
+            assert!(way.iter().all(|p| CAR.distance_m(*p) >= BODY_M));
             assert!(way.iter().any(|p| p.y < -CAR.half_width_m), "never got to the side: {}", way[399]);
             assert!(way[399].x > 2.0, "stayed at {}", way[399]);
         }
@@ -153,7 +153,7 @@ mod tests {
                     |_| true,
                 )
                 .unwrap_or(from);
-            assert!((CAR.closest_point(places[0]) - places[0]).length() >= BODY_M);
+            assert!(CAR.distance_m(places[0]) >= BODY_M);
         }
         assert!((places[0] - goal).length() < 0.1, "stayed at {}", places[0]);
     }
