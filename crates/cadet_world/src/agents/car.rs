@@ -202,21 +202,24 @@ impl Behavior for Car {
                 axles: Some(axles_of(&self.own.body)),
                 train_m: None,
                 reduced_clearance: step < self.reduced_clearance_until,
+                around,
+                graph,
+                step,
             };
-            let ahead = rider.in_sight(graph);
-            let mut perceived = perceive(&rider, &ahead, around, graph, step);
+            let ahead = rider.in_sight();
+            let mut perceived = perceive(&rider, &ahead);
             let (_, cause) = rider.tightest(&perceived.constraints);
             self.overtaking = match (self.overtaking, cause) {
-                (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, graph),
+                (Some(begun), _) => begun.go_on(&rider, self.desired_mps),
                 (None, Cause::Vehicle(other)) if self.command.is_none() => {
-                    Overtaking::begin(&rider, other, self.desired_mps, around, graph)
+                    Overtaking::begin(&rider, other, self.desired_mps)
                 }
                 _ => None,
             };
             if let Some(change) = &self.lanes.change {
                 // Until one is there, both lanes are one's own.
                 let aside_m = change.left_m(route.offset_m);
-                perceived.constraints.extend(traffic_aside(&rider, aside_m, &ahead, around));
+                perceived.constraints.extend(traffic_aside(&rider, aside_m, &ahead));
             }
             (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
             let may_change = self.command.is_none() && graph.allows_changes(route.lanes[0]);

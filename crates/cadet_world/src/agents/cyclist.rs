@@ -95,9 +95,12 @@ impl Behavior for Cyclist {
             axles: None,
             train_m: None,
             reduced_clearance: false,
+            around,
+            graph,
+            step,
         };
-        let ahead = rider.in_sight(graph);
-        let perceived = perceive(&rider, &ahead, around, graph, step);
+        let ahead = rider.in_sight();
+        let perceived = perceive(&rider, &ahead);
         (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         // In the bend both hands are needed.
         let turn = turn_ahead(&self.route, graph).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));

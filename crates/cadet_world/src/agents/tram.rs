@@ -121,9 +121,12 @@ impl Behavior for Tram {
             axles: None,
             train_m: Some(train.length_m),
             reduced_clearance: false,
+            around,
+            graph,
+            step,
         };
-        let ahead = rider.in_sight(graph);
-        let perceived = perceive(&rider, &ahead, around, graph, step);
+        let ahead = rider.in_sight();
+        let perceived = perceive(&rider, &ahead);
         (self.interaction_mps2, self.cause) = rider.tightest(&perceived.constraints);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.

@@ -8,8 +8,7 @@ use crate::params::driver::{
     BEFORE_END_M, SIDE_MOVING_M, SIDE_MOVING_REDUCED_M, SIDE_STANDING_M, SIDE_STANDING_REDUCED_M, SWEPT_M,
 };
 use crate::slot::EGO;
-use crate::streets::{Ahead, LaneGraph};
-use crate::traffic_state::TrafficState;
+use crate::streets::Ahead;
 use cadet_base::plane::bounds;
 
 /// What who follows a route finds ahead, and asks of the next junction.
@@ -23,33 +22,26 @@ pub(crate) fn traffic_aside<'a>(
     own: &'a OnRoute<'_>,
     aside_m: f64,
     ahead: &[Ahead],
-    around: &'a TrafficState,
 ) -> impl Iterator<Item = Constraint> + 'a {
     let aside: Vec<Ahead> = ahead.iter().map(|a| Ahead { at: a.at + a.tangent.perp() * aside_m, ..*a }).collect();
-    let others = around.vehicles.iter().map(|v| (v.agent, &v.footprint));
+    let others = own.around.vehicles.iter().map(|v| (v.agent, &v.footprint));
     others
-        .chain(around.claims())
+        .chain(own.around.claims())
         .filter(|(other, _)| *other != own.slot)
         .filter_map(move |(other, o)| own.gap_to(o, SIDE_MOVING_M, &aside, Cause::Vehicle(other)))
 }
 
 /// All that one has to brake for, given the places ahead on the route.
-pub(crate) fn perceive(
-    own: &OnRoute<'_>,
-    ahead: &[Ahead],
-    around: &TrafficState,
-    graph: &LaneGraph,
-    step: u64,
-) -> Perceived {
-    let junction = look_at_junction(own, around, graph, step);
-    let mut constraints = traffic_ahead(own, ahead, around, graph);
-    constraints.extend(road_end(own, graph).into_iter().chain(junction.stop));
+pub(crate) fn perceive(own: &OnRoute<'_>, ahead: &[Ahead]) -> Perceived {
+    let junction = look_at_junction(own);
+    let mut constraints = traffic_ahead(own, ahead);
+    constraints.extend(road_end(own).into_iter().chain(junction.stop));
     Perceived { constraints, request: junction.request }
 }
 
 /// Vehicles and people on the route, or where the vehicle is about to sweep.
-fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, graph: &LaneGraph) -> Vec<Constraint> {
-    let footprint = own.footprint;
+fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead]) -> Vec<Constraint> {
+    let (footprint, around) = (own.footprint, own.around);
     let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
     let (side_standing_m, side_moving_m, swept_m) =
         if own.reduced_clearance { (SIDE_STANDING_REDUCED_M, SIDE_MOVING_REDUCED_M, SWEPT_M.1) } else { usual_m };
@@ -73,7 +65,7 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, grap
         .collect();
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
     let swept = [0.8, 1.6, 2.6].into_iter().find_map(|reach_m| {
-        let there = own.route.ahead(reach_m, graph);
+        let there = own.route.ahead(reach_m, own.graph);
         let swept = there.moved(footprint).grown(swept_m);
         let meets = |o: &Footprint| {
             let to = o.center - footprint.center;
@@ -87,10 +79,10 @@ fn traffic_ahead(own: &OnRoute<'_>, ahead: &[Ahead], around: &TrafficState, grap
 }
 
 /// The end of the road. Where it is the map's, all but the ego drive on and leave the world.
-fn road_end(own: &OnRoute<'_>, graph: &LaneGraph) -> Option<Constraint> {
+fn road_end(own: &OnRoute<'_>) -> Option<Constraint> {
     let sight_m = own.sight_m();
-    let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, graph);
-    let end_m = own.route.ends_in_m(graph).filter(|m| stays && *m < sight_m)?;
+    let stays = own.slot == EGO || own.train_m.is_some() || !own.route.leads_off_map(sight_m, own.graph);
+    let end_m = own.route.ends_in_m(own.graph).filter(|m| stays && *m < sight_m)?;
     Some(own.stop_in(end_m - own.footprint.half_length_m - BEFORE_END_M, Cause::RoadEnd))
 }
 
@@ -99,8 +91,9 @@ mod tests {
     use super::super::idm::IdmParameters;
     use super::*;
     use crate::params::CAR;
-    use crate::streets::Route;
+    use crate::streets::{LaneGraph, Route};
     use crate::tests::towns::{ground, lane, line, town};
+    use crate::traffic_state::TrafficState;
     use cadet_base::math::{DVec2, DVec3};
     use cadet_base::rng::Stream;
 
@@ -114,12 +107,19 @@ mod tests {
             let stops_m = speed_mps * speed_mps / (2.0 * idm.comfortable_mps2);
             let route = Route::along([cadet_town::LaneId(0)].into(), 400.0 - 2.2 - stops_m);
             let own = route.ahead(0.0, &graph).covered_by(DVec3::new(4.4, 1.8, 1.5), speed_mps);
-            let (axles, train_m, reduced_clearance) = (None, None, false);
-            let route = &route;
-            let rider = OnRoute { slot: EGO, footprint: &own, route, idm: &idm, axles, train_m, reduced_clearance };
-            let around = TrafficState::new(&graph);
-            let ahead = rider.in_sight(&graph);
-            let (_, cause) = rider.tightest(&perceive(&rider, &ahead, &around, &graph, 0).constraints);
+            let rider = OnRoute {
+                slot: EGO,
+                footprint: &own,
+                route: &route,
+                idm: &idm,
+                axles: None,
+                train_m: None,
+                reduced_clearance: false,
+                around: &TrafficState::new(&graph),
+                graph: &graph,
+                step: 0,
+            };
+            let (_, cause) = rider.tightest(&perceive(&rider, &rider.in_sight()).constraints);
             assert_eq!(cause, Cause::RoadEnd, "{speed_mps} m/s, {stops_m} m before the end");
         }
     }

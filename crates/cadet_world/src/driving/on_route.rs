@@ -6,6 +6,7 @@ use crate::footprint::Footprint;
 use crate::junctions::Refusal;
 use crate::slot::Slot;
 use crate::streets::{Ahead, LaneGraph, Route};
+use crate::traffic_state::TrafficState;
 
 /// How far a driver looks.
 const SIGHT_M: f64 = 60.0;
@@ -55,6 +56,9 @@ pub(crate) struct OnRoute<'a> {
     pub train_m: Option<f64>,
     /// Whether it makes do with little room beside others, having waited.
     pub reduced_clearance: bool,
+    pub around: &'a TrafficState,
+    pub graph: &'a LaneGraph,
+    pub step: u64,
 }
 
 impl OnRoute<'_> {
@@ -68,10 +72,10 @@ impl OnRoute<'_> {
     }
 
     /// The places ahead on its route, from its middle on, that matter at its speed.
-    pub fn in_sight(&self, graph: &LaneGraph) -> Vec<Ahead> {
-        let most_m = if graph.is_fast(self.route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
+    pub fn in_sight(&self) -> Vec<Ahead> {
+        let most_m = if self.graph.is_fast(self.route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
         let count = (self.sight_m().min(most_m) / SAMPLE_M) as usize;
-        (0..count).map(|k| self.route.ahead(k as f64 * SAMPLE_M, graph)).collect()
+        (0..count).map(|k| self.route.ahead(k as f64 * SAMPLE_M, self.graph)).collect()
     }
 
     /// How far ahead of its middle it matters what stands: where it stops comfortably, and two seconds more.

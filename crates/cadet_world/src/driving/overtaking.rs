@@ -11,7 +11,6 @@ use crate::params::overtaking::{
 use crate::params::{COS_SAME_WAY, LONG_M};
 use crate::slot::Slot;
 use crate::streets::{Ahead, LaneGraph, Route};
-use crate::traffic_state::TrafficState;
 use cadet_base::math::{DVec2, DVec3};
 use cadet_town::LaneKind;
 
@@ -41,38 +40,25 @@ impl Overtaking {
     }
 
     /// Begins to overtake a cyclist ahead, if it is one and there is room.
-    pub fn begin(
-        own: &OnRoute<'_>,
-        ahead: Slot,
-        desired_mps: f64,
-        around: &TrafficState,
-        graph: &LaneGraph,
-    ) -> Option<Self> {
-        let rider = *around.cyclist(ahead)?;
+    pub fn begin(own: &OnRoute<'_>, ahead: Slot, desired_mps: f64) -> Option<Self> {
+        let rider = *own.around.cyclist(ahead)?;
         let rider_mps = rider.velocity.dot(own.footprint.heading);
         let is_worth_it =
             rider_mps > LEAST_RIDER_MPS && OVERTAKE_SPEED_FACTOR * desired_mps > rider_mps + LEAST_GAIN_MPS;
         if !is_worth_it || 2.0 * own.footprint.half_length_m > LONG_M {
             return None;
         }
-        let way = Way::of(own.route, graph);
+        let way = Way::of(own.route, own.graph);
         let inward_m = offset_beside(&way, &rider, own.footprint).filter(|m| *m < MOST_ASIDE_M)?;
         let begun = Self { cyclist: ahead, inward_m, inward: way.inward };
-        (begun.is_out_by_m(own.route.offset_m) > 0.0
-            && begun.is_clear(own, &rider, desired_mps, SPARE_M, &way, around, graph))
-        .then_some(begun)
+        (begun.is_out_by_m(own.route.offset_m) > 0.0 && begun.is_clear(own, &rider, desired_mps, SPARE_M, &way))
+            .then_some(begun)
     }
 
     /// Goes on, until it is done or must be given up.
-    pub fn go_on(
-        mut self,
-        own: &OnRoute<'_>,
-        desired_mps: f64,
-        around: &TrafficState,
-        graph: &LaneGraph,
-    ) -> Option<Self> {
-        let rider = *around.cyclist(self.cyclist)?;
-        let way = Way::of(own.route, graph);
+    pub fn go_on(mut self, own: &OnRoute<'_>, desired_mps: f64) -> Option<Self> {
+        let rider = *own.around.cyclist(self.cyclist)?;
+        let way = Way::of(own.route, own.graph);
         // Beside the cyclist nobody turns in, wherever the cyclist goes.
         self.inward_m = self.inward_m.max(offset_beside(&way, &rider, own.footprint)?.min(MOST_ASIDE_M));
         let (ahead_m, _) = way.place_of(&rider)?;
@@ -81,25 +67,16 @@ impl Overtaking {
         let gaining_mps = (own_mps - rider_mps).max(0.0);
         let braking_m = gaining_mps * gaining_mps / (2.0 * FALLS_BACK_MPS2);
         let can_fall_back = ahead_m - lengths_m > FALLS_BACK_M + braking_m;
-        if can_fall_back && !self.is_clear(own, &rider, desired_mps, LEAST_SPARE_M, &way, around, graph) {
+        if can_fall_back && !self.is_clear(own, &rider, desired_mps, LEAST_SPARE_M, &way) {
             return None;
         }
         (ahead_m > -lengths_m - AFTER_M).then_some(self)
     }
 
     /// Whether the way beside the cyclist is free for as long as it takes.
-    #[allow(clippy::too_many_arguments)]
-    fn is_clear(
-        &self,
-        own: &OnRoute<'_>,
-        rider: &Footprint,
-        desired_mps: f64,
-        spare_m: f64,
-        way: &Way,
-        around: &TrafficState,
-        graph: &LaneGraph,
-    ) -> bool {
-        let (footprint, half_width_m) = (own.footprint, own.footprint.half_width_m);
+    fn is_clear(&self, own: &OnRoute<'_>, rider: &Footprint, desired_mps: f64, spare_m: f64, way: &Way) -> bool {
+        let OnRoute { footprint, around, graph, .. } = *own;
+        let half_width_m = footprint.half_width_m;
         let Some((ahead_m, _)) = way.place_of(rider) else { return false };
         let gain_m = ahead_m + rider.half_length_m + footprint.half_length_m + AFTER_M;
         let speeds_mps = [footprint.velocity, rider.velocity].map(|v| v.dot(footprint.heading));

@@ -61,9 +61,8 @@ mod tests {
     use super::*;
     use crate::agents::{Car, axles_of};
     use crate::body::Body;
+    use crate::tests::filled;
     use crate::tests::towns::{main_roads, suburb};
-    use crate::{TrafficConfig, World};
-    use cadet_base::rng::StreamKey;
     use cadet_town::LaneId;
 
     /// Where a vehicle is to go, and on which lane across a junction.
@@ -75,10 +74,7 @@ mod tests {
         let (mut off_m, mut off_rad, mut turns) = (Vec::new(), Vec::new(), 0);
         for seed in 0..6 {
             let town = if seed % 2 == 0 { main_roads(seed) } else { suburb(seed) };
-            let mut world = World::new(town, StreamKey::scene(seed)).unwrap();
-            world
-                .spawn_traffic(&TrafficConfig { num_cars: 40, num_pedestrians: 0, ..TrafficConfig::default() })
-                .unwrap();
+            let mut world = filled(town, seed, [40, 0, 0]);
             let mut ways: HashMap<i32, Predicted> = HashMap::new();
             for _ in 0..40 * 10 {
                 world.step(6);
@@ -98,10 +94,8 @@ mod tests {
                     }
                     let Some((k, start_m)) = next_junction(route, graph, &|_| true) else { continue };
                     let lane = graph.lane(route.lanes[k]);
-                    let turn = (lane.center[1] - lane.center[0]).truncate().normalize();
-                    let n = lane.center.len();
-                    let out = (lane.center[n - 1] - lane.center[n - 2]).truncate().normalize();
-                    let is_turn = turn.dot(out) < 0.7 && !graph.is_in_roundabout(lane.id);
+                    let is_turn =
+                        lane.start_tangent().dot(lane.end_tangent()) < 0.7 && !graph.is_in_roundabout(lane.id);
                     if (6.0..9.0).contains(&start_m) && is_turn && ways.get(&agent.id).is_none_or(|w| w.0 != lane.id) {
                         let mps = graph.allowed_mps(lane.id).iter().copied().fold(f64::INFINITY, f64::min);
                         let way = PredictedWay::from(route, 0.0, axles_of(chassis), mps, graph);

@@ -28,13 +28,8 @@ const BESIDE_M: f64 = 4.0;
 
 /// The vehicle that stands, or is about to stop, where this one would swing into the oncoming lane: at the line of an
 /// arm that it turns into, or on the way there. Nose to nose, neither would get past the other. Cyclists swing nowhere.
-pub(crate) fn vehicle_in_swept_path(
-    own: &OnRoute<'_>,
-    chain: &[LaneId],
-    start_m: f64,
-    around: &TrafficState,
-    graph: &LaneGraph,
-) -> Option<Slot> {
+pub(crate) fn vehicle_in_swept_path(own: &OnRoute<'_>, chain: &[LaneId], start_m: f64) -> Option<Slot> {
+    let (around, graph) = (own.around, own.graph);
     if own.axles.is_none() && own.train_m.is_none() {
         return None;
     }
@@ -162,8 +157,11 @@ mod tests {
         let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
         let idm = IdmParameters::draw(&CAR, &mut Stream::from_seed("idm", 1));
         let (route, footprint) = (&route, &footprint);
-        let own = OnRoute { slot: 1, route, footprint, idm: &idm, axles, train_m: None, reduced_clearance: false };
-        vehicle_in_swept_path(&own, &chain, 12.0, &around, &graph)
+        let (around, graph) = (&around, &graph);
+        let (train_m, reduced_clearance, step) = (None, false, 0);
+        let idm = &idm;
+        let own = OnRoute { slot: 1, route, footprint, idm, axles, train_m, reduced_clearance, around, graph, step };
+        vehicle_in_swept_path(&own, &chain, 12.0)
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Cyclists on lanes of their own: in their middle, across junctions, and passed by cars that stay in theirs.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::towns::cycle_lanes;
 use super::*;
@@ -17,50 +17,22 @@ struct Seen {
     /// Cars beside somebody on a cycle lane, and those of them that pulled out.
     passed: BTreeSet<(i32, i32)>,
     pulled_out: usize,
-    gone_m: f64,
-    longest_stand_s: f64,
     /// Descriptions of all that is wrong.
     wrong: Vec<String>,
 }
 
 /// Describes somebody: who they are, where, and what they are about.
 fn tell(world: &World, agent: &Agent) -> String {
-    let own = footprint(world, agent);
-    let rides = world.arena.each::<Cyclist>().find(|r| r.1.id == agent.id);
-    let drives = world.arena.each::<Car>().find(|d| d.1.id == agent.id);
-    let (route, cause) = match (rides, drives) {
-        (Some((.., c)), _) => (Some(&c.route), Some(c.cause())),
-        (_, Some((.., d))) => (d.route.as_ref(), Some(d.cause())),
-        _ => (None, None),
-    };
-    let lanes: Vec<_> = route.map_or(Vec::new(), |r| {
-        let lane = |id| world.arena.streets.graph.lane(id);
-        let graph = &world.arena.streets.graph;
-        let has = |id| graph.lanes().iter().any(|l| l.kind == LaneKind::Biking && l.road == lane(id).road);
-        r.lanes
-            .iter()
-            .take(2)
-            .map(|id| (lane(*id).kind, id.0, lane(*id).road, has(*id), lane(*id).width_at(1.0), lane(*id).junction))
-            .collect()
-    });
-    format!(
-        "{} slot {:?} {} at {:.1} heading {:.2} at {:.1} m/s on {lanes:?} at {:.1} m, {:.2} m aside, {cause:?}",
-        agent.id,
-        world.arena.agents.iter().position(|a| a.id == agent.id),
-        agent.actor().look.model().name,
-        own.center,
-        own.heading,
-        own.velocity.length(),
-        route.map_or(0.0, |r| r.s_m),
-        route.map_or(0.0, |r| r.offset_m)
-    )
+    let (name, behavior) = (agent.actor().look.model().name, agent.behavior());
+    let (own, lane, cause) = (footprint(world, agent), behavior.on_lane(0), behavior.cause());
+    format!("{} {name}, {own:?}, on {lane:?}, {cause:?}", agent.id)
 }
 
 fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
     // Cars queue behind a light for longer than anybody waits elsewhere.
     let plans = world.arena.streets.graph.signals().junctions.iter().map(|j| j.plan.longest_red_s());
     let longest_s = 60.0 + plans.fold(0.0, f64::max);
-    let mut before: std::collections::BTreeMap<i32, (DVec2, LaneKind, Option<LaneKind>)> = Default::default();
+    let mut before: BTreeMap<i32, (DVec2, LaneKind, Option<LaneKind>)> = Default::default();
     for tick in 0..seconds * 4 {
         world.step(SECOND / 4);
         let graph = &world.arena.streets.graph;
@@ -68,45 +40,33 @@ fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
         let driven = cars(world);
         let all: Vec<&Agent> =
             riders.iter().map(|r| r.0).chain(driven.iter().map(|d| d.0)).chain(parked(world)).collect();
-        let boxes: Vec<(i32, Footprint)> = all.iter().map(|a| (a.id, footprint(world, a))).collect();
+        let boxes = boxes(world, all.iter().copied());
         for (i, (_, a)) in boxes.iter().enumerate().take(riders.len() + driven.len()) {
             for (k, (_, b)) in boxes[i + 1..].iter().enumerate() {
                 if a.overlaps(b) {
-                    seen.wrong.push(format!(
-                        "{name}, tick {tick}: {} and {}",
-                        tell(world, all[i]),
-                        tell(world, all[i + 1 + k])
-                    ));
+                    let [one, other] = [i, i + 1 + k].map(|i| tell(world, all[i]));
+                    seen.wrong.push(format!("{name}, tick {tick}: {one} and {other}"));
                 }
             }
         }
         for (agent, cyclist) in &riders {
             let stands_s = cyclist.standing_steps as f64 * DT_S;
-            seen.longest_stand_s = seen.longest_stand_s.max(stands_s);
             if stands_s >= longest_s {
                 seen.wrong.push(format!("{name}, tick {tick}: stands: {}", tell(world, agent)));
             }
             let (here, lane) = (place(world, agent), graph.lane(cyclist.route.lanes[0]));
-            let came = before.get(&agent.id).copied();
-            let from = match came {
-                Some((was, kind, entered_from)) => {
-                    let step_m = (here - was).length();
-                    assert!(step_m < 2.5, "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
-                    seen.gone_m += step_m;
-                    let entered_from = if lane.junction.is_some() { entered_from.or(Some(kind)) } else { None };
-                    if lane.junction.is_none()
-                        && let Some(came_from) = came.and_then(|c| c.2)
-                    {
-                        match (came_from, lane.kind) {
-                            (LaneKind::Biking, LaneKind::Biking) => seen.crossed += 1,
-                            _ => seen.changed += 1,
-                        }
-                    }
-                    entered_from
+            let mut entered_from = None;
+            if let Some((was, kind, crosses_from)) = before.get(&agent.id).copied() {
+                let step_m = (here - was).length();
+                assert!(step_m < 2.5, "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
+                if lane.junction.is_some() {
+                    entered_from = crosses_from.or(Some(kind));
+                } else if let Some(came_from) = crosses_from {
+                    let keeps = (came_from, lane.kind) == (LaneKind::Biking, LaneKind::Biking);
+                    *if keeps { &mut seen.crossed } else { &mut seen.changed } += 1;
                 }
-                None => None,
-            };
-            before.insert(agent.id, (here, lane.kind, from));
+            }
+            before.insert(agent.id, (here, lane.kind, entered_from));
             let (s_m, off_m) = lane.project(position(world, agent));
             if lane.kind == LaneKind::Biking && lane.junction.is_none() && s_m > 2.0 {
                 seen.off_m.push(off_m);
@@ -141,14 +101,12 @@ fn cyclists_keep_to_the_middle_of_their_lanes_cross_junctions_and_are_passed() {
     let worst_m = seen.off_m.iter().copied().fold(0.0, f64::max);
     let near = seen.off_m.iter().filter(|m| **m < 0.15).count() as f64 / seen.off_m.len() as f64;
     let counts = format!(
-        "{} looks, worst {worst_m} m, {near} near, {} crossed, {} changed, {} passed, {} pulled out, {} m, {} s",
+        "{} looks, worst {worst_m} m, {near} near, {} crossed, {} changed, {} passed, {} pulled out",
         seen.off_m.len(),
         seen.crossed,
         seen.changed,
         seen.passed.len(),
-        seen.pulled_out,
-        seen.gone_m,
-        seen.longest_stand_s
+        seen.pulled_out
     );
     assert!(seen.wrong.is_empty(), "{} wrong: {:#?}", seen.wrong.len(), &seen.wrong[..seen.wrong.len().min(30)]);
     assert!(worst_m < 0.4 && near > 0.95, "{counts}");

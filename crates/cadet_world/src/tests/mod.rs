@@ -58,7 +58,7 @@ fn put(world: &mut World, class: ObjectClass, seed: u64, course: &Course) -> i32
 }
 
 /// A town with so many cars, people, and cyclists.
-fn filled(town: Arc<Town>, seed: u64, [num_cars, num_pedestrians, num_cyclists]: [usize; 3]) -> World {
+pub(super) fn filled(town: Arc<Town>, seed: u64, [num_cars, num_pedestrians, num_cyclists]: [usize; 3]) -> World {
     let config = TrafficConfig { num_cars, num_pedestrians, num_cyclists, ..TrafficConfig::default() };
     filled_as(town, seed, &config)
 }

@@ -3,13 +3,12 @@
 use super::*;
 use crate::look::TurnSignal;
 use cadet_assets::props::{ARROW_BOARD, ROUNDABOUT_SIGN, Shipped};
-use cadet_town::{Lane, LaneKind, PropConfig, SuburbConfig, Town};
+use cadet_town::{Lane, LaneKind, PropConfig, SuburbConfig};
 
 /// A suburb whose junctions are roundabouts wherever they may be.
 fn town(seed: u64) -> Arc<Town> {
     let config = SuburbConfig { blocks: (2, 2), block_m: (85.0, 120.0), roundabout_share: 1.0, ..Default::default() };
-    let bare = PropConfig { greenery: 0.0, belt_m: 0.0, ..Default::default() };
-    Arc::new(Town::suburb(&StreamKey::scene(seed), &config, &bare).unwrap())
+    towns::bare(seed, &config, PropConfig::default())
 }
 
 /// The lane that an agent is on, if it leads through a roundabout, and how far along it is.

@@ -8,10 +8,10 @@ use cadet_town::{Aspect, CrossingRule, LaneId, PropConfig, STOP_LINE_M, SuburbCo
 
 fn lit_town(seed: u64) -> Arc<Town> {
     let config = SuburbConfig { blocks: (2, 2), main_share: 0.6, signal_share: 1.0, ..SuburbConfig::default() };
-    let props = PropConfig { greenery: 0.0, clutter: 0.0, belt_m: 0.0, ..PropConfig::default() };
     // Some suburbs as small as these have no fast street.
-    let towns = (0..20).map(|k| Town::suburb(&StreamKey::scene(seed + 100 * k), &config, &props).unwrap());
-    Arc::new(towns.into_iter().find(|town| !town.signals.junctions.is_empty()).expect("a town with lights"))
+    let mut towns =
+        (0..20).map(|k| towns::bare(seed + 100 * k, &config, PropConfig { clutter: 0.0, ..Default::default() }));
+    towns.find(|town| !town.signals.junctions.is_empty()).expect("a town with lights")
 }
 
 fn traffic(seed: u64) -> World {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cadet_base::math::{self, DVec2, DVec3, TAU, Vec3};
 use cadet_base::plane::unit;
 use cadet_base::rng::StreamKey;
-use cadet_town::{Ground, Lane, LaneId, LaneKind, LaneSurface, RoadNetwork, Town, Walkway};
+use cadet_town::{Ground, Lane, LaneId, LaneKind, LaneSurface, PropConfig, RoadNetwork, SuburbConfig, Town, Walkway};
 
 /// A grid of ground over [-half, half]² with height `z(x, y)`.
 pub(crate) fn ground(half_m: f64, step_m: f64, z: &dyn Fn(f64, f64) -> f64) -> Ground {
@@ -170,31 +170,24 @@ pub(crate) fn crossing() -> Arc<Town> {
 
 /// A generated suburb with ground, parking places and sidewalks, without props.
 pub(crate) fn suburb(seed: u64) -> Arc<Town> {
-    let key = StreamKey::scene(seed);
-    let made = cadet_town::generate_suburb(&key, &cadet_town::SuburbConfig::default()).expect("a suburb");
-    furnished(&key, made.network)
+    unfurnished(seed, &SuburbConfig::default())
 }
 
 /// A generated suburb all of whose faster streets are main roads.
 pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
-    let key = StreamKey::scene(seed);
-    let config = cadet_town::SuburbConfig { blocks: (2, 2), main_share: 1.0, ..Default::default() };
-    furnished(&key, cadet_town::generate_suburb(&key, &config).expect("a suburb").network)
+    unfurnished(seed, &SuburbConfig { blocks: (2, 2), main_share: 1.0, ..Default::default() })
 }
 
 /// Main roads whose junctions are far apart.
 pub(crate) fn long_main_roads(seed: u64) -> Arc<Town> {
-    let key = StreamKey::scene(seed);
     let block_m = (130.0, 160.0);
-    let config = cadet_town::SuburbConfig { blocks: (2, 2), main_share: 1.0, block_m, ..Default::default() };
-    furnished(&key, cadet_town::generate_suburb(&key, &config).expect("a suburb").network)
+    unfurnished(seed, &SuburbConfig { blocks: (2, 2), main_share: 1.0, block_m, ..Default::default() })
 }
 
 /// A commercial area, all of whose streets, or most by odd seeds, have cycle lanes, with main roads and lights at some
 /// junctions.
 pub(crate) fn cycle_lanes(seed: u64) -> Arc<Town> {
-    let key = StreamKey::scene(seed);
-    let config = cadet_town::SuburbConfig {
+    let config = SuburbConfig {
         blocks: (2, 2),
         main_share: 0.5,
         signal_share: 0.5,
@@ -202,63 +195,66 @@ pub(crate) fn cycle_lanes(seed: u64) -> Arc<Town> {
         cycle_lane_share: if seed.is_multiple_of(2) { 1.0 } else { 0.6 },
         ..Default::default()
     };
-    let bare = cadet_town::PropConfig { greenery: 0.0, belt_m: 0.0, ..Default::default() };
-    Arc::new(Town::suburb(&key, &config, &bare).expect("a town"))
+    bare(seed, &config, PropConfig::default())
 }
 
 /// Roads in open country, with its ditches and fields.
 pub(crate) fn country_roads(seed: u64) -> Arc<Town> {
-    let key = StreamKey::scene(seed);
-    let config =
-        cadet_town::SuburbConfig { country_share: 1.0, blocks: (2, 2), block_m: (180.0, 260.0), ..Default::default() };
-    Arc::new(
-        Town::suburb(&key, &config, &cadet_town::PropConfig { greenery: 0.0, ..Default::default() }).expect("a town"),
-    )
+    let config = SuburbConfig { country_share: 1.0, blocks: (2, 2), block_m: (180.0, 260.0), ..Default::default() };
+    with_props(seed, &config, &PropConfig { greenery: 0.0, ..Default::default() })
 }
 
 /// Car parks (0), a commercial area (1), or a campus (2), with all that stands there but plants.
 pub(crate) fn place(kind: usize, seed: u64) -> Arc<Town> {
-    use cadet_town::{PropConfig, SuburbConfig};
-    let suburb = SuburbConfig { blocks: (2, 2), block_m: (100.0, 140.0), ..Default::default() };
-    let bare = PropConfig { greenery: 0.0, belt_m: 0.0, ..Default::default() };
+    let (suburb, props) =
+        (SuburbConfig { blocks: (2, 2), block_m: (100.0, 140.0), ..Default::default() }, PropConfig::default());
     let (suburb, props) = match kind {
-        0 => (SuburbConfig { aisle_share: 0.75, ..suburb }, PropConfig { car_park_share: 0.9, ..bare }),
-        1 => (SuburbConfig { industrial_share: 1.0, ..suburb }, PropConfig { industrial_share: 0.95, ..bare }),
-        _ => (SuburbConfig { campus_share: 1.0, ..suburb }, PropConfig { campus_share: 0.95, ..bare }),
+        0 => (SuburbConfig { aisle_share: 0.75, ..suburb }, PropConfig { car_park_share: 0.9, ..props }),
+        1 => (SuburbConfig { industrial_share: 1.0, ..suburb }, PropConfig { industrial_share: 0.95, ..props }),
+        _ => (SuburbConfig { campus_share: 1.0, ..suburb }, PropConfig { campus_share: 0.95, ..props }),
     };
-    Arc::new(Town::suburb(&StreamKey::scene(seed), &suburb, &props).expect("a town"))
+    bare(seed, &suburb, props)
 }
 
 /// A motorway or a bypass, without what grows beside it.
 pub(crate) fn motorway(seed: u64) -> Arc<Town> {
-    let config = cadet_town::SuburbConfig { motorway_share: 1.0, ..Default::default() };
-    let bare = cadet_town::PropConfig { greenery: 0.0, ..Default::default() };
-    Arc::new(Town::suburb(&StreamKey::scene(seed), &config, &bare).expect("a town"))
+    let config = SuburbConfig { motorway_share: 1.0, ..Default::default() };
+    with_props(seed, &config, &PropConfig { greenery: 0.0, ..Default::default() })
 }
 
 /// Main roads with the tracks of a tram wherever they may be.
 pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
-    let key = StreamKey::scene(seed);
-    let tracked = cadet_town::SuburbConfig { main_share: 1.0, tram_share: 1.0, ..Default::default() };
-    let config = cadet_town::SuburbConfig { blocks: (4, 2), block_m: (85.0, 130.0), ..tracked };
-    furnished(&key, cadet_town::generate_suburb(&key, &config).expect("a suburb").network)
+    let tracked = SuburbConfig { main_share: 1.0, tram_share: 1.0, ..Default::default() };
+    unfurnished(seed, &SuburbConfig { blocks: (4, 2), block_m: (85.0, 130.0), ..tracked })
 }
 
 /// Main roads with tracks between their carriageways.
 pub(crate) fn tram_main_roads(seed: u64) -> Arc<Town> {
+    unfurnished(seed, &SuburbConfig { main_share: 1.0, tram_share: 1.0, blocks: (3, 2), ..Default::default() })
+}
+
+/// A suburb without plants and what surrounds it.
+pub(crate) fn bare(seed: u64, suburb: &SuburbConfig, props: PropConfig) -> Arc<Town> {
+    with_props(seed, suburb, &PropConfig { greenery: 0.0, belt_m: 0.0, ..props })
+}
+
+fn with_props(seed: u64, suburb: &SuburbConfig, props: &PropConfig) -> Arc<Town> {
+    Arc::new(Town::suburb(&StreamKey::scene(seed), suburb, props).expect("a town"))
+}
+
+fn unfurnished(seed: u64, suburb: &SuburbConfig) -> Arc<Town> {
     let key = StreamKey::scene(seed);
-    let config = cadet_town::SuburbConfig { main_share: 1.0, tram_share: 1.0, blocks: (3, 2), ..Default::default() };
-    furnished(&key, cadet_town::generate_suburb(&key, &config).expect("a suburb").network)
+    without_props(&key, cadet_town::generate_suburb(&key, suburb).expect("a suburb").network)
 }
 
 /// One of the shared maps, where they are at hand.
 pub(crate) fn map(name: &str) -> Option<Arc<Town>> {
     let path = format!("{}/../../../shared/maps/{name}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).ok()?;
-    Some(furnished(&StreamKey::scene(0), cadet_town::load_map(name, &text).expect("a map")))
+    Some(without_props(&StreamKey::scene(0), cadet_town::load_map(name, &text).expect("a map")))
 }
 
-fn furnished(key: &StreamKey, network: RoadNetwork) -> Arc<Town> {
+fn without_props(key: &StreamKey, network: RoadNetwork) -> Arc<Town> {
     let ground = Ground::new(&network).expect("a ground");
     let parking = cadet_town::parking_spots(&network, &ground, key);
     let walkways = cadet_town::walkways(&ground);
