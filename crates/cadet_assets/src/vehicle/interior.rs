@@ -220,11 +220,11 @@ pub(super) fn add_seat_pairs(surface: &mut Surface, hips: Vec<Vec3>, level: usiz
     }
 }
 
-/// Adds who sits on the seats of [`add_seat_pairs`]: a share of them is taken, `number` decides which.
-pub(super) fn add_passengers(surface: &mut Surface, hips: Vec<Vec3>, number: f32, share: f32) {
+/// Adds who sits on the seats of [`add_seat_pairs`]: a share of them is taken, `phase_fraction` decides which.
+pub(super) fn add_passengers(surface: &mut Surface, hips: Vec<Vec3>, phase_fraction: f32, share: f32) {
     for (k, hip) in hips.into_iter().enumerate() {
         for (m, y) in [hip.y + 0.2, hip.y - 0.2, -hip.y + 0.2, -hip.y - 0.2].into_iter().enumerate() {
-            let t = number * 17.0 + k as f32 * 0.617 + m as f32 * 0.381;
+            let t = phase_fraction * 17.0 + k as f32 * 0.617 + m as f32 * 0.381;
             if t - t.floor() < share {
                 add_occupant(surface, hip.with_y(y), 0.9, None, 2);
             }

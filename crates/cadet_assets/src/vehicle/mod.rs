@@ -63,7 +63,7 @@ const WHEELS_TO_M: f32 = 150.0;
 const OCCUPANTS_TO_M: f32 = 70.0;
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.55;
-/// The same of people, who are round.
+/// As [`CREASE_RAD`], of people, who are round.
 const OCCUPANT_CREASE_RAD: f32 = 1.2;
 
 /// A vehicle's shape, in its box frame: x forward, y left, z up, origin at the box's bottom center.
@@ -288,7 +288,7 @@ fn fitted_levels(
     (body, fits)
 }
 
-/// Who sits inside of a body, which was fitted so.
+/// Meshes of the people inside of a body, fitted as it was.
 fn occupants_of(name: &'static str, fits: &[Fit], occupants: impl Fn(usize) -> Surface) -> Arc<LodSet> {
     levels_of(name, OCCUPANT_CREASE_RAD, OCCUPANTS_TO_M, |level| {
         let mut surface = occupants(level);
