@@ -157,11 +157,14 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         Filling::Gate => return fill_gate(b, plane, opening.rect, detail),
         _ => {}
     }
-    let sides = if matches!(opening.filling, Filling::GarageDoor | Filling::RollerGate) { 0.22 } else { REVEAL_M };
-    // What a frame holds spans the whole opening behind it: seen from above, too, nothing shows between the two.
-    let is_framed = matches!(opening.filling, Filling::Door | Filling::Window { .. });
-    let back = if is_framed { sides + BEHIND_FRAME_M } else { sides };
-    plane.sides(b, opening.rect, 0.0, back, face);
+    let back = REVEAL_M + BEHIND_FRAME_M;
+    let sides = match opening.filling {
+        Filling::GarageDoor | Filling::RollerGate => 0.22,
+        // Without inner edges a frame lies in the plane of what it holds, so that nothing shows between the two.
+        _ if detail == Detail::Mid => back,
+        _ => REVEAL_M,
+    };
+    plane.sides(b, opening.rect, 0.0, sides, face);
     match opening.filling {
         Filling::Shop(_) | Filling::Gate => {}
         Filling::GarageDoor => {
@@ -194,7 +197,7 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         }
         Filling::Door => {
             frame(b, plane, opening.rect, sides, detail);
-            plane.rect(b, opening.rect, back, slot::DOOR);
+            plane.rect(b, [u0 + FRAME_M, u1 - FRAME_M, v0 + FRAME_M, v1 - FRAME_M], back, slot::DOOR);
             if detail == Detail::Near {
                 let (u, v) = ((u0 + u1) / 2.0, v0 + 1.45);
                 plane.block(b, [u - 0.16, u + 0.16, v, v + 0.38], back - 0.01, back, slot::FRAME);
@@ -207,10 +210,10 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
             frame(b, plane, opening.rect, sides, detail);
             let inner = [u0 + FRAME_M, u1 - FRAME_M, v0 + FRAME_M, v1 - FRAME_M];
             let glass = if detail == Detail::Near { slot::GLASS } else { curtain.pane() };
-            plane.rect(b, opening.rect, back, glass);
+            plane.rect(b, inner, back, glass);
             if sashes > 1 {
                 let (u, bar) = ((u0 + u1) / 2.0, SASH_BAR_M / 2.0);
-                plane.rect(b, [u - bar, u + bar, inner[2], inner[3]], sides, slot::FRAME);
+                plane.rect(b, [u - bar, u + bar, inner[2], inner[3]], REVEAL_M, slot::FRAME);
             }
             let closed = v1 - (v1 - v0) * shutter;
             if shutter > 0.0 {
