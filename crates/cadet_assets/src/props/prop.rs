@@ -55,7 +55,7 @@ impl Prop {
     /// Parses a prop's file; `name` is the file's name without its folder and its ending.
     ///
     /// # Errors
-    /// [`Error::File`], naming file, line, and reason.
+    /// [`cadet_base::error::Error::File`], naming file, line, and reason.
     pub(super) fn parse(name: &str, file: &str, text: &str, library: &Library) -> Result<Self> {
         let list = PartsList::parse(text, library).and_then(|list| check_names(&list).map(|()| list));
         let list = list.map_err(|fault| fault.in_file(file))?;
@@ -66,7 +66,7 @@ impl Prop {
     /// Draws everything once, so that nothing can fail later.
     ///
     /// # Errors
-    /// [`Error::File`], naming file, line, and reason.
+    /// [`cadet_base::error::Error::File`], naming file, line, and reason.
     pub(super) fn check(&self) -> Result<()> {
         let design = &self.design;
         (0..self.num_variants())
