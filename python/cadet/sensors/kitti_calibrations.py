@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from cadet._util.checks import is_one_of, known_names, shown
+from cadet._util.checks import is_one_of, shown
 from cadet.errors import CadetError
 
 Row3 = tuple[float, float, float]
@@ -141,5 +141,5 @@ def kitti_calibration(name: str) -> KittiCalibration:
         CadetError: there is none of that name.
     """
     if not is_one_of(name, KITTI_CALIBRATIONS):
-        raise CadetError(f"unknown calibration {shown(name)}; {known_names(name, KITTI_CALIBRATIONS)}")
+        raise CadetError(f"unknown calibration {shown(name)}; known: {', '.join(KITTI_CALIBRATIONS)}")
     return KITTI_CALIBRATIONS[name]

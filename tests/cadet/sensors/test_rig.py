@@ -179,7 +179,7 @@ def test_a_field_of_view_reaches_from_edge_to_edge() -> None:
         (lambda: KITTI.resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
         (
             lambda: Lidar("vlp-16"),
-            f"unknown lidar 'vlp-16'; known: {', '.join(LIDAR_PRESETS)}",
+            f"unknown lidar 'vlp-16'; known: {', '.join(LIDAR_PRESETS)}; did you mean 'vlp16'?",
         ),
         (lambda: Rig(lidar=cast(Lidar, "cadet")), "Rig.lidar: expected a Lidar, got 'cadet'"),
         (
