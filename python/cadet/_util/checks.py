@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Collection
 from dataclasses import fields
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
@@ -38,6 +37,9 @@ def shown(value: object) -> str:
 
 def known_names(name: object, names: Collection[str], or_else: str = "") -> str:
     """Return what there is instead of `name` for a message, and which of it was probably meant."""
+    # Scenes do without it.
+    from difflib import get_close_matches
+
     asked = name if isinstance(name, str) and len(name) <= _LONGEST_SHOWN else ""
     nearest = get_close_matches(asked, names, 1)
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
