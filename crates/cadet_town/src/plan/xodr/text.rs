@@ -69,7 +69,11 @@ pub(crate) fn begin_document(name: &str) -> String {
 /// The head of a road: its id and length, the index of the junction that it lies in, and what it leads on to.
 pub(crate) fn begin_road(out: &mut String, id: usize, length_m: f64, junction: Option<usize>, links: [Link; 2]) {
     let junction = junction.map_or("-1".to_owned(), |junction| (junction + 1).to_string());
-    put!(out, "<road name=\"\" length=\"{length_m:.6}\" id=\"{id}\" junction=\"{junction}\" rule=\"RHT\">\n<link>");
+    put!(out, "<road name=\"\" length=\"{length_m:.6}\" id=\"{id}\" junction=\"{junction}\" rule=\"RHT\">\n");
+    if matches!(links, [Link::None, Link::None]) {
+        return out.push_str("<link/>\n");
+    }
+    out.push_str("<link>");
     for (element, link) in ["predecessor", "successor"].into_iter().zip(links) {
         match link {
             Link::None => {}
