@@ -194,12 +194,21 @@ mod tests {
         let country = SuburbConfig { country_share: 1.0, ..suburb.clone() };
         let car_parks = PropConfig { car_park_share: 1.0, ..props.clone() };
         for (suburb, props) in [(&suburb, &props), (&country, &props), (&suburb, &car_parks)] {
-            let made = |seed: u64| {
-                let (town, _) = town(seed, suburb, props);
-                let poses = things(&town).iter().map(|i| (i.world_from_local, i.palette.materials()[0].albedo));
-                format!("{:?} {:?} {:?}", poses.collect::<Vec<_>>(), town.parking, town.ground.vertices)
+            let told = |(town, Layout { standing, .. }): (Town, Layout)| {
+                let of = |i: &Instance| (i.world_from_local, i.shape.levels.len(), i.palette.materials()[0].albedo);
+                let poses: Vec<_> = things(&town).iter().map(of).collect();
+                [
+                    format!("{poses:?}"),
+                    format!("{standing:?} {:?}", town.parking),
+                    format!("{:?}", town.ground.vertices),
+                ]
             };
-            assert!(made(5) == made(5) && made(5) != made(6));
+            let first = told(town(5, suburb, props));
+            assert!(first == told(town(5, suburb, props)));
+            // On the same streets another key decides what stands there.
+            let network = crate::generate_suburb(&StreamKey::scene(5), suburb).unwrap().network;
+            let other = told(Town::laid_out(&StreamKey::scene(6), "test", network, props).unwrap());
+            assert!(first[0] != other[0] && first[1] != other[1]);
         }
     }
 

@@ -56,6 +56,8 @@ fn nobody_with_priority_brakes_hard_for_who_has_to_yield_and_all_stop_at_the_lin
                 let speed_mps = agent.actor().body.forward_mps(&world.arena.physics);
                 let accel_mps2 = before.insert(agent.id, speed_mps).map_or(0.0, |was| (speed_mps - was) / 0.2);
                 let Some((lane, front_m)) = approach(&world, agent) else { continue };
+                let has_priority = graph.right_of_way(lane) == Some(RightOfWay::Priority);
+                had_priority += usize::from(has_priority);
                 let Cause::Junction(refusal) = agent.behavior().cause() else { continue };
                 let (stands, is_in_sweep) = (speed_mps.abs() < 0.02, matches!(refusal, Refusal::InSweep(_)));
                 // A vehicle that has stood behind another sets off.
@@ -66,16 +68,13 @@ fn nobody_with_priority_brakes_hard_for_who_has_to_yield_and_all_stop_at_the_lin
                 }
                 let (Refusal::Taken(other) | Refusal::Yields(other)) = refusal else { continue };
                 let is_minor = matches!(came_by.get(&other), Some(Some(RightOfWay::Yield | RightOfWay::Stop)));
-                if graph.right_of_way(lane) == Some(RightOfWay::Priority) && is_minor {
+                if has_priority && is_minor {
                     for_minor += 1;
                     if accel_mps2 < -HARDEST_MPS2 {
                         hard.push(format!("seed {seed}, tick {tick}: {} for {other}: {accel_mps2}", agent.id));
                     }
                 }
             }
-            let approaches = world.arena.active().filter_map(|(_, agent)| approach(&world, agent));
-            had_priority +=
-                approaches.filter(|(lane, _)| graph.right_of_way(*lane) == Some(RightOfWay::Priority)).count();
         }
     }
     assert!(had_priority > 10_000 && for_minor > 300, "{for_minor} of {had_priority} looks");
