@@ -130,9 +130,14 @@ impl Stream {
     /// An index drawn with the given weights; 0 where they are empty or all 0.
     #[inline]
     pub fn weighted(&mut self, weights: &[f64]) -> usize {
-        let total: f64 = weights.iter().sum();
+        self.weighted_by(weights.iter().copied())
+    }
+
+    #[inline]
+    fn weighted_by(&mut self, weights: impl Iterator<Item = f64> + Clone) -> usize {
+        let total: f64 = weights.clone().sum();
         let mut left = self.unit() * total;
-        for (i, w) in weights.iter().enumerate() {
+        for (i, w) in weights.enumerate() {
             left -= w;
             if left < 0.0 {
                 return i;
@@ -142,9 +147,16 @@ impl Stream {
     }
 
     /// One of some choices, by their weights.
+    ///
+    /// # Panics
+    /// If there is none.
     pub fn pick<T: Copy>(&mut self, choices: &[(T, f64)]) -> T {
-        let weights: Vec<f64> = choices.iter().map(|(_, weight)| *weight).collect();
-        choices[self.weighted(&weights)].0
+        self.try_pick(choices).expect("there is a choice")
+    }
+
+    /// As [`Stream::pick`]; `None` where there is no choice.
+    pub fn try_pick<T: Copy>(&mut self, choices: &[(T, f64)]) -> Option<T> {
+        choices.get(self.weighted_by(choices.iter().map(|(_, weight)| *weight))).map(|(choice, _)| *choice)
     }
 
     /// Puts the items in a random order.

@@ -52,13 +52,18 @@ impl Shape {
     /// Its solids alone, without leaves.
     ///
     /// # Errors
-    /// An expression without a value, a size that makes no solid, or too many triangles.
+    /// An expression without a value, a size that makes no solid, too many triangles, or a plant.
     pub(crate) fn solids<'a>(
         &'a self,
         stream: Stream,
         given: impl Iterator<Item = (&'a str, f64)>,
     ) -> Result<MeshBuilder> {
-        Drawing::new(self.scope(stream, given)?, Detail::Far).parts(&self.parts)
+        let mut drawing = Drawing::new(self.scope(stream, given)?, Detail::Far);
+        let solids = drawing.parts(&self.parts)?;
+        if !drawing.leaves.is_empty() {
+            return Err(Fault::new(self.parts[0].line, "only props have leaves".to_owned()));
+        }
+        Ok(solids)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::outline::{Column, Face, Outline};
 use super::paint::slot;
-use super::surface::{Outward, Surface, grid};
+use super::surface::{Outward, Surface, grid, level_sheet};
 use cadet_base::math::Vec3;
 
 /// What the styling varies on the nose and the tail.
@@ -122,7 +122,7 @@ fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) 
 fn add_coarse_floor(surface: &mut Surface, o: &Outline) {
     let d = &o.d;
     let y = d.width_m / 2.0 - 0.16;
-    let floor = grid([o.nose_x, o.tail_x], [0.0, y], |x, y| Vec3::new(x, y, d.clearance_m));
+    let floor = level_sheet([o.nose_x, o.tail_x], [0.0, y], d.clearance_m);
     surface.panel_pair(&floor, Outward::Along(Vec3::NEG_Z), slot::LINER);
     for axle in d.axles_x {
         let top = d.wheel_radius_m + d.arch_radius_m + 0.02;

@@ -4,7 +4,7 @@ use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;
-use super::surface::{Grid, Outward, Surface, grid, mirrored, turns_rad};
+use super::surface::{Grid, Outward, Surface, grid, mirrored, turns_rad, upright};
 use cadet_base::math::{Mat3, Quat, Vec3, cosf, sinf};
 
 /// Rings of torso, neck, face, and hair: how far forward and up the leaning spine, and half extents forward and aside.
@@ -148,7 +148,7 @@ fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     // Bulkhead and tailgate lining close the ends.
     for (x, inside) in [(front - 0.02, -1.0), (rear + 0.03, 1.0)] {
         let p = o.glass_foot(x);
-        let end = grid([floor, p.z - 0.02], [0.0, p.y - 0.03], |z, y| Vec3::new(x, y, z));
+        let end = upright(x, [0.0, p.y - 0.03], [floor, p.z - 0.02]);
         surface.panel_pair(&end, Outward::Along(Vec3::new(inside, 0.0, 0.0)), slot::DARK);
     }
     if let Some(hip) = seats.rear_hip {

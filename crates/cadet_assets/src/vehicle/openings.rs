@@ -7,7 +7,7 @@ use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;
-use super::surface::{Grid, Outward, Surface, grid, mirrored};
+use super::surface::{Grid, Outward, Surface, grid, mirror_image, mirrored};
 use cadet_base::geometry::{Bounds, LazyMesh, LodSet};
 use cadet_base::math::{DVec3, Mat3, Quat, Vec3};
 
@@ -147,7 +147,7 @@ impl Leaf {
 
     fn mirrored(&self) -> Self {
         Self {
-            rows: moved(&self.rows, |_, p| mirrored(p)),
+            rows: mirror_image(&self.rows),
             inward: mirrored(self.inward),
             hinge: mirrored(self.hinge),
             ..self.clone()

@@ -79,10 +79,6 @@ const TRAMS: [((Tone, Tone), f64); 6] = [
 const BIKES: [(Tone, f64); 6] =
     [(BLACK, 0.35), (RED, 0.18), (SILVER, 0.20), (DARK_BLUE, 0.10), (GREEN, 0.05), (CREAM, 0.12)];
 
-fn pick(tones: &[(Tone, f64)], s: &mut Stream) -> Tone {
-    tones[s.weighted(&tones.iter().map(|t| t.1).collect::<Vec<_>>())].0
-}
-
 /// The materials of a vehicle.
 pub(super) fn palette(class: ObjectClass, livery: Livery, s: &mut Stream) -> Palette {
     let mut materials = of_every_vehicle(class, s);
@@ -100,23 +96,23 @@ fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
             let tone = if s.chance(0.65) { ORANGE } else { WHITE };
             (
                 tone,
-                if s.chance(0.5) { tone } else { pick(&[(WHITE, 0.5), (GREEN, 0.2), (ORANGE, 0.3)], s) },
+                if s.chance(0.5) { tone } else { s.pick(&[(WHITE, 0.5), (GREEN, 0.2), (ORANGE, 0.3)]) },
                 if s.chance(0.5) { GRAY } else { ORANGE },
             )
         }
         Livery::Fire => (RED, RED, if s.chance(0.5) { WHITE } else { YELLOW }),
-        Livery::Bus => (pick(&BUSES, s), WHITE, pick(&BANDS, s)),
+        Livery::Bus => (s.pick(&BUSES), WHITE, s.pick(&BANDS)),
         Livery::Caravan => (
             if s.chance(0.8) { WHITE } else { CREAM },
             WHITE,
-            pick(&[(GRAY, 0.4), (BLUE, 0.2), (CREAM, 0.3), (RED, 0.1)], s),
+            s.pick(&[(GRAY, 0.4), (BLUE, 0.2), (CREAM, 0.3), (RED, 0.1)]),
         ),
         Livery::Tram => {
             let (body, band) = TRAMS[s.weighted(&TRAMS.map(|t| t.1))].0;
             (body, GRAY, band)
         }
-        Livery::Motorbike => (pick(&BIKES, s), GRAY, BLACK),
-        Livery::Freight | Livery::Trailer | Livery::Private => (pick(&CABS, s), pick(&BODIES, s), pick(&BANDS, s)),
+        Livery::Motorbike => (s.pick(&BIKES), GRAY, BLACK),
+        Livery::Freight | Livery::Trailer | Livery::Private => (s.pick(&CABS), s.pick(&BODIES), s.pick(&BANDS)),
     };
     let dirt = s.range(0.82, 1.0) as f32;
     let mut worn = |(albedo, reflectance): Tone, roughness: f32| {
@@ -135,7 +131,7 @@ fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
     materials[usize::from(slot::PAINT)] = paint;
     // Work's wheels are of steel, gray or silver.
     materials[usize::from(slot::RIM)] = worn(SILVER, 0.5);
-    let tarpaulin = pick(&TARPAULINS, s);
+    let tarpaulin = s.pick(&TARPAULINS);
     let canvas = Material::matt(semantic, tarpaulin.0, Pattern::Cloth, tarpaulin.1 * 0.9);
     let wood = s.range(0.7, 1.2) as f32;
     let earth = s.range(0.6, 1.3) as f32;

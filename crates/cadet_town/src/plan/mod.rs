@@ -17,7 +17,7 @@ mod xodr;
 pub(crate) use country_roads::EDGE_LINE_INSET_M;
 pub(crate) use motorway::{CrossSection, Motorway};
 pub(crate) use place_streets::AISLE_BAY_M;
-pub(crate) use plan_curve::{PlanCurve, PlanPose, Segment, heading_of};
+pub(crate) use plan_curve::{PlanCurve, PlanPose, Segment};
 pub(crate) use relief::Relief;
 pub(crate) use street_bays::StreetBays;
 pub(crate) use street_grid::{

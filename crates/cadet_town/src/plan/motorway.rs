@@ -1,8 +1,8 @@
 //! Motorways and bypasses: a course that closes on itself, and what lies across it from the median to the verge.
 
-use crate::plan::{PlanCurve, PlanPose, heading_of};
+use crate::plan::{PlanCurve, PlanPose};
 use cadet_base::math::{self, TAU};
-use cadet_base::plane::unit;
+use cadet_base::plane::{heading_rad, unit};
 use cadet_base::rng::Stream;
 
 /// Share of bypasses: two lanes a direction without a hard shoulder. Share of the other motorways with three lanes.
@@ -103,7 +103,7 @@ fn draw_course(stream: &mut Stream, tightest_m: f64) -> Vec<PlanCurve> {
     let pose = |turn: f64| {
         let [r, d, _] = radius(turn);
         let out = unit(turn);
-        PlanPose::new(out * (r * scale_m), heading_of(out * d + out.perp() * r))
+        PlanPose::new(out * (r * scale_m), heading_rad(out * d + out.perp() * r))
     };
     let length_m = around(720).map(|turn| radius(turn)[0]).sum::<f64>() * scale_m * TAU / 720.0;
     let num_roads = ((length_m / ROAD_M).round() as usize).max(3);

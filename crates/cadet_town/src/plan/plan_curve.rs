@@ -1,7 +1,7 @@
 //! Curves in plan, made of lines and arcs that meet without a kink.
 
 use cadet_base::math::{self, DVec2, wrap_angle};
-use cadet_base::plane::unit;
+use cadet_base::plane::{heading_rad, unit};
 
 /// A shorter line is none.
 const LEAST_LINE_M: f64 = 1e-9;
@@ -31,10 +31,6 @@ impl PlanPose {
     pub(crate) fn reversed(&self) -> Self {
         Self::new(self.at, self.heading_rad + math::PI)
     }
-}
-
-pub(crate) fn heading_of(v: DVec2) -> f64 {
-    math::atan2(v.y, v.x)
 }
 
 /// A line (curvature 0) or an arc.
@@ -130,7 +126,7 @@ impl PlanCurve {
 fn arc(start: PlanPose, end: DVec2) -> Segment {
     let chord = end - start.at;
     let length_m = chord.length();
-    let half_turn = wrap_angle(heading_of(chord) - start.heading_rad);
+    let half_turn = wrap_angle(heading_rad(chord) - start.heading_rad);
     let sin = math::sin(half_turn);
     if sin.abs() < 1e-7 {
         return Segment { start, length_m, curvature_per_m: 0.0 };

@@ -1,9 +1,9 @@
 //! The irregular grid that a suburb's streets follow, thinned to T-junctions, with bends at its corners.
 
 use crate::network::LaneSurface;
-use crate::plan::{SuburbConfig, heading_of};
+use crate::plan::SuburbConfig;
 use cadet_base::math::{self, DVec2, TAU};
-use cadet_base::plane::unit;
+use cadet_base::plane::{heading_rad, unit};
 use cadet_base::rng::Stream;
 
 /// Crossroads are thinned to this share of all nodes; the other nodes are T-junctions and bends.
@@ -145,8 +145,8 @@ impl StreetGrid {
         let wobble = stream.range(-0.1, 0.1);
         let Some(ahead) = self.links[node][direction] else { return 0.0 };
         match self.links[node][(direction + 2) % 4] {
-            Some(behind) => heading_of(self.at[ahead] - self.at[behind]),
-            None => heading_of(self.at[ahead] - self.at[node]) + wobble,
+            Some(behind) => heading_rad(self.at[ahead] - self.at[behind]),
+            None => heading_rad(self.at[ahead] - self.at[node]) + wobble,
         }
     }
 }
@@ -271,7 +271,7 @@ pub(crate) fn widen_main_roads(stream: &mut Stream, share: f64, styles: &mut [Li
 pub(crate) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut [LineStyle], grid: &mut StreetGrid) {
     for (line, style) in styles.iter_mut().enumerate() {
         let (has_tracks, bed_m) = (stream.chance(share), stream.within(TRACK_BED_M));
-        let bed = TRACK_BEDS[stream.weighted(&TRACK_BEDS.map(|b| b.1))].0;
+        let bed = stream.pick(&TRACK_BEDS);
         let is_border = [0, grid.rows - 1, grid.rows, grid.rows + grid.columns - 1].contains(&line);
         // Trams don't take the bends at the corners of a suburb.
         let ends_at_junctions = grid.line(line).iter().all(|n| grid.degree(*n) >= 3 || !grid.is_border(*n));

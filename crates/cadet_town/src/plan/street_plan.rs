@@ -3,10 +3,10 @@
 use crate::plan::junction::{CycleTurn, PlannedTurn, Roundabout, StreetArm, StreetEnd, cycle_turns, turns};
 use crate::plan::{
     Chain, LineStyle, PlanCurve, PlanPose, StreetBays, StreetGrid, SuburbConfig, WhichEnd, country_roads, cycle_lanes,
-    draw_grid, draw_styles, heading_of, lay_tracks, place_streets, thin, trace, widen_main_roads,
+    draw_grid, draw_styles, lay_tracks, place_streets, thin, trace, widen_main_roads,
 };
 use cadet_base::math::{self, DVec2, PI, TAU, wrap_angle};
-use cadet_base::plane::unit;
+use cadet_base::plane::{heading_rad, unit};
 use cadet_base::rng::{Stream, StreamKey};
 
 /// Curb radius at residential corners.
@@ -197,7 +197,7 @@ fn street_curve(
     let mut at = start;
     for (i, bend) in middle.iter().enumerate() {
         let next = middle.get(i + 1).copied().unwrap_or(end.at);
-        let (before, after) = (heading_of(*bend - at.at), heading_of(next - *bend));
+        let (before, after) = (heading_rad(*bend - at.at), heading_rad(next - *bend));
         let turn = wrap_angle(after - before);
         let shorter = (*bend - at.at).length().min((next - *bend).length());
         let drawn = stream.within(bend_radius_m);

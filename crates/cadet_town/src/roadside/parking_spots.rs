@@ -103,8 +103,8 @@ fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch_m: f64) 
         let edge = pose.transform_point(DVec3::new(0.0, side * (out + HALF_BAY_SPOT_WIDTH_M / 2.0), 0.0));
         // Where there is no sidewalk to climb, nobody parks.
         let has_sidewalk = out.abs() <= 2.0 && ground.kind_at(edge.x, edge.y) == Some(GroundKind::Sidewalk);
-        let size_m = (pitch_m, HALF_BAY_SPOT_WIDTH_M);
-        spot(ground, SpotKind::Parallel, &pose, side * out, size_m).filter(|_| has_sidewalk)
+        let laid = || spot(ground, SpotKind::Parallel, &pose, side * out, (pitch_m, HALF_BAY_SPOT_WIDTH_M));
+        has_sidewalk.then(laid).flatten()
     };
     row(lane, widest - 0.02, pitch_m).into_iter().filter_map(half_bay).collect()
 }
@@ -132,7 +132,7 @@ fn is_at_aisle(lane: &Lane) -> bool {
 fn angle_and_pitch(lane: &Lane, stream: &mut Stream) -> (f64, f64) {
     let is_at_aisle = is_at_aisle(lane);
     let angles = if is_at_aisle { AISLE_ANGLES_DEG } else { ANGLES_DEG };
-    let angle_rad = angles[stream.weighted(&angles.map(|(_, weight)| weight))].0.to_radians();
+    let angle_rad = stream.pick(&angles).to_radians();
     let pitch_m = if is_at_aisle { AISLE_PITCH_M } else { ANGLED_PITCH_M };
     (angle_rad, pitch_m / math::sin(angle_rad))
 }

@@ -19,6 +19,7 @@ use crate::walking::{
     GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, way_across,
 };
 use cadet_base::math::{self, DVec2};
+use cadet_base::plane::heading_rad;
 use cadet_base::rng::Stream;
 
 /// Somebody on foot.
@@ -194,7 +195,7 @@ impl Behavior for Pedestrian {
             }
             Motion::Waits { from, to, walkway, s_m } => {
                 let across = (to - from).normalize_or(DVec2::X);
-                self.own.body.yaw_rad = math::atan2(across.y, across.x);
+                self.own.body.yaw_rad = heading_rad(across);
                 if may_start((from, to), self.own.body.position.z, around, streets, step) {
                     self.pace = 1.0;
                     self.motion = Motion::Crosses { to, walkway, s_m };
@@ -260,7 +261,7 @@ impl Behavior for Pedestrian {
             // The edge of the world: stay on the last ground.
             let Some(ground) = physics.ground_at(to.extend(before.z)) else { return };
             body.position = to.extend(ground.z_m);
-            let turn = math::wrap_angle(math::atan2(moved.y, moved.x) - body.yaw_rad);
+            let turn = math::wrap_angle(heading_rad(moved) - body.yaw_rad);
             let most = TURN_RADPS * DT_S;
             body.yaw_rad = math::wrap_angle(body.yaw_rad + turn.clamp(-most, most));
             look.walk(moved.length());

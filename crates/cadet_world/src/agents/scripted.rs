@@ -13,6 +13,7 @@ use crate::streets::{Ahead, LaneGraph, Streets};
 use crate::traffic_state::TrafficState;
 use crate::walking::{is_on_road, keep_off};
 use cadet_base::math::{self, DVec2};
+use cadet_base::plane::heading_rad;
 
 /// How fast agents turn where a path has a corner: a car at full lock at 6 m/s, and a person.
 const VEHICLE_TURN_RADPS: f64 = 1.2;
@@ -43,7 +44,7 @@ impl Script {
     pub fn start(&self) -> (DVec2, f64, DVec2) {
         let now = self.path.at_time(0.0);
         let heading = self.path.heading(0.0, self.half_chord_m).unwrap_or(DVec2::X);
-        (now.at, math::atan2(heading.y, heading.x), now.velocity)
+        (now.at, heading_rad(heading), now.velocity)
     }
 
     /// One step on; returns the place and how far the agent has come.
@@ -58,7 +59,7 @@ impl Script {
     /// The turn of this step from a heading toward that of the path.
     fn turn_rad(&self, yaw_rad: f64, most_radps: f64) -> f64 {
         let Some(heading) = self.path.heading(self.s_m, self.half_chord_m) else { return 0.0 };
-        let turn_rad = math::wrap_angle(math::atan2(heading.y, heading.x) - yaw_rad);
+        let turn_rad = math::wrap_angle(heading_rad(heading) - yaw_rad);
         turn_rad.clamp(-most_radps * DT_S, most_radps * DT_S)
     }
 

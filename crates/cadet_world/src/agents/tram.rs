@@ -14,6 +14,7 @@ use crate::slot::Slot;
 use crate::streets::{LanePosition, Route, Streets, Track};
 use crate::traffic_state::TrafficState;
 use cadet_base::math::{self, DVec2};
+use cadet_base::plane::heading_rad;
 use cadet_base::rng::Stream;
 
 /// Where the first car stops before the end of its track.
@@ -71,7 +72,7 @@ impl TramCar {
         let Actor { body, look } = &mut self.own;
         look.accelerate(train.accel_mps2);
         let (at, heading) = train.place(&self.coupled);
-        let turn_rad = math::wrap_angle(math::atan2(heading.y, heading.x) - body.yaw_rad());
+        let turn_rad = math::wrap_angle(heading_rad(heading) - body.yaw_rad());
         let (velocity, moved_m) = (heading * train.speed_mps, train.speed_mps * DT_S);
         body.guide(physics, &Step { at, velocity, moved_m, turn_rad });
     }

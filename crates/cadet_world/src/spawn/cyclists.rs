@@ -57,7 +57,7 @@ impl Spawner<'_> {
         };
         places.iter_mut().for_each(|((lane, _), weight)| *weight *= share(*lane));
         for _ in 0..30 {
-            let (lane, s_m) = by.draw(&places)?;
+            let (lane, s_m) = by.stream.try_pick(&places)?;
             let s_m = s_m + by.stream.range(0.0, 3.5);
             if let Some(newcomer) = self.cyclist_at(by, &model, (lane, s_m), HEADWAY_M) {
                 return Some(newcomer);

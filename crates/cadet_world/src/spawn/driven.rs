@@ -98,7 +98,7 @@ impl Spawner<'_> {
         let model = match self.user_models.draw(by.stream, &own_mix, |_| true) {
             Some(model) => model,
             None => {
-                let (class, _) = mix[by.stream.weighted(&mix.map(|(_, weight)| weight))];
+                let class = by.stream.pick(&mix);
                 let seed = by.stream.next_u64();
                 let of = |class| Arc::new(VehicleModel::of_traffic(class, seed).expect("the class has shapes"));
                 let trucks = if self.is_fast() { MOTORWAY_TRUCKS_SHARE } else { DRIVEN_TRUCKS_SHARE };
@@ -129,7 +129,7 @@ impl Spawner<'_> {
         let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
         let on_road: Vec<Footprint> = self.arena.on_road().collect();
         for _ in 0..30 {
-            let (lane_id, s_m) = by.draw(&places)?;
+            let (lane_id, s_m) = by.stream.try_pick(&places)?;
             let lane = graph.lane(lane_id);
             let s_m = s_m + by.stream.range(0.0, 3.5);
             let left_m = by.stream.clipped_normal(0.0, 0.1).clamp(-most_m, most_m);

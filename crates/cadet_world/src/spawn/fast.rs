@@ -107,15 +107,15 @@ impl Spawner<'_> {
             }
         }
         for _ in 0..TRIES {
-            let (lane, s_m) = by.draw(&places)?;
+            let (lane, s_m) = by.stream.try_pick(&places)?;
             let s_m = (s_m + by.stream.range(0.0, PLACES_EVERY_M)).min(graph.lane(lane).length_m() - 0.5);
             let at = LanePosition { lane, s_m, left_m: by.stream.clipped_normal(0.0, 0.12) };
             let seed = self.key.indexed("car route", by.stream.next_u64());
             let route = Route::with_needs(at, straight_weight(model), needs, seed, graph);
             let wanted_mps =
                 (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, graph)).min(idm.top_speed_mps);
-            let view = |id: LaneId| LaneView::of(id, s_m, half_m, Some(by.slot), &self.arena.around, graph);
-            let seen = view(lane);
+            let seen_from = |id: LaneId| LaneView::of(id, s_m, half_m, Some(by.slot), &self.arena.around, graph);
+            let seen = seen_from(lane);
             let speed_mps =
                 seen.leader.filter(|l| l.gap_m < 90.0).map_or(wanted_mps, |l| wanted_mps.min(l.speed_mps + 1.0));
             let is_free = |gap_m: f64, behind_mps: f64, ahead_mps: f64| {
@@ -123,7 +123,7 @@ impl Spawner<'_> {
                 gap_m > GAP_M + GAP_S * behind_mps + closing_mps * closing_mps / (2.0 * SOFTLY_MPS2)
             };
             // Nor is anybody about to be passed on the curb's side.
-            let beside = |id: Option<LaneId>| id.map(view).unwrap_or_default();
+            let beside = |id: Option<LaneId>| id.map(seen_from).unwrap_or_default();
             let (inner, outer) = (beside(graph.inner_of(lane)), beside(graph.outer_of(lane)));
             let passes_nobody = inner
                 .leader

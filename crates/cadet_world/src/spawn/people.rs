@@ -59,7 +59,7 @@ impl Spawner<'_> {
             }
         }
         for _ in 0..8 {
-            let (walkway, s) = by.draw(&places)?;
+            let (walkway, s) = by.stream.try_pick(&places)?;
             let s_m = (s + by.stream.range(0.0, 2.9)).min(sidewalks.length_m(walkway) - 0.5);
             let direction = if by.stream.chance(0.5) { 1.0 } else { -1.0 };
             let room = sidewalks.room_m(walkway);

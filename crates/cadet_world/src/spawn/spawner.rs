@@ -31,14 +31,6 @@ pub(crate) struct Newcomer<'s> {
     pub entry: Entry,
 }
 
-impl Newcomer<'_> {
-    /// One of some places, by their weights; `None` where there is none.
-    pub fn draw<T: Copy>(&mut self, places: &[(T, f64)]) -> Option<T> {
-        let weights: Vec<f64> = places.iter().map(|(_, weight)| *weight).collect();
-        places.get(self.stream.weighted(&weights)).map(|(place, _)| *place)
-    }
-}
-
 /// Puts agents into an arena.
 pub(crate) struct Spawner<'a> {
     pub arena: &'a mut Arena,

@@ -72,7 +72,7 @@ impl Spawner<'_> {
         let tracks = tracks.filter(|l| l.kind == LaneKind::Tram && l.junction.is_none());
         let places = self.places_on(tracks, length_m / 2.0, by);
         for _ in 0..12 {
-            let place = by.draw(&places)?;
+            let place = by.stream.try_pick(&places)?;
             if let Some(tram) = self.tram_at(by, &models, length_m, place) {
                 return Some(tram.into());
             }

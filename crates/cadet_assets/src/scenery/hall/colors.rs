@@ -29,7 +29,7 @@ pub fn hall_palette(kind: HallKind, s: &mut Stream) -> Arc<Palette> {
         ([0.16, 0.30, 0.40], Pattern::Slabs, 0.06),
     ];
     let (wall, pattern) = if matches!(kind, HallKind::Market | HallKind::Works) {
-        (sheets[s.weighted(&sheets.map(|c| c.1))].0, Pattern::Plain)
+        (s.pick(&sheets), Pattern::Plain)
     } else {
         let (wall, pattern, _) = walls[s.weighted(&walls.map(|c| c.2))];
         (wall, pattern)

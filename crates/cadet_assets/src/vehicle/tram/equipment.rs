@@ -51,9 +51,8 @@ pub(super) fn add_roof_boxes(surface: &mut Surface, p: &CarPlan, level: usize) {
         surface.cuboid([at - long, at + long], [-w, w], [base, top], work_slot::LOAD);
         if level < 2 {
             // Slots for air in the flanks.
-            for y in [[w - 0.01, w + 0.004], [-w - 0.004, 0.01 - w]] {
-                surface.cuboid([at - 0.7 * long, at + 0.7 * long], y, [base + 0.10, top - 0.05], slot::GRILLE);
-            }
+            let x = [at - 0.7 * long, at + 0.7 * long];
+            surface.cuboid_pair(x, [w - 0.01, w + 0.004], [base + 0.10, top - 0.05], slot::GRILLE);
         }
     }
 }

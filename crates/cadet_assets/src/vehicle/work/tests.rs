@@ -139,6 +139,11 @@ fn a_file_is_a_body_for_each_of_its_kinds() {
     let low = Body::parse("hay.toml", &HAY.replace("floor_z + 0.1\"", "floor_z - h\"")).unwrap();
     let error = low[0].draw(&room, 0, 0).unwrap_err().to_string();
     assert!(error.starts_with("hay.toml:3: a size is -"), "{error}");
+    let box_of_boards = "box = \"rear_x, front_x, -half_y, half_y, floor_z, floor_z + 0.1\"";
+    assert!(HAY.contains(box_of_boards));
+    let planted = Body::parse("hay.toml", &HAY.replace(box_of_boards, "bush = \"1, 1, 1, 2\"")).unwrap();
+    let error = planted[0].draw(&room, 0, 0).unwrap_err().to_string();
+    assert_eq!(error, "hay.toml:3: only props have leaves");
 }
 
 #[test]

@@ -96,10 +96,8 @@ impl TowedPlan {
     }
 
     fn add_trailer(&self, surface: &mut Surface, load: &MeshBuilder, level: usize) {
-        let (half, r, stand) = (self.length_m / 2.0, self.wheel_radius(), self.stand());
-        let is_beside = self.has_wheels_beside();
+        let (half, stand) = (self.length_m / 2.0, self.stand());
         let Room { front_x: front, rear_x: rear, half_y: bed_w, floor_z: floor, .. } = self.room();
-        let tyre = self.tyre_width();
         if matches!(self.kind, Towed::Caravan) {
             self.add_caravan(surface, (rear, front), level);
         }
@@ -118,11 +116,13 @@ impl TowedPlan {
         surface.block(foot, Vec3::new(0.10, 0.03, 0.10), Mat3::IDENTITY, 6, slot::TYRE);
         let (bed_x, bed_y) = ([rear + 0.05, front - 0.05], [-bed_w + 0.08, bed_w - 0.08]);
         surface.cuboid(bed_x, bed_y, [floor - 0.08, floor - 0.01], work_slot::FRAME);
-        self.add_wheels(surface, &stand, r, tyre, is_beside, level);
-        self.add_lamps(surface, rear, bed_w, floor, level);
+        self.add_wheels(surface, level);
+        self.add_lamps(surface, level);
     }
 
-    fn add_wheels(&self, surface: &mut Surface, stand: &Stand, r: f32, tyre: f32, is_beside: bool, level: usize) {
+    fn add_wheels(&self, surface: &mut Surface, level: usize) {
+        let (stand, is_beside) = (self.stand(), self.has_wheels_beside());
+        let (r, tyre) = (self.wheel_radius(), self.tyre_width());
         let y = self.width_m / 2.0 - tyre / 2.0 - if is_beside { 0.012 } else { 0.05 };
         let made = wheel(r, tyre, Rim { spokes: 8, spoke_share: 0.6 }, level);
         let mut axles = vec![stand.wheels_x];
@@ -151,7 +151,8 @@ impl TowedPlan {
         }
     }
 
-    fn add_lamps(&self, surface: &mut Surface, rear: f32, bed_w: f32, floor: f32, level: usize) {
+    fn add_lamps(&self, surface: &mut Surface, level: usize) {
+        let Room { rear_x: rear, half_y: bed_w, floor_z: floor, .. } = self.room();
         let z = floor + 0.02;
         let beam_y = [-bed_w + 0.02, bed_w - 0.02];
         surface.cuboid([rear + 0.005, rear + 0.06], beam_y, [z - 0.09, z + 0.09], work_slot::ALU);

@@ -28,10 +28,11 @@ pub(super) fn furnish(s: &mut Stream, side: &CarriagewaySide, shields: &[Range<f
     let (count, step_m) = side.pieces(MOTORWAY_PIECE_M);
     let ends = |piece: usize, off_m: f64| [piece, piece + 1].map(|i| side.beside(step_m * i as f64, off_m));
     let (wall, variant) = noise_wall(s, count);
+    let model = NOISE_WALL.model(variant);
     for piece in wall.clone() {
         let [from, to] = ends(piece, WALL_OFF_M);
         // Its front is to the road.
-        placer.lay_plain(&NOISE_WALL.model(variant), to, from);
+        placer.lay_plain(&model, to, from);
         let (along, half) = ((to - from).normalize_or(DVec2::X), DVec2::new(step_m / 2.0, 1.2));
         taken.take(OrientedRect { center: (from + to) / 2.0, axis: along, half });
     }

@@ -94,7 +94,7 @@ fn area_m2(outline: &[DVec2]) -> f64 {
 
 /// Cuts a convex outline across its longest edge until the pieces are small enough.
 fn split(outline: Vec<DVec2>, parcel_m2: (f64, f64), s: &mut Stream, out: &mut Vec<Vec<DVec2>>) {
-    let enough_m2 = s.range(parcel_m2.0, parcel_m2.1);
+    let enough_m2 = s.within(parcel_m2);
     let (at, skew) = (s.within(CUT_AT), s.range(-CUT_SKEW, CUT_SKEW));
     if area_m2(&outline) <= enough_m2 {
         out.push(outline);
