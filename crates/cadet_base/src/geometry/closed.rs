@@ -1,7 +1,6 @@
 //! Which faces of a mesh bound solids, whose inner sides are never seen from outside.
 
 use super::edges::Edges;
-use super::places::lowest_at_place;
 use crate::material::slot_bit;
 use crate::math::{DVec3, Vec3};
 
@@ -9,11 +8,10 @@ use crate::math::{DVec3, Vec3};
 /// slots; 0 for others.
 ///
 /// Every edge of such a surface is passed as often one way as the other, and it encloses a positive volume. Vertices at
-/// one place count as one. From outside of the mesh's bounds, faces that are turned away lie behind such as are turned to
+/// one place count as one: `places` has the lowest of them for each. From outside of the mesh's bounds, faces that are turned away lie behind such as are turned to
 /// the viewer.
 #[must_use]
-pub(super) fn closed_surfaces(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8]) -> Vec<u64> {
-    let places = lowest_at_place(vertices);
+pub(super) fn closed_surfaces(vertices: &[Vec3], places: &[u32], faces: &[[u32; 3]], slots: &[u8]) -> Vec<u64> {
     let edges = Edges::of(vertices.len(), faces.iter().map(|corners| corners.map(|i| places[i as usize])));
     let mut surfaces = DisjointSets((0..faces.len() as u32).collect());
     let mut is_open = vec![false; faces.len()];
@@ -71,11 +69,15 @@ impl DisjointSets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::places::lowest_at_place;
     use crate::geometry::{IndexedFaces, MeshBuilder};
 
     /// For each face, whether it belongs to a closed surface.
     fn closed(vertices: &[Vec3], faces: &[[u32; 3]]) -> Vec<bool> {
-        closed_surfaces(vertices, faces, &vec![0; faces.len()]).iter().map(|slots| *slots != 0).collect()
+        closed_surfaces(vertices, &lowest_at_place(vertices), faces, &vec![0; faces.len()])
+            .iter()
+            .map(|slots| *slots != 0)
+            .collect()
     }
 
     fn cuboid(at: Vec3, slot: u8) -> IndexedFaces {
@@ -110,7 +112,7 @@ mod tests {
         }
         let IndexedFaces { vertices, faces, slots, .. } = all;
         // The first two boxes touch in a corner; of the last one the last face is missing.
-        let found = closed_surfaces(&vertices, &faces[..35], &slots[..35]);
+        let found = closed_surfaces(&vertices, &lowest_at_place(&vertices), &faces[..35], &slots[..35]);
         let expected = [[1_u64 << 3; 12], [1 << 5; 12]].concat();
         assert_eq!(found[..24], expected);
         assert_eq!(found[24..], [0; 11]);

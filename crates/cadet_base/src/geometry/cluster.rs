@@ -6,6 +6,7 @@ use super::lanes::{LANES, Lanes, lanes_of};
 use super::normal_cone::NormalCone;
 use super::packed_normal::PackedNormal;
 use super::pieces::{MeshPiece, MeshSlices, pieces_of};
+use super::places::lowest_at_place;
 use crate::material::slot_bit;
 use crate::math::Vec3;
 
@@ -13,16 +14,18 @@ use crate::math::Vec3;
 pub const CLUSTER_FACES: usize = 64;
 /// No cluster has more vertices: a `u8` counts them.
 pub const CLUSTER_VERTICES: usize = 256;
+/// A corner's normal is looked for among so many that were noted last: most are those of a neighbor.
+const LATE_NORMALS: usize = 16;
 
 /// A triangle of a cluster.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ClusterFace {
     /// Its corners, as indices into [`Cluster::lanes`].
     pub corners: [u8; 3],
     /// Its material slot: an index into the instance's [`crate::material::Palette`].
     pub slot: u8,
-    /// Unit shading normals of its corners.
-    pub normals: [PackedNormal; 3],
+    /// The shading normals of its corners, as indices into [`Cluster::normals`].
+    pub normals: [u8; 3],
 }
 
 /// Up to [`CLUSTER_FACES`] neighboring faces of a mesh, with their own short list of vertices.
@@ -41,6 +44,8 @@ pub struct Cluster {
     pub lanes: Vec<Lanes>,
     /// Its triangles.
     pub faces: Vec<ClusterFace>,
+    /// Unit shading normals, which the faces share.
+    normals: Vec<PackedNormal>,
     /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
     pub closed_faces: u64,
     /// The faces as they are drawn: two that form a flat convex quadrilateral are one piece.
@@ -56,10 +61,6 @@ impl Cluster {
     pub(super) fn stretched(&self, scale: Vec3) -> Self {
         let along = scale.to_array();
         let stretched = |lanes: &Lanes| -> Lanes { std::array::from_fn(|k| lanes[k].map(|v| v * along[k])) };
-        let upright = |face: &ClusterFace| {
-            let normals = face.normals.map(|n| PackedNormal::of(n.unpacked() / scale));
-            ClusterFace { normals, ..*face }
-        };
         let mut cluster = Self {
             center: self.center * scale,
             // A little more, for rounding.
@@ -67,7 +68,8 @@ impl Cluster {
             slots: self.slots,
             closed_slots: self.closed_slots,
             lanes: self.lanes.iter().map(stretched).collect(),
-            faces: self.faces.iter().map(upright).collect(),
+            faces: self.faces.clone(),
+            normals: self.normals.iter().map(|n| PackedNormal::of(n.unpacked() / scale)).collect(),
             closed_faces: self.closed_faces,
             pieces: self.pieces.clone(),
             closed_pieces: self.closed_pieces,
@@ -89,6 +91,13 @@ impl Cluster {
     pub fn place(&self, corner: u8) -> Vec3 {
         let (eight, k) = (&self.lanes[usize::from(corner) / LANES], usize::from(corner) % LANES);
         Vec3::new(eight[0][k], eight[1][k], eight[2][k])
+    }
+
+    /// A unit shading normal, local coordinates; `index` is one of [`ClusterFace::normals`].
+    #[inline(always)]
+    #[must_use]
+    pub fn normal(&self, index: u8) -> Vec3 {
+        self.normals[usize::from(index)].unpacked()
     }
 
     /// The places of its corners, local coordinates; the last one several times.
@@ -134,7 +143,8 @@ pub fn clusters_of(
     slots: &[u8],
     bounds: &Bounds,
 ) -> Vec<Cluster> {
-    let closed = closed_surfaces(vertices, faces, slots);
+    let places = lowest_at_place(vertices);
+    let closed = closed_surfaces(vertices, &places, faces, slots);
     let surface = MeshSlices { vertices, normals, faces, slots, closed: &closed };
     let scale = 1023.0 / bounds.size().max_element().max(1e-6);
     // Of a pair the first face goes for both.
@@ -148,18 +158,19 @@ pub fn clusters_of(
     let mut order: Vec<u64> = pieces.iter().zip(0..).map(|(piece, number)| key(piece) << 32 | number).collect();
     order.sort_unstable();
     let order: Vec<MeshPiece> = order.into_iter().map(|number| pieces[number as u32 as usize]).collect();
+    let mut maker = ClusterMaker::new(surface, &places);
     let mut clusters = Vec::with_capacity(faces.len().div_ceil(CLUSTER_FACES));
     let (mut from, mut num_faces) = (0, 0);
     for (i, piece) in order.iter().enumerate() {
         let more = piece.faces().count();
         if num_faces + more > CLUSTER_FACES {
-            clusters.push(cluster(&surface, &order[from..i]));
+            clusters.push(maker.make(&order[from..i]));
             (from, num_faces) = (i, 0);
         }
         num_faces += more;
     }
     if from < order.len() {
-        clusters.push(cluster(&surface, &order[from..]));
+        clusters.push(maker.make(&order[from..]));
     }
     clusters.shrink_to_fit();
     clusters
@@ -174,62 +185,80 @@ fn spread(x: f32) -> u64 {
     (x | x << 2) & 0x0924_9249
 }
 
-fn cluster(surface: &MeshSlices<'_>, of: &[MeshPiece]) -> Cluster {
-    let MeshSlices { vertices, normals, faces, slots, closed } = *surface;
-    let mut chunk = Vec::with_capacity(of.iter().map(|piece| piece.faces().count()).sum());
-    chunk.extend(of.iter().flat_map(MeshPiece::faces));
-    // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
-    let key = |vertex: u32, corner: usize| {
-        let [x, y, z] = vertices[vertex as usize].to_array().map(|v| u128::from(v.to_bits()));
-        x << 96 | y << 64 | z << 32 | corner as u128
-    };
-    let mut keys = Vec::with_capacity(4 * of.len());
-    for (number, MeshPiece { corners, .. }) in of.iter().enumerate() {
-        let count = if corners[2] == corners[3] { 3 } else { 4 };
-        keys.extend(corners[..count].iter().zip(4 * number..).map(|(vertex, corner)| key(*vertex, corner)));
+/// Makes the clusters of a mesh, one after the other.
+struct ClusterMaker<'a> {
+    surface: MeshSlices<'a>,
+    /// Of each vertex, the lowest vertex at its place.
+    places: &'a [u32],
+    /// Of each vertex.
+    normals: Vec<PackedNormal>,
+    /// By place: which cluster had a corner there last, and the corner's number.
+    last: Vec<(u32, u8)>,
+    num_made: u32,
+}
+
+impl<'a> ClusterMaker<'a> {
+    fn new(surface: MeshSlices<'a>, places: &'a [u32]) -> Self {
+        let normals = surface.normals.iter().map(|normal| PackedNormal::of(*normal)).collect();
+        Self { surface, places, normals, last: vec![(u32::MAX, 0); places.len()], num_made: 0 }
     }
-    keys.sort_unstable();
-    let mut points: Vec<Vec3> = Vec::with_capacity(keys.len());
-    // Of each piece's corners.
-    let mut places = [[0_u8; 4]; CLUSTER_FACES];
-    let mut last = None;
-    for key in keys {
-        if last != Some(key >> 32) {
-            last = Some(key >> 32);
-            points.push(Vec3::from_array([key >> 96, key >> 64, key >> 32].map(|bits| f32::from_bits(bits as u32))));
+
+    fn make(&mut self, of: &[MeshPiece]) -> Cluster {
+        let MeshSlices { vertices, faces, slots, closed, .. } = self.surface;
+        let mut chunk = Vec::with_capacity(of.iter().map(|piece| piece.faces().count()).sum());
+        chunk.extend(of.iter().flat_map(MeshPiece::faces).map(|face| face as usize));
+        // Corners are numbered as they are met.
+        let mut points: Vec<Vec3> = Vec::with_capacity(CLUSTER_VERTICES);
+        let mut corner = |vertex: u32| {
+            let place = self.places[vertex as usize] as usize;
+            let last = &mut self.last[place];
+            if last.0 != self.num_made {
+                *last = (self.num_made, points.len() as u8);
+                points.push(vertices[place]);
+            }
+            last.1
+        };
+        let (mut pieces, mut first) = (Vec::with_capacity(of.len()), 0);
+        for piece in of {
+            pieces.push(ClusterPiece { corners: piece.corners.map(&mut corner), first });
+            first += piece.faces().count() as u8;
         }
-        let corner = key as u32 as usize;
-        places[corner / 4][corner % 4] = (points.len() - 1) as u8;
-    }
-    let (mut of_cluster, mut pieces) = (Vec::with_capacity(chunk.len()), Vec::with_capacity(of.len()));
-    for (piece, mut places) in of.iter().zip(places) {
-        if piece.corners[2] == piece.corners[3] {
-            places[3] = places[2];
-        }
-        pieces.push(ClusterPiece { corners: places, first: of_cluster.len() as u8 });
-        let place = |vertex: u32| places[piece.corners.iter().position(|v| *v == vertex).unwrap_or(0)];
-        of_cluster.extend(piece.faces().map(|f| f as usize).map(|f| ClusterFace {
-            corners: faces[f].map(place),
-            slot: slots[f],
-            normals: faces[f].map(|v| PackedNormal::of(normals[v as usize])),
+        let mut normals: Vec<PackedNormal> = Vec::with_capacity(3 * CLUSTER_FACES);
+        let mut normal = |vertex: u32| {
+            let (normal, lately) = (self.normals[vertex as usize], normals.len().saturating_sub(LATE_NORMALS));
+            let found = normals[lately..].iter().position(|n| *n == normal);
+            let index = found.map_or(normals.len(), |i| lately + i);
+            if found.is_none() {
+                normals.push(normal);
+            }
+            index as u8
+        };
+        let mut of_cluster = Vec::with_capacity(chunk.len());
+        of_cluster.extend(chunk.iter().map(|f| ClusterFace {
+            corners: faces[*f].map(&mut corner),
+            slot: slots[*f],
+            normals: faces[*f].map(&mut normal),
         }));
+        normals.shrink_to_fit();
+        let center = Bounds::of(points.iter().copied()).center();
+        let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
+        let mut cluster = Cluster {
+            center,
+            radius_m: radius * 1.000_01 + 1e-6,
+            slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f])),
+            closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f]),
+            pieces,
+            closed_faces: bits_of(chunk.iter().map(|face| closed[*face] != 0)),
+            closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
+            lanes: lanes_of(&points),
+            faces: of_cluster,
+            normals,
+            normal_cone: NormalCone::NONE,
+        };
+        cluster.find_normal_cone();
+        self.num_made += 1;
+        cluster
     }
-    let center = Bounds::of(points.iter().copied()).center();
-    let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
-    let mut cluster = Cluster {
-        center,
-        radius_m: radius * 1.000_01 + 1e-6,
-        slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
-        closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
-        pieces,
-        closed_faces: bits_of(chunk.iter().map(|face| closed[*face as usize] != 0)),
-        closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
-        lanes: lanes_of(&points),
-        faces: of_cluster,
-        normal_cone: NormalCone::NONE,
-    };
-    cluster.find_normal_cone();
-    cluster
 }
 
 /// The first as the lowest bit.
@@ -271,7 +300,8 @@ mod tests {
                 assert!(corners.iter().all(|p| p.distance(c.center) <= c.radius_m));
                 assert!(c.slots & slot_bit(face.slot) != 0);
                 let [p, q, r] = corners;
-                assert!(face.normals.iter().all(|n| (q - p).cross(r - p).normalize().distance(n.unpacked()) < 2e-4));
+                let normals = face.normals.map(|n| c.normal(n));
+                assert!(normals.into_iter().all(|n| (q - p).cross(r - p).normalize().distance(n) < 2e-4));
             }
         }
         let given = b.indexed(0.5);

@@ -3,7 +3,6 @@
 use super::bounds::Bounds;
 use super::cluster::{CLUSTER_FACES, Cluster, ClusterFace, clusters_of};
 use super::columns::{LazyColumns, SurfaceColumn};
-use super::packed_normal::PackedNormal;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
@@ -144,7 +143,7 @@ impl Mesh {
 
     /// The unit shading normals of all faces' corners.
     pub fn normals(&self) -> impl Iterator<Item = Vec3> {
-        self.clusters.iter().flat_map(|c| &c.faces).flat_map(|face| face.normals).map(PackedNormal::unpacked)
+        self.clusters.iter().flat_map(|c| c.faces.iter().flat_map(|face| face.normals.map(|n| c.normal(n))))
     }
 
     /// The places of all corners, local coordinates, each once a cluster.

@@ -22,15 +22,6 @@ impl MeshBuilder {
         Self::default()
     }
 
-    /// Gives back the memory that nothing was added to, before a builder waits for its mesh to be wanted.
-    #[must_use]
-    pub fn shrunk(mut self) -> Self {
-        self.positions.shrink_to_fit();
-        self.faces.shrink_to_fit();
-        self.slots.shrink_to_fit();
-        self
-    }
-
     /// Adds a corner and returns its index.
     #[inline]
     pub fn vertex(&mut self, position: Vec3) -> u32 {

@@ -25,6 +25,5 @@ pub use memo::Memo;
 pub use mesh::{IndexedFaces, Mesh, face_number};
 pub use mesh_builder::MeshBuilder;
 pub use normal_cone::NormalCone;
-pub use packed_normal::PackedNormal;
 pub use pieces::LEAST_WEIGHT;
 pub use solids::level_ring;

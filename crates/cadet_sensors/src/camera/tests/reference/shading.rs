@@ -200,7 +200,8 @@ impl Reference {
         let per_area = 1.0 / plane.length_squared().max(1e-20);
         let wb = (to.cross(ac).dot(plane) * per_area).max(least).min(1.0 - least);
         let wc = (ab.cross(to).dot(plane) * per_area).max(least).min(1.0 - least - wb);
-        let [na, nb, nc] = s.posed.mesh.face(s.key.1).1.normals.map(|n| n.unpacked().as_dvec3());
+        let (cluster, face) = s.posed.mesh.face(s.key.1);
+        let [na, nb, nc] = face.normals.map(|n| cluster.normal(n).as_dvec3());
         let normal = (s.posed.placement.rotation * (na * (1.0 - wb - wc) + nb * wb + nc * wc)).normalize_or_zero();
         if plane.dot(s.normal.as_dvec3()) < 0.0 { -normal.as_vec3() } else { normal.as_vec3() }
     }
