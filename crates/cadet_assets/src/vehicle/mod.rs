@@ -10,6 +10,7 @@ mod end_tests;
 mod glasshouse;
 mod interior;
 mod lamps;
+mod levels;
 mod library;
 #[cfg(test)]
 mod opening_tests;
@@ -32,7 +33,7 @@ use std::sync::Arc;
 use crate::annotation::{self, Margins};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
 use cadet_base::error::Result;
-use cadet_base::geometry::{Bounds, LazyMesh, LodSet};
+use cadet_base::geometry::LodSet;
 use cadet_base::material::Palette;
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
@@ -47,24 +48,11 @@ use details::Fittings;
 use dimensions::Dimensions;
 use glasshouse::Glasshouse;
 use interior::Seats;
+use levels::{Blueprint, DISTANT, Fitted, wheels_of};
 use outline::Outline;
 use paint::slot;
 use surface::Surface;
 use wheels::Rim;
-
-/// Where the levels of detail end, meters from the ego: a car is a hundred pixels of KITTI's camera high at the first limit,
-/// and looking through its windows shows nothing beyond the third.
-const LEVEL_LIMITS_M: [f32; LEVELS] = [11.0, 32.0, 80.0, f32::INFINITY];
-const LEVELS: usize = 4;
-const DISTANT: usize = LEVELS - 1;
-/// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), meters.
-const WHEELS_TO_M: f32 = 150.0;
-/// Nobody sees who sits inside beyond this distance, meters.
-const OCCUPANTS_TO_M: f32 = 70.0;
-/// Faces that meet at more than this angle show an edge.
-const CREASE_RAD: f32 = 0.55;
-/// As [`CREASE_RAD`], of people, who are round.
-const OCCUPANT_CREASE_RAD: f32 = 1.2;
 
 /// A vehicle's shape, in its box frame: x forward, y left, z up, origin at the box's bottom center.
 #[derive(Debug, Clone)]
@@ -197,133 +185,77 @@ impl VehicleModel {
         let has_passenger = s.chance(0.3);
 
         let outline = Outline::new(d.clone());
-        let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
-        let seats = Seats::new(&outline, &house);
         let size_lwh = d.size_lwh();
-        let shell = |level: usize| match level {
-            DISTANT => distant::body(&outline, &house, &styling, &fittings),
-            _ => Self::shell(&outline, &house, &styling, &fittings, has_sunroof, level),
-        };
-        let (body, fits) = fitted_levels(d.name, size_lwh.as_vec3(), shell, |surface, level| {
-            if level != DISTANT {
-                details::add_mirrors_and_aerial(surface, &outline, &house, &fittings, level);
-                interior::add_interior(surface, &outline, &house, &seats, level);
-            }
-        });
-        let driver = occupants_of(d.name, &fits, |k| interior::occupants(&outline, &seats, has_passenger, k));
-        let wheel = wheels_of(d.name, d.wheel_radius_m, d.tyre_width_m, rim);
+        let car = CarBlueprint { outline, styling, fittings, has_sunroof, has_passenger };
+        let fitted = Fitted::new(d.name, car, size_lwh.as_vec3());
+        let outline = &fitted.blueprint.outline;
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width_m / 2.0;
         let [front, rear] = d.axles_x;
+        let in_box = |p: Vec3| fitted.fit(0).point(p);
         let wheel_centers = [(front, 1.0), (front, -1.0), (rear, 1.0), (rear, -1.0)]
-            .map(|(x, side)| fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius_m)).with_z(d.wheel_radius_m));
+            .map(|(x, side)| in_box(Vec3::new(x, side * hub_y(x), d.wheel_radius_m)).with_z(d.wheel_radius_m));
+        let openings = Openings::of(outline, &house_of(outline), size_lwh.as_vec3(), in_box);
         Self {
             name: format!("{}/{model_seed}", d.name),
             class,
             size_lwh,
             annotated: AnnotatedBox::exact(size_lwh),
-            body,
-            driver: Some(driver),
-            wheel: Some(wheel),
+            body: fitted.body(),
+            driver: Some(fitted.occupants()),
+            wheel: Some(wheels_of(d.name, d.wheel_radius_m, d.tyre_width_m, rim)),
             wheel_centers,
             wheel_radius_m: f64::from(d.wheel_radius_m),
             palette: Arc::new(palette),
             has_lenses: true,
-            openings: Some(Arc::new(Openings::of(&outline, &house, size_lwh.as_vec3(), |p| fits[0].point(p)))),
+            openings: Some(Arc::new(openings)),
             livery: Livery::Private,
         }
     }
+}
 
-    /// What fills the box: body, glasshouse and flat fittings.
-    fn shell(
-        o: &Outline,
-        house: &Glasshouse,
-        styling: &Styling,
-        fittings: &Fittings,
-        has_sunroof: bool,
-        level: usize,
-    ) -> Surface {
+/// What a car or a van is drawn from.
+struct CarBlueprint {
+    outline: Outline,
+    styling: Styling,
+    fittings: Fittings,
+    has_sunroof: bool,
+    has_passenger: bool,
+}
+
+fn house_of(outline: &Outline) -> Glasshouse<'_> {
+    Glasshouse::new(outline, slot::REAR_SIDE_GLASS)
+}
+
+impl Blueprint for CarBlueprint {
+    /// Body, glasshouse and flat fittings.
+    fn shell(&self, level: usize) -> Surface {
+        let Self { outline, styling, fittings, .. } = self;
+        let house = house_of(outline);
+        if level == DISTANT {
+            return distant::body(outline, &house, styling, fittings);
+        }
         let mut surface = Surface::default();
-        body::add_lower_body(&mut surface, o, styling, level);
-        house.add(&mut surface, level, has_sunroof);
-        details::add_fittings(&mut surface, o, house, fittings, level);
-        signals::add_signals(&mut surface, o, styling, &signals::ends_of(o, level), Outline::fractions(level));
+        body::add_lower_body(&mut surface, outline, styling, level);
+        house.add(&mut surface, level, self.has_sunroof);
+        details::add_fittings(&mut surface, outline, &house, fittings, level);
+        let ends = signals::ends_of(outline, level);
+        signals::add_signals(&mut surface, outline, styling, &ends, Outline::fractions(level));
         if level < 2 {
-            signals::add_repeaters(&mut surface, o);
+            signals::add_repeaters(&mut surface, outline);
         }
         surface
     }
-}
 
-/// The levels of detail of a shape, as many as begin before `to_m`.
-fn levels_of(name: &'static str, crease_rad: f32, to_m: f32, make: impl FnMut(usize) -> Surface) -> Arc<LodSet> {
-    let count = 1 + LEVEL_LIMITS_M.iter().take_while(|limit| **limit < to_m).count();
-    let builders: Vec<_> = (0..count).map(make).map(|surface| surface.builder.shrunk()).collect();
-    let bounds = builders[0].bounds();
-    let levels = builders.into_iter().zip(0..).map(|(builder, k)| {
-        let limit = LEVEL_LIMITS_M[k].min(to_m);
-        // Of few large faces, panes and panels would run into each other.
-        let crease_rad = if k == DISTANT { 0.5 * crease_rad } else { crease_rad };
-        (limit, LazyMesh::new(move || builder.build(name, crease_rad)))
-    });
-    Arc::new(LodSet { bounds, levels: levels.collect(), coarse_shadow_proxies: 2 })
-}
-
-/// The levels of detail of a body whose shell fills its box, and the fit of each; `add_more` adds what is not of the
-/// shell.
-fn fitted_levels(
-    name: &'static str,
-    size_lwh: Vec3,
-    shell: impl Fn(usize) -> Surface,
-    add_more: impl Fn(&mut Surface, usize),
-) -> (Arc<LodSet>, Vec<Fit>) {
-    let mut fits = Vec::with_capacity(LEVELS);
-    let body = levels_of(name, CREASE_RAD, f32::INFINITY, |level| {
-        let mut surface = shell(level);
-        let fit = Fit::of(&surface, size_lwh);
-        fits.push(fit);
-        add_more(&mut surface, level);
-        fit.apply(&mut surface);
-        surface
-    });
-    (body, fits)
-}
-
-/// Meshes of the people inside of a body, fitted as it was.
-fn occupants_of(name: &'static str, fits: &[Fit], occupants: impl Fn(usize) -> Surface) -> Arc<LodSet> {
-    levels_of(name, OCCUPANT_CREASE_RAD, OCCUPANTS_TO_M, |level| {
-        let mut surface = occupants(level);
-        fits[level].apply(&mut surface);
-        surface
-    })
-}
-
-/// A wheel that turns.
-fn wheels_of(name: &'static str, radius_m: f32, tyre_width_m: f32, rim: Rim) -> Arc<LodSet> {
-    levels_of(name, CREASE_RAD, WHEELS_TO_M, |level| wheels::wheel(radius_m, tyre_width_m, rim, level))
-}
-
-/// Maps a built shell onto its box; the numbers are within a percent of the identity.
-#[derive(Debug, Clone, Copy)]
-struct Fit {
-    scale: Vec3,
-    shift_x: f32,
-}
-
-impl Fit {
-    fn of(shell: &Surface, size_lwh: Vec3) -> Self {
-        let bounds = Bounds::of(shell.builder.positions().iter().copied());
-        let size = bounds.size();
-        let scale = Vec3::new(size_lwh.x / size.x, size_lwh.y / size.y, size_lwh.z / bounds.max.z);
-        Self { scale, shift_x: -bounds.center().x * scale.x }
-    }
-
-    fn point(self, p: Vec3) -> Vec3 {
-        p * self.scale + Vec3::X * self.shift_x
-    }
-
-    fn apply(self, surface: &mut Surface) {
-        for p in surface.builder.positions_mut() {
-            *p = self.point(*p);
+    fn add_more(&self, surface: &mut Surface, level: usize) {
+        if level != DISTANT {
+            let (outline, house) = (&self.outline, house_of(&self.outline));
+            details::add_mirrors_and_aerial(surface, outline, &house, &self.fittings, level);
+            interior::add_interior(surface, outline, &house, &Seats::new(outline, &house), level);
         }
+    }
+
+    fn occupants(&self, level: usize) -> Surface {
+        let seats = Seats::new(&self.outline, &house_of(&self.outline));
+        interior::occupants(&self.outline, &seats, self.has_passenger, level)
     }
 }

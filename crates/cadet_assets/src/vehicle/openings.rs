@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::CREASE_RAD;
 use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
+use super::levels::CREASE_RAD;
 use super::outline::Outline;
 use super::paint::slot;
 use super::surface::{Grid, Outward, Surface, grid, mirror_image, mirrored};

@@ -1,6 +1,6 @@
 use super::*;
 use crate::rays::Target;
-use cadet_base::geometry::{Mesh, PackedNormal};
+use cadet_base::geometry::{Bounds, Mesh};
 use std::ops::Range;
 
 const SEEDS: u64 = 200;
@@ -318,7 +318,8 @@ fn traffic_wears_designs_stretched_by_little() {
 fn turned_inward(mesh: &Mesh) -> usize {
     let inward = mesh.face_numbers().filter(|number| {
         let [a, b, c] = mesh.corners(*number);
-        let sum: Vec3 = mesh.face(*number).1.normals.map(PackedNormal::unpacked).into_iter().sum();
+        let (cluster, face) = mesh.face(*number);
+        let sum: Vec3 = face.normals.map(|normal| cluster.normal(normal)).into_iter().sum();
         (b - a).cross(c - a).dot(sum) <= 0.0
     });
     inward.count()

@@ -9,9 +9,10 @@ mod tests;
 
 use std::sync::{Arc, OnceLock};
 
+use super::levels::{Blueprint, DISTANT, Fitted};
 use super::paint::Livery;
 use super::surface::Surface;
-use super::{DISTANT, VehicleModel, fitted_levels, occupants_of, work_paint};
+use super::{VehicleModel, work_paint};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
 use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
@@ -55,25 +56,9 @@ pub fn train_of_traffic(seed: u64) -> Vec<Arc<VehicleModel>> {
 fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
     let palette = work_paint::palette(ObjectClass::Tram, Livery::Tram, s);
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
-    let shell = Shell::new(p);
-    let filling = |level: usize| {
-        let mut surface = Surface::default();
-        shell.add(&mut surface, level);
-        equipment::add_bellows(&mut surface, p, level);
-        equipment::add_roof_boxes(&mut surface, p, level);
-        equipment::add_bogies(&mut surface, p, level);
-        equipment::add_ends(&mut surface, p, level);
-        surface
-    };
-    let (body, fits) = fitted_levels(p.name, size, filling, |surface, level| {
-        if level != DISTANT {
-            inside::add(surface, p, level);
-        }
-        equipment::add_what_sticks_out(surface, p, level);
-    });
     // In a short car between two others there may be nobody.
     let is_empty = inside::occupants(p, DISTANT).builder.num_faces() == 0;
-    let driver = (!is_empty).then(|| occupants_of(p.name, &fits, |level| inside::occupants(p, level)));
+    let fitted = Fitted::new(p.name, p.clone(), size);
     // The outermost wheels stand on the ground: those of a single bogie 0.9 m before and behind its middle.
     let (front, rear) = match p.bogies[..] {
         [only] => (only + 0.9, only - 0.9),
@@ -88,8 +73,8 @@ fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
         class: ObjectClass::Tram,
         size_lwh: size,
         annotated: AnnotatedBox::exact(size),
-        body,
-        driver,
+        body: fitted.body(),
+        driver: (!is_empty).then(|| fitted.occupants()),
         wheel: None,
         wheel_centers,
         wheel_radius_m: f64::from(WHEEL_RADIUS_M),
@@ -97,5 +82,28 @@ fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
         has_lenses: true,
         openings: None,
         livery: Livery::Tram,
+    }
+}
+
+impl Blueprint for CarPlan {
+    fn shell(&self, level: usize) -> Surface {
+        let mut surface = Surface::default();
+        Shell::new(self).add(&mut surface, level);
+        equipment::add_bellows(&mut surface, self, level);
+        equipment::add_roof_boxes(&mut surface, self, level);
+        equipment::add_bogies(&mut surface, self, level);
+        equipment::add_ends(&mut surface, self, level);
+        surface
+    }
+
+    fn add_more(&self, surface: &mut Surface, level: usize) {
+        if level != DISTANT {
+            inside::add(surface, self, level);
+        }
+        equipment::add_what_sticks_out(surface, self, level);
+    }
+
+    fn occupants(&self, level: usize) -> Surface {
+        inside::occupants(self, level)
     }
 }

@@ -14,11 +14,11 @@ mod towed;
 
 use std::sync::Arc;
 
+use super::levels::{Blueprint, Fitted, LEVELS, wheels_of};
 use super::surface::Surface;
-use super::{LEVELS, VehicleModel, fitted_levels, occupants_of, wheels_of, work_paint};
+use super::{VehicleModel, work_paint};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
 use cadet_base::error::Result;
-use cadet_base::geometry::MeshBuilder;
 use cadet_base::math::{DVec3, Mat3, Vec3};
 use cadet_base::rng::Stream;
 
@@ -49,41 +49,21 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let has_passenger = s.chance(0.35);
     let front: Front = if p.chassis == Chassis::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
-    let loads = drawn(p.body, &p.room(), p.body_seed)?;
-    let filling = |level: usize| {
-        let mut surface = Surface::default();
-        match &front {
-            Front::Coach(coach) => coach.add(&mut surface, &p, level),
-            Front::Cab(cab) => {
-                cab.add(&mut surface, &p, level);
-                frame::add_frame(&mut surface, &p, level);
-                frame::add_coupling(&mut surface, &p, level);
-                surface.builder.append(&loads[level], Mat3::IDENTITY, Vec3::ZERO);
-            }
-        }
-        frame::add_fixed_wheels(&mut surface, &p, level);
-        surface
-    };
-    let (body, fits) = fitted_levels(p.name(), size, filling, |surface, level| match &front {
-        Front::Coach(coach) => coach.add_mirrors(surface, level),
-        Front::Cab(cab) => cab.add_mirrors(surface, level),
-    });
-    let driver = occupants_of(p.name(), &fits, |level| match &front {
-        Front::Coach(coach) => coach.occupants(level),
-        Front::Cab(cab) => cab.occupants(has_passenger, level),
-    });
+    check(p.body, &p.room(), p.body_seed)?;
+    let fitted = Fitted::new(p.name(), TruckBlueprint { plan: p, front, has_passenger }, size);
+    let p = &fitted.blueprint.plan;
     let wheel = wheels_of(p.name(), p.wheel_radius_m, p.tyre_width_m, frame::RIM);
     let wheel_centers = std::array::from_fn(|k| {
         let y = if k % 2 == 0 { p.hub_y() } else { -p.hub_y() };
-        Vec3 { z: p.wheel_radius_m, ..fits[0].point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius_m)) }
+        Vec3 { z: p.wheel_radius_m, ..fitted.fit(0).point(Vec3::new(p.axles_x[k / 2], y, p.wheel_radius_m)) }
     });
     Ok(VehicleModel {
         name: format!("{}/{model_seed}", p.name()),
         class: ObjectClass::Truck,
         size_lwh: size.as_dvec3(),
         annotated: AnnotatedBox::exact(size.as_dvec3()),
-        body,
-        driver: Some(driver),
+        body: fitted.body(),
+        driver: Some(fitted.occupants()),
         wheel: Some(wheel),
         wheel_centers,
         wheel_radius_m: f64::from(p.wheel_radius_m),
@@ -94,9 +74,55 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     })
 }
 
-/// A body at all levels of detail; nothing where there is none.
-fn drawn(body: Option<&Body>, room: &Room, seed: u64) -> Result<Vec<MeshBuilder>> {
-    (0..LEVELS).map(|level| body.map_or(Ok(MeshBuilder::new()), |body| body.draw(room, seed, level))).collect()
+/// Draws a body once, so that what its file says wrong is known at once.
+fn check(body: Option<&Body>, room: &Room, seed: u64) -> Result<()> {
+    (0..LEVELS).try_for_each(|level| body.map_or(Ok(()), |body| body.draw(room, seed, level).map(drop)))
+}
+
+/// Adds a body that [`check`] has drawn before.
+fn add_body(surface: &mut Surface, body: Option<&Body>, room: &Room, seed: u64, level: usize) {
+    if let Some(body) = body {
+        let drawn = body.draw(room, seed, level).expect("a body that was drawn before");
+        surface.builder.append(&drawn, Mat3::IDENTITY, Vec3::ZERO);
+    }
+}
+
+/// What a truck or a bus is drawn from.
+struct TruckBlueprint {
+    plan: Plan,
+    front: Front,
+    has_passenger: bool,
+}
+
+impl Blueprint for TruckBlueprint {
+    fn shell(&self, level: usize) -> Surface {
+        let (mut surface, p) = (Surface::default(), &self.plan);
+        match &self.front {
+            Front::Coach(coach) => coach.add(&mut surface, p, level),
+            Front::Cab(cab) => {
+                cab.add(&mut surface, p, level);
+                frame::add_frame(&mut surface, p, level);
+                frame::add_coupling(&mut surface, p, level);
+                add_body(&mut surface, p.body, &p.room(), p.body_seed, level);
+            }
+        }
+        frame::add_fixed_wheels(&mut surface, p, level);
+        surface
+    }
+
+    fn add_more(&self, surface: &mut Surface, level: usize) {
+        match &self.front {
+            Front::Coach(coach) => coach.add_mirrors(surface, level),
+            Front::Cab(cab) => cab.add_mirrors(surface, level),
+        }
+    }
+
+    fn occupants(&self, level: usize) -> Surface {
+        match &self.front {
+            Front::Coach(coach) => coach.occupants(level),
+            Front::Cab(cab) => cab.occupants(self.has_passenger, level),
+        }
+    }
 }
 
 enum Front {
@@ -109,8 +135,9 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let p = TowedPlan::draw(s);
     let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
-    let loads = drawn(p.bed(), &p.room(), p.body_seed)?;
-    let (body, _) = fitted_levels(p.name(), size, |level| p.body(&loads[level], level), |_, _| {});
+    check(p.bed(), &p.room(), p.body_seed)?;
+    let fitted = Fitted::new(p.name(), p, size);
+    let p = &fitted.blueprint;
     let stand = p.stand();
     let wheel_centers = std::array::from_fn(|k| {
         let x = if k < 2 { stand.leg_x } else { stand.wheels_x };
@@ -121,7 +148,7 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
         class: ObjectClass::Misc,
         size_lwh: size.as_dvec3(),
         annotated: AnnotatedBox::exact(size.as_dvec3()),
-        body,
+        body: fitted.body(),
         driver: None,
         wheel: None,
         wheel_centers,

@@ -1,13 +1,14 @@
 //! What KITTI's annotators call Misc, as far as it is parked: what trailers have besides their beds.
 
 use super::super::interior::limb;
+use super::super::levels::Blueprint;
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface, grid};
 use super::super::wheels::{Rim, add_pair, wheel};
+use super::add_body;
 use super::body::{Room, Size};
 use super::cab::plate;
 use super::plan::{Towed, TowedPlan};
-use cadet_base::geometry::MeshBuilder;
 use cadet_base::math::{Mat3, Vec3, cosf, sinf};
 use std::f32::consts::PI;
 
@@ -16,6 +17,19 @@ pub(super) struct Stand {
     pub wheels_x: f32,
     pub leg_x: f32,
     pub half_track_m: f32,
+}
+
+impl Blueprint for TowedPlan {
+    /// Everything, wheels and load too.
+    fn shell(&self, level: usize) -> Surface {
+        let mut surface = Surface::default();
+        if matches!(self.kind, Towed::Motorbike) {
+            self.add_motorbike(&mut surface, level);
+        } else {
+            self.add_trailer(&mut surface, level);
+        }
+        surface
+    }
 }
 
 impl TowedPlan {
@@ -84,24 +98,13 @@ impl TowedPlan {
         }
     }
 
-    /// Everything, wheels and `load` too.
-    pub fn body(&self, load: &MeshBuilder, level: usize) -> Surface {
-        let mut surface = Surface::default();
-        if matches!(self.kind, Towed::Motorbike) {
-            self.add_motorbike(&mut surface, level);
-        } else {
-            self.add_trailer(&mut surface, load, level);
-        }
-        surface
-    }
-
-    fn add_trailer(&self, surface: &mut Surface, load: &MeshBuilder, level: usize) {
+    fn add_trailer(&self, surface: &mut Surface, level: usize) {
         let (half, stand) = (self.length_m / 2.0, self.stand());
         let Room { front_x: front, rear_x: rear, half_y: bed_w, floor_z: floor, .. } = self.room();
         if matches!(self.kind, Towed::Caravan) {
             self.add_caravan(surface, (rear, front), level);
         }
-        surface.builder.append(load, Mat3::IDENTITY, Vec3::ZERO);
+        add_body(surface, self.bed(), &self.room(), self.body_seed, level);
         // Drawbar: two beams that meet at the coupling, jockey wheel, box.
         let hitch = Vec3::new(half - 0.02, 0.0, 0.42);
         for side in [1.0, -1.0] {
