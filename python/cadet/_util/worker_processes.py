@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import pickle
 import sys
 from collections.abc import Iterator
@@ -32,7 +33,7 @@ class WorkerProcess(SpawnProcess):
                 "a process that is itself a worker, such as a data loader's, can start none: "
                 "pass workers=0 to a stream, and run all else in the main process"
             )
-        with _script_hidden():
+        with _script_hidden(), _numpy_without_threads():
             try:
                 super().start()
             except pickle.PicklingError as error:
@@ -57,3 +58,17 @@ def _script_hidden() -> Iterator[None]:
         yield
     finally:
         sys.modules["__main__"] = script
+
+
+@contextlib.contextmanager
+def _numpy_without_threads() -> Iterator[None]:
+    """Let the NumPy of a new process start no threads: each would spin for tens of milliseconds, and workers need none."""
+    name = "OPENBLAS_NUM_THREADS"
+    if name in os.environ:
+        yield
+        return
+    os.environ[name] = "1"
+    try:
+        yield
+    finally:
+        del os.environ[name]

@@ -25,6 +25,18 @@ def test_an_error_of_the_function_is_raised() -> None:
         list(process_map(math.sqrt, [-1.0] * 40, workers=2))
 
 
+@pytest.mark.parametrize("of_user", [None, "3"])
+def test_workers_compute_with_one_thread_unless_the_user_says_otherwise(
+    of_user: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = "OPENBLAS_NUM_THREADS"
+    monkeypatch.delenv(name, raising=False)
+    if of_user is not None:
+        monkeypatch.setenv(name, of_user)
+    assert set(process_map(os.getenv, [name] * 40, workers=2)) == {of_user or "1"}
+    assert os.environ.get(name) == of_user
+
+
 @pytest.mark.parametrize("workers", [0, 1.5, 2000])
 def test_a_number_of_processes_that_is_none_is_refused(workers: float) -> None:
     with pytest.raises(CadetError, match="workers"):
