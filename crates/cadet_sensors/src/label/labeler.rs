@@ -8,7 +8,7 @@ use cadet_base::math::{self, DPose3};
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::sighting::{Placed, Sighting};
-use super::silhouette::{ActorInstances, Hidden, SAMPLES_PER_PIXEL, Silhouette, silhouette};
+use super::silhouette::{ActorInstances, Covered, SAMPLES_PER_PIXEL, Silhouette};
 
 /// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
 #[must_use]
@@ -61,16 +61,28 @@ pub fn sightings(
 ) -> Vec<Sighting> {
     let cam_from_world = world_from_cam.inverse();
     let mut found = Vec::new();
-    // By default what is hidden altogether gets nothing.
-    let is_wanted_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
-    let hidden = if is_wanted_hidden { Hidden::Drawn } else { Hidden::Skipped };
     let instances = ActorInstances::new(scene);
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some(placed) = Placed::new(actor, config.boxes, camera, &cam_from_world) else { continue };
-        let outlines = looks.iter().map(|look| {
-            let PinholeLook { camera, world_from_cam, seen } = look;
-            silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, hidden, &mut buffer)
+        let covered: Vec<_> = looks
+            .iter()
+            .filter_map(|look| {
+                let PinholeLook { camera, world_from_cam, seen } = look;
+                let covered = Covered::of(scene, &instances, actor.id, camera, world_from_cam, seen)?;
+                Some((look, covered))
+            })
+            .collect();
+        let visible_samples = covered.iter().map(|(_, covered)| covered.visible_samples).sum::<usize>();
+        let visible_pixels = visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
+        // Nothing is said of what is hidden altogether or gets no label and shows too little, however large it is.
+        let may_get_label =
+            config.admits(&placed, actor) && (visible_samples > 0 || config.min_visible_fraction == 0.0);
+        if !may_get_label && visible_pixels < config.dontcare_min_pixels {
+            continue;
+        }
+        let outlines = covered.iter().map(|(look, covered)| {
+            covered.silhouette(scene, &instances, look.camera, look.world_from_cam, &mut buffer)
         });
         let outline = outlines.reduce(Silhouette::together).unwrap_or_default();
         let uncovered_fraction =
@@ -79,7 +91,6 @@ pub fn sightings(
         let away_m = (actor.center_world() - world_from_cam.translation).length();
         let contrast = math::exp(-extinction_per_m * away_m);
         let visible_fraction = uncovered_fraction * contrast;
-        let visible_pixels = outline.visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
         let corners_cam = placed.box_cam.corners_cam();
         let mut corner_visible = [false; 8];
         for PinholeLook { camera, world_from_cam: world_from_look, seen } in looks {
@@ -98,7 +109,7 @@ pub fn sightings(
         };
         let is_hidden = config.method == OcclusionMethod::Corners && hidden_corners >= config.max_hidden_corners;
         let least_visible = config.least_visible_fraction(placed.box_cam.location_cam.z);
-        let is_labeled = !is_hidden && config.admits(&placed, actor) && visible_fraction >= least_visible;
+        let is_labeled = !is_hidden && may_get_label && visible_fraction >= least_visible;
         if !is_labeled && visible_pixels < config.dontcare_min_pixels {
             continue;
         }
@@ -210,6 +221,27 @@ mod tests {
         }
         let hidden = &labels(&exact(), &at_20_m, 0.13)[0];
         assert!(!hidden.is_labeled && hidden.visible_px > 100.0);
+    }
+
+    #[test]
+    fn what_one_of_two_pinholes_shows_is_half_seen_where_the_other_shows_nothing_of_it() {
+        let [(actor, instance), (_, mut wall)] = [car(1, 20.0, 0.0), car(2, 4.0, 0.0)];
+        wall.world_from_local.translation.z += 0.5;
+        let open = PosedScene::new(std::slice::from_ref(&instance), EYE);
+        let hidden = PosedScene::new(&[instance, wall], EYE);
+        let rotation = DQuat::from_mat3(&frames::cam_axes_from_velo_axes().transpose());
+        let (camera, world_from_cam) = (kitti_like(), DPose3 { rotation, translation: EYE });
+        let view = View::new(&camera, &world_from_cam);
+        let seen = [&open, &hidden].map(|scene| visibility_pass(scene, &view).expect("a view"));
+        let look = |seen| PinholeLook { camera: &camera, world_from_cam: &world_from_cam, seen };
+        let fraction = |looks: &[PinholeLook<'_>]| {
+            sightings(&exact(), std::slice::from_ref(&actor), &open, &camera, &world_from_cam, looks, 0.0)
+                .first()
+                .map(|sighting| sighting.visible_fraction)
+        };
+        assert_eq!(fraction(&[look(&seen[0])]), Some(1.0));
+        assert_eq!(fraction(&[look(&seen[1])]), None);
+        assert_eq!(fraction(&[look(&seen[0]), look(&seen[1])]), Some(0.5));
     }
 
     #[test]

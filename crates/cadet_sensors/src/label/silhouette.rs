@@ -1,5 +1,7 @@
 //! An actor's outline alone, as the camera would see it with nothing else in the world.
 
+use std::ops::Range;
+
 use crate::camera::{CameraModel, Visibility};
 use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, rasterize_instances};
 use cadet_base::actor::ActorState;
@@ -29,15 +31,6 @@ impl Silhouette {
     }
 }
 
-/// What becomes of actors of which nothing is seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Hidden {
-    /// Their outlines are drawn.
-    Drawn,
-    /// They are taken to have none.
-    Skipped,
-}
-
 /// The instances of every actor, by the actor's id.
 pub(super) struct ActorInstances(Vec<(i32, usize)>);
 
@@ -56,58 +49,73 @@ impl ActorInstances {
     }
 }
 
-/// Draws the actor alone over the part of the camera's samples that its bounds cover; of an actor of which nothing is
-/// seen only if `hidden` says so.
-pub(super) fn silhouette(
-    scene: &PosedScene,
-    instances: &ActorInstances,
+/// The part of a camera's samples that an actor's bounds cover, and what of the actor is seen there.
+pub(super) struct Covered {
     actor_id: i32,
-    camera: &CameraModel,
-    world_from_cam: &DPose3,
-    seen: &Visibility,
-    hidden: Hidden,
-    buffer: &mut VisibilityBuffer,
-) -> Silhouette {
-    let mut found = Silhouette { samples: 0, visible_samples: 0, bounds: None };
-    let Some([u1, v1, u2, v2]) =
-        pixel_bounds(instances.of(actor_id).map(|i| &scene.instances[i]), camera, world_from_cam)
-    else {
-        return found;
-    };
-    // Sample (r, c) lies at v = r / 2 and u = c, in odd rows u = c + 1/2. Windows begin at even rows.
-    let lo = |p: f64| p.floor().max(0.0) as usize;
-    let hi = |p: f64, end: usize| (p.ceil() + 1.0).clamp(0.0, end as f64) as usize;
-    let (c1, c2, r1, r2) = (lo(u1), hi(u2, camera.width), 2 * lo(v1), 2 * hi(v2, camera.height));
-    if c1 >= c2 || r1 >= r2 {
-        return found;
-    }
-    found.visible_samples = seen.samples_of_actor(actor_id, r1..r2, c1..c2);
-    if found.visible_samples == 0 && hidden == Hidden::Skipped {
-        return found;
-    }
-    let (rows, columns) = (r2 - r1, c2 - c1);
-    let first = [c1 as f64, r1 as f64 / 2.0];
-    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics_px(), first, rows, columns)
-        .expect("a checked camera and a window that is not empty");
-    rasterize_instances(scene, &grid, instances.of(actor_id), buffer);
-    // Rows and columns by halves of a pixel.
-    let (mut of_rows, mut of_columns) = (rows..0, 2 * columns..0);
-    for r in 0..rows {
-        let (count, span) = buffer.covered(r);
-        if count > 0 {
-            found.samples += count;
-            of_rows = of_rows.start.min(r)..r + 1;
-            let halves = 2 * span.start + r % 2..2 * span.end - 1 + r % 2;
-            of_columns = of_columns.start.min(halves.start)..of_columns.end.max(halves.end);
+    rows: Range<usize>,
+    columns: Range<usize>,
+    /// Samples that see the actor.
+    pub visible_samples: usize,
+}
+
+impl Covered {
+    /// `None` where the actor's bounds are out of the image.
+    pub fn of(
+        scene: &PosedScene,
+        instances: &ActorInstances,
+        actor_id: i32,
+        camera: &CameraModel,
+        world_from_cam: &DPose3,
+        seen: &Visibility,
+    ) -> Option<Self> {
+        let of_actor = instances.of(actor_id).map(|i| &scene.instances[i]);
+        let [u1, v1, u2, v2] = pixel_bounds(of_actor, camera, world_from_cam)?;
+        // Sample (r, c) lies at v = r / 2 and u = c, in odd rows u = c + 1/2. Windows begin at even rows.
+        let lo = |p: f64| p.floor().max(0.0) as usize;
+        let hi = |p: f64, end: usize| (p.ceil() + 1.0).clamp(0.0, end as f64) as usize;
+        let (rows, columns) = (2 * lo(v1)..2 * hi(v2, camera.height), lo(u1)..hi(u2, camera.width));
+        if rows.is_empty() || columns.is_empty() {
+            return None;
         }
+        let visible_samples = seen.samples_of_actor(actor_id, rows.clone(), columns.clone());
+        Some(Self { actor_id, rows, columns, visible_samples })
     }
-    if found.samples > 0 {
-        let (u, v) = (|h: usize| (2 * c1 + h) as f64 / 2.0, |r: usize| (r1 + r) as f64 / 2.0);
-        let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
-        found.bounds =
-            Some(Rect { left_px: u1, top_px: v(of_rows.start), right_px: u2, bottom_px: v(of_rows.end - 1) });
+
+    /// Draws the actor alone.
+    pub fn silhouette(
+        &self,
+        scene: &PosedScene,
+        instances: &ActorInstances,
+        camera: &CameraModel,
+        world_from_cam: &DPose3,
+        buffer: &mut VisibilityBuffer,
+    ) -> Silhouette {
+        let mut found = Silhouette { samples: 0, visible_samples: self.visible_samples, bounds: None };
+        let (rows, columns) = (self.rows.len(), self.columns.len());
+        let (r1, c1) = (self.rows.start, self.columns.start);
+        let (pose, first) = (camera.optical_pose(world_from_cam), [c1 as f64, r1 as f64 / 2.0]);
+        let grid = PinholeGrid::quincunx(pose, camera.intrinsics_px(), first, rows, columns)
+            .expect("a checked camera and a window that is not empty");
+        rasterize_instances(scene, &grid, instances.of(self.actor_id), buffer);
+        // Rows and columns by halves of a pixel.
+        let (mut of_rows, mut of_columns) = (rows..0, 2 * columns..0);
+        for r in 0..rows {
+            let (count, span) = buffer.covered(r);
+            if count > 0 {
+                found.samples += count;
+                of_rows = of_rows.start.min(r)..r + 1;
+                let halves = 2 * span.start + r % 2..2 * span.end - 1 + r % 2;
+                of_columns = of_columns.start.min(halves.start)..of_columns.end.max(halves.end);
+            }
+        }
+        if found.samples > 0 {
+            let (u, v) = (|h: usize| (2 * c1 + h) as f64 / 2.0, |r: usize| (r1 + r) as f64 / 2.0);
+            let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
+            found.bounds =
+                Some(Rect { left_px: u1, top_px: v(of_rows.start), right_px: u2, bottom_px: v(of_rows.end - 1) });
+        }
+        found
     }
-    found
 }
 
 /// Pixels of each actor's outline inside a camera's image, and those of them where nothing is in front: what is counted
@@ -124,8 +132,11 @@ pub fn pixels_of_actors(
     let mut buffer = VisibilityBuffer::default();
     let pixels = |samples: usize| samples as f64 / SAMPLES_PER_PIXEL as f64;
     let of = |actor: &ActorState| {
-        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, Hidden::Drawn, &mut buffer);
-        [pixels(found.samples), pixels(found.visible_samples)]
+        let covered = Covered::of(scene, &instances, actor.id, &pinhole, world_from_cam, seen);
+        covered.map_or([0.0; 2], |covered| {
+            let found = covered.silhouette(scene, &instances, &pinhole, world_from_cam, &mut buffer);
+            [pixels(found.samples), pixels(found.visible_samples)]
+        })
     };
     actors.iter().map(of).collect()
 }
