@@ -102,18 +102,22 @@ impl EchoBatch {
     pub(crate) fn receive(&mut self, receiver: &RingReceiver, ring: usize, records_surfaces: bool, out: &mut Scan) {
         receive(&self.echo, *receiver, &mut self.written);
         let w = &self.written;
-        for i in (0..self.n).filter(|i| w.is_kept[*i]) {
-            let [x, y, z] = [0, 1, 2].map(|axis| w.point_velo[axis][i]);
-            out.points_velo.push([x, y, z, w.intensity[i]]);
-            out.ring.push(ring as i32);
-            out.column.push(self.column[i]);
-            out.actor_id.push(self.actor_id[i]);
-            out.semantic.push(self.semantic[i]);
-            out.echo.push(self.number[i]);
-            if records_surfaces {
-                out.surface.push(self.surface[i]);
-            }
-            out.range_m.push(w.range_m[i]);
+        let (mut kept, mut n) = ([0; BATCH_SIZE], 0);
+        for i in 0..self.n {
+            kept[n] = i;
+            n += usize::from(w.is_kept[i]);
+        }
+        let kept = || kept[..n].iter().copied();
+        let [x, y, z] = &w.point_velo;
+        out.points_velo.extend(kept().map(|i| [x[i], y[i], z[i], w.intensity[i]]));
+        out.ring.extend(kept().map(|_| ring as i32));
+        out.column.extend(kept().map(|i| self.column[i]));
+        out.actor_id.extend(kept().map(|i| self.actor_id[i]));
+        out.semantic.extend(kept().map(|i| self.semantic[i]));
+        out.echo.extend(kept().map(|i| self.number[i]));
+        out.range_m.extend(kept().map(|i| w.range_m[i]));
+        if records_surfaces {
+            out.surface.extend(kept().map(|i| self.surface[i]));
         }
         self.n = 0;
     }
