@@ -62,7 +62,7 @@ def _script_hidden() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _numpy_without_threads() -> Iterator[None]:
-    """Let the NumPy of a new process start no threads: each would spin for tens of milliseconds, and workers need none."""
+    """Let a new process's NumPy start no threads: each spins for tens of milliseconds, and workers need none."""
     name = "OPENBLAS_NUM_THREADS"
     if name in os.environ:
         yield

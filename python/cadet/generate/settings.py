@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
@@ -41,9 +42,9 @@ EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
 """The formats by name."""
 EXTRAS = tuple(dict.fromkeys(extra for exporter in _ALL for extra in exporter.extras))
 """Files that some format writes on demand."""
+_VAL_EPISODE: Final = 1
 _TEST_EPISODE: Final = 2
 _LEAST_FRACTION: Final = 1e-6
-_COUNTED_AT_ONCE: Final = 65536
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,23 +201,29 @@ class Settings:
 def _split(episode: int, val_period: int, test_period: int) -> Split:
     if test_period > 0 and episode % test_period == _TEST_EPISODE:
         return "test"
-    return "val" if val_period > 0 and episode % val_period == 1 else "train"
+    return "val" if val_period > 0 and episode % val_period == _VAL_EPISODE else "train"
 
 
 def _num_before(episode: int, val_period: int, test_period: int) -> int:
     """Count the episodes before one that are of its split."""
-    return _ranks(-(-(episode + 1) // _COUNTED_AT_ONCE) * _COUNTED_AT_ONCE, val_period, test_period)[episode]
+    test = _num_below(episode, _TEST_EPISODE, test_period)
+    # Of what would be both, test has the precedence.
+    val = _num_below(episode, _VAL_EPISODE, val_period) - _num_below(episode, *_both(val_period, test_period))
+    return {"test": test, "val": val, "train": episode - test - val}[_split(episode, val_period, test_period)]
+
+
+def _num_below(end: int, first: int, period: int) -> int:
+    """Count the numbers first, first + period, ... that are below `end`; a period of 0 has none."""
+    return max(-((first - end) // period), 0) if period > 0 else 0
 
 
 @lru_cache(maxsize=8)
-def _ranks(num_episodes: int, val_period: int, test_period: int) -> list[int]:
-    counts: Counter[Split] = Counter()
-    ranks = []
-    for episode in range(num_episodes):
-        split = _split(episode, val_period, test_period)
-        ranks.append(counts[split])
-        counts[split] += 1
-    return ranks
+def _both(val_period: int, test_period: int) -> tuple[int, int]:
+    """Return the first episode that is of both kinds, and their common period, 0 if there is none."""
+    period = math.lcm(val_period, test_period)
+    both = (k for k in range(_VAL_EPISODE, period, max(val_period, 1)) if k % test_period == _TEST_EPISODE)
+    first = next(both, None)
+    return (0, 0) if first is None else (first, period)
 
 
 def differences(old: object, new: object, path: str = "") -> list[tuple[str, object, object]]:
