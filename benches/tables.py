@@ -35,8 +35,9 @@ IMAGE: Final = {
     "shading": ("deferred_shading", "shading_pass", "textures", "value_noise", "windows", "surface_cover", "light"),
     "sky": ("sky", "sky_rows"),
     "distortion, color filters, noise": ("distortion", "mosaic", "noise", "development"),
-    "labels": ("label",),
-    "the scan of a few beams for them": ("lidar",),
+    "depth, instances, classes": ("maps", "surface_maps"),
+    "labels, but for outlines": ("label", "samples_of_actor"),
+    "the scan of a few beams for them": ("lidar", "beams"),
     "the rest of the camera": ("camera", "night_lights", "block_sums"),
 }
 SCAN: Final = {

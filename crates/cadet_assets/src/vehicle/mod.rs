@@ -188,6 +188,7 @@ impl VehicleModel {
         let size_lwh = d.size_lwh();
         let car = CarBlueprint { outline, styling, fittings, has_sunroof, has_passenger };
         let fitted = Fitted::new(d.name, car, size_lwh.as_vec3());
+        let body = fitted.body();
         let outline = &fitted.blueprint.outline;
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width_m / 2.0;
         let [front, rear] = d.axles_x;
@@ -200,7 +201,7 @@ impl VehicleModel {
             class,
             size_lwh,
             annotated: AnnotatedBox::exact(size_lwh),
-            body: fitted.body(),
+            body,
             driver: Some(fitted.occupants()),
             wheel: Some(wheels_of(d.name, d.wheel_radius_m, d.tyre_width_m, rim)),
             wheel_centers,

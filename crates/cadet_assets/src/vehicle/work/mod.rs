@@ -51,7 +51,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
     check(p.body, &p.room(), p.body_seed)?;
     let fitted = Fitted::new(p.name(), TruckBlueprint { plan: p, front, has_passenger }, size);
-    let p = &fitted.blueprint.plan;
+    let (body, p) = (fitted.body(), &fitted.blueprint.plan);
     let wheel = wheels_of(p.name(), p.wheel_radius_m, p.tyre_width_m, frame::RIM);
     let wheel_centers = std::array::from_fn(|k| {
         let y = if k % 2 == 0 { p.hub_y() } else { -p.hub_y() };
@@ -62,7 +62,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
         class: ObjectClass::Truck,
         size_lwh: size.as_dvec3(),
         annotated: AnnotatedBox::exact(size.as_dvec3()),
-        body: fitted.body(),
+        body,
         driver: Some(fitted.occupants()),
         wheel: Some(wheel),
         wheel_centers,

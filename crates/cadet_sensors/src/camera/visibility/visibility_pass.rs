@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::camera::CameraModel;
 use crate::camera::model::{Maps, SurfaceMaps};
-use crate::sense::{BLOCK, DrawnFace, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
+use crate::sense::{BLOCK, Block, DrawnFace, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
 use cadet_base::error::Result;
 use cadet_base::material::Semantic;
 use cadet_base::math::{DPose3, DVec3, Vec3};
@@ -134,17 +134,24 @@ impl Visibility {
     #[must_use]
     pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
         let buffer = &self.samples.0;
+        let shows_actor = |number: u32| self.actor_ids[buffer.faces[number as usize].instance as usize] == actor_id;
         // Neighbors mostly show the same face.
         let (mut last_number, mut is_actor) = (u32::MAX, false);
         let mut count = 0;
-        for row in rows {
-            for column in columns.clone() {
-                let Some((number, _)) = buffer.front_number(row, column) else { continue };
-                if last_number != number {
-                    let instance = buffer.faces[number as usize].instance;
-                    (last_number, is_actor) = (number, self.actor_ids[instance as usize] == actor_id);
+        for (block, rows, columns) in buffer.blocks_within(rows, columns) {
+            if let Some(number) = buffer.only_face(block) {
+                count += if shows_actor(number) { rows.len() * columns.len() } else { 0 };
+                continue;
+            }
+            let (opaque, transparent) = (buffer.opaque(block), buffer.transparent(block));
+            for row in rows {
+                for column in columns.clone() {
+                    let Some((number, _)) = Block::front(opaque, transparent, row, column) else { continue };
+                    if last_number != number {
+                        (last_number, is_actor) = (number, shows_actor(number));
+                    }
+                    count += usize::from(is_actor);
                 }
-                count += usize::from(is_actor);
             }
         }
         count

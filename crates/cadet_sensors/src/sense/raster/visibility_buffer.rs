@@ -76,6 +76,18 @@ impl Block {
         line(0) ^ line(2) ^ line(4) ^ line(6)
     }
 
+    /// The number of the face that a sample sees first, of two layers of a block, and its inverse depth; `None` for the sky.
+    #[inline(always)]
+    #[must_use]
+    pub fn front(opaque: &Self, transparent: Option<&Self>, row: usize, column: usize) -> Option<(u32, f32)> {
+        let at = |layer: &Self| (layer.face[row][column], layer.inverse_depth_per_m[row][column]);
+        let (mut number, mut inverse_depth) = at(opaque);
+        if let Some((other, nearer)) = transparent.map(at).filter(|(_, other)| *other > inverse_depth) {
+            (number, inverse_depth) = (other, nearer);
+        }
+        (inverse_depth > 0.0).then_some((number, inverse_depth))
+    }
+
     pub(super) const EMPTY: Self = Self { inverse_depth_per_m: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 }
 
@@ -255,6 +267,25 @@ impl VisibilityBuffer {
         true
     }
 
+    /// The blocks that a window meets, and its rows and columns in each.
+    pub fn blocks_within(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+    ) -> impl Iterator<Item = (usize, Range<usize>, Range<usize>)> {
+        let meet = |all: &Range<usize>, block: usize| {
+            let first = block * BLOCK;
+            all.start.max(first) - first..all.end.min(first + BLOCK) - first
+        };
+        let of = |all: &Range<usize>| all.start / BLOCK..all.end.div_ceil(BLOCK);
+        of(&rows).flat_map(move |block_row| {
+            let (rows, columns) = (meet(&rows, block_row), columns.clone());
+            of(&columns).map(move |block_column| {
+                (block_row * self.blocks_across + block_column, rows.clone(), meet(&columns, block_column))
+            })
+        })
+    }
+
     #[inline]
     fn block_at(&self, row: usize, column: usize) -> usize {
         row / BLOCK * self.blocks_across + column / BLOCK
@@ -265,15 +296,7 @@ impl VisibilityBuffer {
     #[must_use]
     pub fn front_number(&self, row: usize, column: usize) -> Option<(u32, f32)> {
         let block = self.block_at(row, column);
-        let (row, column) = (row % BLOCK, column % BLOCK);
-        let opaque = self.opaque(block);
-        let (mut number, mut inverse_depth) = (opaque.face[row][column], opaque.inverse_depth_per_m[row][column]);
-        if let Some(transparent) = self.transparent(block)
-            && transparent.inverse_depth_per_m[row][column] > inverse_depth
-        {
-            (number, inverse_depth) = (transparent.face[row][column], transparent.inverse_depth_per_m[row][column]);
-        }
-        (inverse_depth > 0.0).then_some((number, inverse_depth))
+        Block::front(self.opaque(block), self.transparent(block), row % BLOCK, column % BLOCK)
     }
 
     /// The face that a sample sees first and its inverse depth; `None` for the sky.
