@@ -251,7 +251,7 @@ mod tests {
             let (shape, palette) = signal_head(kind, [true, false, true]);
             for (_, mesh) in &shape.levels[..1] {
                 for number in mesh.face_numbers() {
-                    if !(slot::LENS..slot::LENS + 3).contains(&mesh.face(number).1.slot) {
+                    if !(slot::LENS..slot::LENS + 3).contains(&mesh.face(number).slot) {
                         continue;
                     }
                     let [a, b, c] = mesh.corners(number);

@@ -318,8 +318,7 @@ fn traffic_wears_designs_stretched_by_little() {
 fn turned_inward(mesh: &Mesh) -> usize {
     let inward = mesh.face_numbers().filter(|number| {
         let [a, b, c] = mesh.corners(*number);
-        let (cluster, face) = mesh.face(*number);
-        let sum: Vec3 = face.normals.map(|normal| cluster.normal(normal)).into_iter().sum();
+        let sum: Vec3 = mesh.corner_normals(*number).into_iter().sum();
         (b - a).cross(c - a).dot(sum) <= 0.0
     });
     inward.count()
@@ -338,7 +337,7 @@ fn a_stretched_vehicle_fills_its_extents_on_round_wheels_that_touch_the_ground()
                 assert!(height >= size.z - 2e-3 && mesh.bounds.min.z > 0.08, "{} is {height} high", model.name);
                 assert!(mesh.normals().all(|n| (n.length() - 1.0).abs() < 1e-3));
                 assert!(turned_inward(mesh) <= turned_inward(design) + mesh.num_faces() / 200, "{}", model.name);
-                for cluster in &mesh.clusters {
+                for cluster in mesh.clusters.iter() {
                     for v in cluster.places() {
                         assert!((v - cluster.center).length() <= cluster.radius_m, "{}", model.name);
                     }

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::cluster::Cluster;
+use super::cluster::{Cluster, Clusters};
 use crate::math::Vec3;
 
 /// Side of a grid's cells, meters: whichever way the grid is turned, each square meter that it covers has a cell's middle.
@@ -38,9 +38,9 @@ impl PartialEq for LazyColumns {
 
 impl LazyColumns {
     /// The columns of a cluster.
-    pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[SurfaceColumn] {
+    pub fn of(&self, clusters: &Clusters, cluster: usize) -> &[SurfaceColumn] {
         let all = self.0.get_or_init(|| vec![OfCluster::new(); clusters.len()].into());
-        all[cluster].get_or_init(|| columns_of(&clusters[cluster]))
+        all[cluster].get_or_init(|| columns_of(&clusters.get(cluster)))
     }
 
     /// How many clusters have theirs.
@@ -50,9 +50,9 @@ impl LazyColumns {
     }
 }
 
-fn columns_of(cluster: &Cluster) -> Box<[SurfaceColumn]> {
+fn columns_of(cluster: &Cluster<'_>) -> Box<[SurfaceColumn]> {
     let mut grid = ColumnGrid::about(cluster);
-    for face in &cluster.faces {
+    for face in cluster.faces {
         grid.mark_face(face.corners.map(|corner| cluster.place(corner)));
     }
     grid.columns.into_iter().filter(|c| c.low_m <= c.high_m).collect()
@@ -67,7 +67,7 @@ struct ColumnGrid {
 }
 
 impl ColumnGrid {
-    fn about(cluster: &Cluster) -> Self {
+    fn about(cluster: &Cluster<'_>) -> Self {
         let (c, r) = (cluster.center, cluster.radius_m);
         let pitch_m = PITCH_M.max(2.0 * r / MAX_CELLS);
         let cells = (2.0 * r / pitch_m) as usize + 1;

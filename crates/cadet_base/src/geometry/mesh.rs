@@ -1,7 +1,8 @@
 //! Triangle meshes and their bounds.
 
 use super::bounds::Bounds;
-use super::cluster::{CLUSTER_FACES, Cluster, ClusterFace, clusters_of};
+use super::cluster::{CLUSTER_FACES, ClusterFace, Clusters};
+use super::clustering::clusters_of;
 use super::columns::{LazyColumns, SurfaceColumn};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -15,7 +16,7 @@ pub struct Mesh {
     /// Bounds of the faces.
     pub bounds: Bounds,
     /// The faces in small groups.
-    pub clusters: Vec<Cluster>,
+    pub clusters: Clusters,
     columns: LazyColumns,
 }
 
@@ -91,8 +92,7 @@ impl Mesh {
     #[must_use]
     pub fn stretched(&self, scale: Vec3) -> Self {
         let bounds = Bounds { min: self.bounds.min * scale, max: self.bounds.max * scale };
-        let clusters = self.clusters.iter().map(|c| c.stretched(scale)).collect();
-        Self { bounds, clusters, columns: LazyColumns::default() }
+        Self { bounds, clusters: self.clusters.stretched(scale), columns: LazyColumns::default() }
     }
 
     /// Where a cluster has surfaces, seen from above; found at the first question.
@@ -105,49 +105,56 @@ impl Mesh {
     /// How many faces it has.
     #[must_use]
     pub fn num_faces(&self) -> usize {
-        self.clusters.iter().map(|c| c.faces.len()).sum()
+        self.clusters.faces.len()
     }
 
     /// The numbers of all faces, rising.
     pub fn face_numbers(&self) -> impl Iterator<Item = u32> {
         (0..)
-            .zip(&self.clusters)
+            .zip(self.clusters.iter())
             .flat_map(|(number, c)| (0..c.faces.len()).map(move |place| face_number(number, place)))
     }
 
-    /// A face, and the cluster that has it.
+    /// A face.
     #[inline(always)]
     #[must_use]
-    pub fn face(&self, number: u32) -> (&Cluster, &ClusterFace) {
-        let cluster = &self.clusters[number as usize / CLUSTER_FACES];
-        (cluster, &cluster.faces[number as usize % CLUSTER_FACES])
+    pub fn face(&self, number: u32) -> ClusterFace {
+        self.clusters.get(number as usize / CLUSTER_FACES).faces[number as usize % CLUSTER_FACES]
     }
 
     /// The corners of a face, local coordinates.
     #[inline(always)]
     #[must_use]
     pub fn corners(&self, number: u32) -> [Vec3; 3] {
-        let (cluster, face) = self.face(number);
-        face.corners.map(|corner| cluster.place(corner))
+        let cluster = self.clusters.get(number as usize / CLUSTER_FACES);
+        cluster.faces[number as usize % CLUSTER_FACES].corners.map(|corner| cluster.place(corner))
+    }
+
+    /// The unit shading normals of a face's corners.
+    #[inline(always)]
+    #[must_use]
+    pub fn corner_normals(&self, number: u32) -> [Vec3; 3] {
+        let cluster = self.clusters.get(number as usize / CLUSTER_FACES);
+        cluster.faces[number as usize % CLUSTER_FACES].normals.map(|normal| cluster.normal(normal))
     }
 
     /// The corners of all faces, local coordinates, and their material slots.
     pub fn triangles(&self) -> impl Iterator<Item = ([Vec3; 3], u8)> {
-        self.clusters.iter().flat_map(|c| c.faces.iter().map(|face| (face.corners.map(|k| c.place(k)), face.slot)))
+        self.clusters.iter().flat_map(|c| c.faces.iter().map(move |face| (face.corners.map(|k| c.place(k)), face.slot)))
     }
 
     /// The material slots of all faces.
     pub fn slots(&self) -> impl Iterator<Item = u8> {
-        self.clusters.iter().flat_map(|c| &c.faces).map(|face| face.slot)
+        self.clusters.faces.iter().map(|face| face.slot)
     }
 
     /// The unit shading normals of all faces' corners.
     pub fn normals(&self) -> impl Iterator<Item = Vec3> {
-        self.clusters.iter().flat_map(|c| c.faces.iter().flat_map(|face| face.normals.map(|n| c.normal(n))))
+        self.clusters.iter().flat_map(|c| c.faces.iter().flat_map(move |face| face.normals.map(|n| c.normal(n))))
     }
 
     /// The places of all corners, local coordinates, each once a cluster.
     pub fn places(&self) -> impl Iterator<Item = Vec3> {
-        self.clusters.iter().flat_map(Cluster::places)
+        self.clusters.iter().flat_map(|cluster| cluster.places())
     }
 }

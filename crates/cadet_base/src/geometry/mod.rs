@@ -3,9 +3,9 @@
 mod bounds;
 mod closed;
 mod cluster;
+mod clustering;
 mod columns;
 mod edges;
-mod lanes;
 mod lod;
 mod memo;
 mod mesh;
@@ -17,9 +17,8 @@ mod places;
 mod solids;
 
 pub use bounds::Bounds;
-pub use cluster::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterFace, ClusterPiece};
+pub use cluster::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterFace, ClusterPiece, Clusters, LANES, Lanes};
 pub use columns::SurfaceColumn;
-pub use lanes::{LANES, Lanes, lanes_of};
 pub use lod::{LazyMesh, LodSet};
 pub use memo::Memo;
 pub use mesh::{IndexedFaces, Mesh, face_number};

@@ -60,7 +60,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
         let origin_local = origin_local.as_vec3();
         let is_outside = !instance.mesh.bounds.grown(reach_m).contains(origin_local);
         let transparent_slots = instance.palette.transparent_slots();
-        for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
+        for (number, cluster) in instance.mesh.clusters.summaries().iter().enumerate() {
             let is_solid = is_outside && cluster.is_of_solid(transparent_slots);
             if cluster.slots & slots == 0
                 || is_solid

@@ -115,7 +115,7 @@ impl SkyProbes {
             let mesh = &instance.mesh;
             let linear = instance.placement.rotation.as_mat3();
             let origin = instance.placement.translation.as_vec3();
-            for (number, cluster) in mesh.clusters.iter().enumerate() {
+            for (number, cluster) in mesh.clusters.summaries().iter().enumerate() {
                 let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
                 if dx + r < 0.0

@@ -5,7 +5,7 @@ use strum::VariantArray;
 use crate::camera::surfaces::{Flags, hash2, value_noise, window};
 use crate::camera::visibility::ImageRays;
 use crate::surface_cover::absorbs_water;
-use cadet_base::geometry::{ClusterFace, LEAST_WEIGHT};
+use cadet_base::geometry::LEAST_WEIGHT;
 use cadet_base::material::{Material, Pattern, Semantic};
 use cadet_base::math::{Mat3, Vec3};
 
@@ -112,8 +112,7 @@ pub struct FaceVertices {
     pub face: u32,
     /// Whether a sample that sees it may lie on its partner instead.
     pub is_quad: bool,
-    /// Where its cluster has what follows.
-    pub at: ClusterFace,
+    pub slot: u8,
     pub vertices: [Vec3; 3],
     pub normals: [Vec3; 3],
 }

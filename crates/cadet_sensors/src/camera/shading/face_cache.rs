@@ -6,8 +6,7 @@ use crate::camera::light::Light;
 use crate::camera::surfaces::hash2;
 use crate::camera::visibility::{ImageRays, View};
 use crate::sense::{DrawnFace, PosedScene, VisibilityBuffer};
-use crate::wide_registers::array_of;
-use cadet_base::geometry::{ClusterFace, Mesh};
+use cadet_base::geometry::Mesh;
 use cadet_base::material::{Material, Pattern};
 use cadet_base::math::Vec3;
 
@@ -169,32 +168,26 @@ impl<'a> FaceCache<'a> {
     pub fn make_requested(&mut self) {
         let (mut raw, requested) = (std::mem::take(&mut self.raw), &self.requested[..self.requested_count]);
         raw.clear();
-        let (none, unread) = ([Vec3::ZERO; 3], ClusterFace::default());
         raw.extend(requested.iter().map(|number| {
             let DrawnFace { instance, face, is_quad, .. } = self.drawn[*number as usize];
-            FaceVertices { instance, face, is_quad, at: unread, vertices: none, normals: none }
+            let slot = self.instances[instance as usize].mesh.face(face).slot;
+            FaceVertices { instance, face, is_quad, slot, vertices: [Vec3::ZERO; 3], normals: [Vec3::ZERO; 3] }
         }));
         for r in &mut raw {
             let mesh = self.instances[r.instance as usize].mesh;
-            r.at = *mesh.face(r.face).1;
-        }
-        for r in &mut raw {
-            let mesh = self.instances[r.instance as usize].mesh;
-            let (cluster, _) = mesh.face(r.face);
-            r.vertices = array_of(|k| cluster.place(r.at.corners[k]));
-            r.normals = array_of(|k| cluster.normal(r.at.normals[k]));
+            (r.vertices, r.normals) = (mesh.corners(r.face), mesh.corner_normals(r.face));
         }
         self.planes
             .extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_per_m_on_image(self.intrinsics)));
         for raw in &raw {
             let placed = &self.instances[raw.instance as usize];
-            let material = &placed.materials[usize::from(raw.at.slot)];
+            let material = &placed.materials[usize::from(raw.slot)];
             let (face, variant) =
                 ShadingFace::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
             let step = |n: f32| (n * FINE_STEPS + FINE_ZERO) as u32;
             let (x, y, z) = (step(face.face_normal.x), step(face.face_normal.y), step(face.face_normal.z));
-            let appearance = x | y << FINE_BITS | z << (2 * FINE_BITS) | u32::from(raw.at.slot) << REST_SHIFT;
+            let appearance = x | y << FINE_BITS | z << (2 * FINE_BITS) | u32::from(raw.slot) << REST_SHIFT;
             self.info.push(BinningInfo {
                 variant: variant.index() as u32,
                 instance: raw.instance,

@@ -125,7 +125,7 @@ impl<F> VerticesOnGrid<F> {
     }
 
     #[inline(always)]
-    fn triangle(&self, cluster: &Cluster, face: usize) -> [DVec3; 3] {
+    fn triangle(&self, cluster: &Cluster<'_>, face: usize) -> [DVec3; 3] {
         array_of(|k| self.point(cluster.faces[face].corners[k]))
     }
 }
@@ -141,14 +141,14 @@ impl<G: BeamGrid, M: AsMet, const N: usize> Caster<'_, G, M, N> {
 
     /// True if every beam starts behind one of a cluster's faces.
     #[inline(always)]
-    fn is_turned_away(&self, cluster: &Cluster, face: usize) -> bool {
+    fn is_turned_away(&self, cluster: &Cluster<'_>, face: usize) -> bool {
         self.grid.is_turned_away(&self.scratch.triangle(cluster, face))
     }
 
     #[inline(always)]
     fn cast_cluster(&mut self, item: &VisibleCluster) {
         let instance = &self.scene.instances[item.instance as usize];
-        let cluster = &instance.mesh.clusters[item.cluster as usize];
+        let cluster = &instance.mesh.clusters.get(item.cluster as usize);
         self.project(item.instance, cluster);
         let num_candidates = self.find_candidates(cluster);
         let slots = self.slots[item.instance as usize];
@@ -192,7 +192,7 @@ impl<G: BeamGrid, M: AsMet, const N: usize> Caster<'_, G, M, N> {
 
     /// Poses the vertices and finds where they fall on the grid.
     #[inline(always)]
-    fn project(&mut self, index: u32, cluster: &Cluster) {
+    fn project(&mut self, index: u32, cluster: &Cluster<'_>) {
         let instance = &self.scene.instances[index as usize];
         let VerticesOnGrid { x, y, z, footprints, .. } = &mut *self.scratch;
         let places = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
@@ -209,7 +209,7 @@ impl<G: BeamGrid, M: AsMet, const N: usize> Caster<'_, G, M, N> {
 
     /// Lists the pieces between whose corners there is a beam; most of them meet none.
     #[inline(always)]
-    fn find_candidates(&mut self, cluster: &Cluster) -> usize {
+    fn find_candidates(&mut self, cluster: &Cluster<'_>) -> usize {
         let VerticesOnGrid { footprints, candidates, .. } = &mut *self.scratch;
         let mut n = 0;
         for (number, piece) in cluster.pieces.iter().enumerate() {

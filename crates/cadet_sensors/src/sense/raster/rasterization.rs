@@ -101,7 +101,7 @@ impl Rasterizer<'_> {
     #[inline(always)]
     fn draw_cluster(&mut self, item: &VisibleCluster) {
         let instance = &self.scene.instances[item.instance as usize];
-        let cluster = &instance.mesh.clusters[item.cluster as usize];
+        let cluster = &instance.mesh.clusters.get(item.cluster as usize);
         self.project(instance, cluster);
         let transparent_slots = instance.palette.transparent_slots();
         // Bit 63 may stand for several slots.
@@ -189,7 +189,7 @@ impl Rasterizer<'_> {
 
     /// Poses a cluster's vertices and finds where they fall on the image.
     #[inline(always)]
-    fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
+    fn project(&mut self, instance: &PosedInstance, cluster: &Cluster<'_>) {
         let corners = &mut *self.corners;
         for (local, at) in cluster.lanes.iter().zip((0..CLUSTER_VERTICES).step_by(LANES)) {
             let cam = self.to_grid.lanes(&instance.placement.pose_lanes(local));

@@ -89,7 +89,7 @@ impl PosedInstance {
     #[inline]
     #[must_use]
     pub fn material(&self, face: u32) -> &Material {
-        &self.palette.materials()[usize::from(self.mesh.face(face).1.slot)]
+        &self.palette.materials()[usize::from(self.mesh.face(face).slot)]
     }
 
     /// Whether snow does not stay where it has this material: on vehicles that drive. It does stay on their riders.
@@ -224,7 +224,7 @@ impl PosedScene {
     pub fn indexed_triangles(&self) -> IndexedTriangles {
         let mut all = IndexedTriangles::default();
         for (index, instance) in (0..).zip(&self.instances) {
-            for (number, cluster) in (0..).zip(&instance.mesh.clusters) {
+            for (number, cluster) in (0..).zip(instance.mesh.clusters.iter()) {
                 let start = all.vertices.len() as u32;
                 all.vertices.extend(cluster.places().map(|place| instance.placement.pose(place)));
                 all.faces.extend(cluster.faces.iter().map(|face| face.corners.map(|corner| start + u32::from(corner))));

@@ -31,23 +31,26 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
-        for cluster in instance.shadow_proxy.clusters.iter().filter(|c| c.slots & !never != 0) {
-            let all_cast = cluster.slots & !always == 0;
-            let all_leaves = cluster.slots & !leaves == 0;
+        let clusters = &instance.shadow_proxy.clusters;
+        let summaries = clusters.summaries().iter().enumerate();
+        for (number, summary) in summaries.filter(|(_, c)| c.slots & !never != 0) {
+            let all_cast = summary.slots & !always == 0;
+            let all_leaves = summary.slots & !leaves == 0;
             // Of solids, the sides that face the sun cast the same shadow as all of them.
-            let is_solid = cluster.closed_slots & !always == 0;
-            let one_sided = if is_solid { cluster.closed_pieces } else { 0 };
-            let center = light_from_local * cluster.center + origin;
-            let radius = cluster.radius_m + ROUNDING_M;
+            let is_solid = summary.closed_slots & !always == 0;
+            let one_sided = if is_solid { summary.closed_pieces } else { 0 };
+            let center = light_from_local * summary.center + origin;
+            let radius = summary.radius_m + ROUNDING_M;
             for map in maps.iter_mut().filter(|m| m.may_shade_receivers(center, radius)) {
-                map.project(cluster, &light_from_local, origin, &mut points);
+                let cluster = clusters.get(number);
+                map.project(&cluster, &light_from_local, origin, &mut points);
                 if all_leaves && map.leaf_step > 1 {
-                    map.draw_some(&points, &cluster.pieces);
+                    map.draw_some(&points, cluster.pieces);
                 } else if all_cast {
-                    map.draw(&points, &cluster.pieces, one_sided, 1.0);
+                    map.draw(&points, cluster.pieces, one_sided, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
-                    let pieces: Vec<ClusterPiece> = map.casters_of(cluster, &castings, &points, up).collect();
+                    let pieces: Vec<ClusterPiece> = map.casters_of(&cluster, &castings, &points, up).collect();
                     map.draw(&points, &pieces, 0, 1.0);
                 }
             }
@@ -106,7 +109,7 @@ impl Map {
 
     /// Puts a cluster's vertices into `out`: x and y in texels, z in steps.
     #[inline(always)]
-    fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
+    fn project(&self, cluster: &Cluster<'_>, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
         let (x0, y0, z0) = (origin.x - self.min_m[0], origin.y - self.min_m[1], origin.z - self.middle_z);
         for (k, local) in cluster.lanes.iter().enumerate().take(CLUSTER_VERTICES / LANES) {
@@ -125,7 +128,7 @@ impl Map {
     /// The pieces of a cluster that cast shadows.
     fn casters_of<'a>(
         &'a self,
-        cluster: &'a Cluster,
+        cluster: &'a Cluster<'a>,
         castings: &'a [ShadowCasting],
         points: &'a Points,
         up: Vec3,

@@ -37,8 +37,8 @@ pub struct Point {
 /// Of every face of a mesh, by its number, the one that stands for it: the first of two that are a flat quadrilateral.
 pub fn firsts_of(mesh: &Mesh) -> Vec<u32> {
     let mut firsts = vec![0; mesh.clusters.len() * CLUSTER_FACES];
-    for (number, group) in (0..).zip(&mesh.clusters) {
-        for piece in &group.pieces {
+    for (number, group) in (0..).zip(mesh.clusters.iter()) {
+        for piece in group.pieces {
             let first = usize::from(piece.first);
             for place in first..=first + usize::from(piece.is_quad()) {
                 firsts[face_number(number, place) as usize] = face_number(number, first);
@@ -103,7 +103,7 @@ impl Reference {
     pub(super) fn look_alike(&self, a: Key, b: Key) -> bool {
         let of = |key: Key| {
             let s = self.surface(key);
-            (key.0, s.posed.mesh.face(key.1).1.slot, s.normal.to_array().map(|c| (c * 14.0 + 15.5) as u32))
+            (key.0, s.posed.mesh.face(key.1).slot, s.normal.to_array().map(|c| (c * 14.0 + 15.5) as u32))
         };
         of(a) == of(b)
     }
@@ -200,8 +200,7 @@ impl Reference {
         let per_area = 1.0 / plane.length_squared().max(1e-20);
         let wb = (to.cross(ac).dot(plane) * per_area).max(least).min(1.0 - least);
         let wc = (ab.cross(to).dot(plane) * per_area).max(least).min(1.0 - least - wb);
-        let (cluster, face) = s.posed.mesh.face(s.key.1);
-        let [na, nb, nc] = face.normals.map(|n| cluster.normal(n).as_dvec3());
+        let [na, nb, nc] = s.posed.mesh.corner_normals(s.key.1).map(|n| n.as_dvec3());
         let normal = (s.posed.placement.rotation * (na * (1.0 - wb - wc) + nb * wb + nc * wc)).normalize_or_zero();
         if plane.dot(s.normal.as_dvec3()) < 0.0 { -normal.as_vec3() } else { normal.as_vec3() }
     }

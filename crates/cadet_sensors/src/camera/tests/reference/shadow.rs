@@ -36,8 +36,8 @@ impl ShadowMap {
             let height = vec![f64::NEG_INFINITY; SIZE * SIZE];
             let mut map = Self { axes, origin: DVec3::new(x, y, z), per_m, height };
             for instance in &scene.instances {
-                for group in &instance.shadow_proxy.clusters {
-                    map.draw_group(instance, group, leaf_step);
+                for group in instance.shadow_proxy.clusters.iter() {
+                    map.draw_group(instance, &group, leaf_step);
                 }
             }
             map
@@ -46,7 +46,7 @@ impl ShadowMap {
     }
 
     /// Draws the faces of a group; of leaves alone one in `leaf_step`, enlarged so that they cover as much.
-    fn draw_group(&mut self, instance: &PosedInstance, group: &Cluster, leaf_step: usize) {
+    fn draw_group(&mut self, instance: &PosedInstance, group: &Cluster<'_>, leaf_step: usize) {
         let slot_of = |first: u8| group.faces[usize::from(first)].slot;
         let is_leaf = |slot: u8| instance.palette.leaf_slots() >> slot & 1 == 1;
         let step = if group.pieces.iter().all(|p| is_leaf(slot_of(p.first))) { leaf_step } else { 1 };
