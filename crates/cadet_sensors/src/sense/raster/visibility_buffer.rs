@@ -105,9 +105,12 @@ pub struct VisibilityBuffer {
     pub faces: Vec<DrawnFace>,
     /// Opaque surfaces; means nothing where nothing has been met.
     opaque: Vec<Block>,
-    /// Means nothing where there are none.
+    /// Transparent surfaces of the few blocks that have any; there may be more room.
     transparent: Vec<Block>,
-    has_transparent: Vec<bool>,
+    /// Where a block's transparent surfaces are, or [`NONE`].
+    transparent_of: Vec<u32>,
+    /// How many blocks have some.
+    num_transparent: u32,
     pub(super) states: Vec<BlockState>,
     /// The number of the face that all of a block's opaque samples see, or [`SEVERAL`].
     only: Vec<u32>,
@@ -115,6 +118,8 @@ pub struct VisibilityBuffer {
 
 /// No number of a face.
 const SEVERAL: u32 = u32::MAX;
+/// No transparent surfaces.
+const NONE: u32 = u32::MAX;
 /// What a block sees where nothing was drawn.
 static NOTHING: Block = Block::EMPTY;
 
@@ -147,10 +152,10 @@ impl VisibilityBuffer {
         self.faces.clear();
         // Blocks are emptied when they are first drawn on.
         self.opaque.resize(blocks, Block::EMPTY);
-        self.transparent.resize(blocks, Block::EMPTY);
         self.only.resize(blocks, SEVERAL);
-        self.has_transparent.clear();
-        self.has_transparent.resize(blocks, false);
+        self.transparent_of.clear();
+        self.transparent_of.resize(blocks, NONE);
+        self.num_transparent = 0;
         self.states.clear();
         self.states.resize(blocks, BlockState::default());
     }
@@ -166,7 +171,7 @@ impl VisibilityBuffer {
     #[inline]
     #[must_use]
     pub fn transparent(&self, block: usize) -> Option<&Block> {
-        self.has_transparent[block].then(|| &self.transparent[block])
+        self.transparent.get(self.transparent_of[block] as usize)
     }
 
     /// The number of the face that all of a block's samples see, if it has no transparent surfaces.
@@ -174,7 +179,7 @@ impl VisibilityBuffer {
     #[must_use]
     pub fn only_face(&self, block: usize) -> Option<u32> {
         let only = self.only[block];
-        (only != SEVERAL && self.states[block].met != 0 && !self.has_transparent[block]).then_some(only)
+        (only != SEVERAL && self.states[block].met != 0 && self.transparent_of[block] == NONE).then_some(only)
     }
 
     /// Number of blocks.
@@ -187,9 +192,18 @@ impl VisibilityBuffer {
     /// A block to draw on; see [`VisibilityBuffer::note_drawn`].
     #[inline(always)]
     pub(super) fn block_mut(&mut self, block: usize, is_transparent: bool) -> &mut Block {
-        let is_fresh = if is_transparent { !self.has_transparent[block] } else { self.states[block].met == 0 };
-        let layer = if is_transparent { &mut self.transparent } else { &mut self.opaque };
-        let block = &mut layer[block];
+        let (layer, index, is_fresh) = if is_transparent {
+            let known = self.transparent_of[block];
+            // The next free one is lent until something is drawn on it.
+            let index = known.min(self.num_transparent) as usize;
+            if index == self.transparent.len() {
+                self.transparent.push(Block::EMPTY);
+            }
+            (&mut self.transparent, index, known == NONE)
+        } else {
+            (&mut self.opaque, block, self.states[block].met == 0)
+        };
+        let block = &mut layer[index];
         if is_fresh {
             block.inverse_depth_per_m = Block::EMPTY.inverse_depth_per_m;
         }
@@ -199,9 +213,15 @@ impl VisibilityBuffer {
     /// Notes what a block's samples see now: face `id` where bits are set, as in [`BlockState::met`].
     #[inline(always)]
     pub(super) fn note_drawn(&mut self, block: usize, is_transparent: bool, id: u32, drawn: u64) {
+        if drawn == 0 {
+            return;
+        }
         if is_transparent {
-            self.has_transparent[block] |= drawn != 0;
-        } else if drawn != 0 {
+            if self.transparent_of[block] == NONE {
+                self.transparent_of[block] = self.num_transparent;
+                self.num_transparent += 1;
+            }
+        } else {
             let state = &mut self.states[block];
             state.met |= drawn;
             state.is_stale = true;
