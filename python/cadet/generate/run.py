@@ -23,7 +23,7 @@ from cadet.generate.settings import Settings
 ENGINES: Final = ("local", "ray")
 """What makes episodes: processes of this machine, or a Ray cluster."""
 
-_WORKER_GB: Final = 0.4
+_WORKER_GB: Final = 0.35
 """Memory of a worker after a thousand frames (docs/performance.md)."""
 
 
