@@ -55,7 +55,7 @@ SCAN: Final = {
     "halos": ("blooming",),
     "the rest of the LIDAR": ("lidar",),
 }
-"""Modules of the core by part; the innermost module that any part names decides."""
+"""Modules and functions of the core by part; the innermost that any part names decides."""
 
 _LINE: Final = re.compile(r"^\s*([\d.]+)%\s+(.*\S)")
 

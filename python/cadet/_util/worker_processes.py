@@ -1,4 +1,4 @@
-"""Worker processes that do not import the caller's script: from a script without a guard, `python -`, or a notebook."""
+"""Worker processes that compute with one thread and do not import the caller's script, which may be a notebook."""
 
 from __future__ import annotations
 
@@ -10,8 +10,12 @@ from collections.abc import Iterator
 from multiprocessing import current_process
 from multiprocessing.context import SpawnContext, SpawnProcess
 from types import ModuleType
+from typing import Final
 
 from cadet.errors import CadetError
+
+_NUM_THREADS: Final = ("OPENBLAS_NUM_THREADS", "GOTO_NUM_THREADS", "OMP_NUM_THREADS")
+"""By which OpenBLAS, which most builds of NumPy bring, is told how many threads to start."""
 
 
 def may_start_workers() -> bool:
@@ -33,7 +37,7 @@ class WorkerProcess(SpawnProcess):
                 "a process that is itself a worker, such as a data loader's, can start none: "
                 "pass workers=0 to a stream, and run all else in the main process"
             )
-        with _script_hidden(), _numpy_without_threads():
+        with _script_hidden(), _openblas_without_threads():
             try:
                 super().start()
             except pickle.PicklingError as error:
@@ -61,14 +65,14 @@ def _script_hidden() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _numpy_without_threads() -> Iterator[None]:
-    """Let a new process's NumPy start no threads: each spins for tens of milliseconds, and workers need none."""
-    name = "OPENBLAS_NUM_THREADS"
-    if name in os.environ:
+def _openblas_without_threads() -> Iterator[None]:
+    """Let a new process's NumPy start no threads, which spin for a while, unless the user says how many it may."""
+    if any(name in os.environ for name in _NUM_THREADS):
         yield
         return
-    os.environ[name] = "1"
+    os.environ[_NUM_THREADS[0]] = "1"
     try:
         yield
     finally:
-        del os.environ[name]
+        # Another thread may have started a worker meanwhile.
+        os.environ.pop(_NUM_THREADS[0], None)

@@ -220,9 +220,10 @@ def _num_below(end: int, first: int, period: int) -> int:
 @lru_cache(maxsize=8)
 def _both(val_period: int, test_period: int) -> tuple[int, int]:
     """Return the first episode that is of both kinds, and their common period, 0 if there is none."""
+    if not (val_period and test_period):
+        return 0, 0
     period = math.lcm(val_period, test_period)
-    both = (k for k in range(_VAL_EPISODE, period, max(val_period, 1)) if k % test_period == _TEST_EPISODE)
-    first = next(both, None)
+    first = next((k for k in range(_VAL_EPISODE, period, val_period) if k % test_period == _TEST_EPISODE), None)
     return (0, 0) if first is None else (first, period)
 
 

@@ -25,16 +25,18 @@ def test_an_error_of_the_function_is_raised() -> None:
         list(process_map(math.sqrt, [-1.0] * 40, workers=2))
 
 
-@pytest.mark.parametrize("of_user", [None, "3"])
+@pytest.mark.parametrize("of_user", [{}, {"OPENBLAS_NUM_THREADS": "3"}, {"OMP_NUM_THREADS": "2"}])
 def test_workers_compute_with_one_thread_unless_the_user_says_otherwise(
-    of_user: str | None, monkeypatch: pytest.MonkeyPatch
+    of_user: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    name = "OPENBLAS_NUM_THREADS"
-    monkeypatch.delenv(name, raising=False)
-    if of_user is not None:
-        monkeypatch.setenv(name, of_user)
-    assert set(process_map(os.getenv, [name] * 40, workers=2)) == {of_user or "1"}
-    assert os.environ.get(name) == of_user
+    for name in ("OPENBLAS_NUM_THREADS", "GOTO_NUM_THREADS", "OMP_NUM_THREADS"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in of_user.items():
+        monkeypatch.setenv(name, value)
+    expected = of_user or {"OPENBLAS_NUM_THREADS": "1"}
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        assert set(process_map(os.getenv, [name] * 40, workers=2)) == {expected.get(name)}
+        assert os.environ.get(name) == of_user.get(name)
 
 
 @pytest.mark.parametrize("workers", [0, 1.5, 2000])

@@ -1,4 +1,5 @@
-//! The levels of detail of vehicles: each is drawn when it is first used, as of most vehicles some never are.
+//! The levels of detail of vehicles: each is drawn when it is first used, as of most vehicles some never are. The finest is
+//! also drawn at once, for its bounds.
 
 use std::sync::{Arc, OnceLock};
 

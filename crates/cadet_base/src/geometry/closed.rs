@@ -8,8 +8,8 @@ use crate::math::{DVec3, Vec3};
 /// slots; 0 for others.
 ///
 /// Every edge of such a surface is passed as often one way as the other, and it encloses a positive volume. Vertices at
-/// one place count as one: `places` has the lowest of them for each. From outside of the mesh's bounds, faces that are turned away lie behind such as are turned to
-/// the viewer.
+/// one place count as one: `places` has, for each, the lowest at its place. From outside of the mesh's bounds, faces that
+/// are turned away lie behind such as are turned to the viewer.
 #[must_use]
 pub(super) fn closed_surfaces(vertices: &[Vec3], places: &[u32], faces: &[[u32; 3]], slots: &[u8]) -> Vec<u64> {
     let edges = Edges::of(vertices.len(), faces.iter().map(|corners| corners.map(|i| places[i as usize])));

@@ -23,7 +23,7 @@ pub struct ClusterFace {
     pub corners: [u8; 3],
     /// Its material slot: an index into the instance's [`crate::material::Palette`].
     pub slot: u8,
-    /// The shading normals of its corners, for [`Cluster::normal`].
+    /// The shading normals of its corners, as indices for [`Cluster::normal`].
     pub normals: [u8; 3],
 }
 
@@ -63,8 +63,6 @@ pub struct ClusterSummary {
     pub closed_pieces: u64,
     /// About the faces' normals, if all of them belong to closed surfaces.
     pub normal_cone: NormalCone,
-    /// Where the next one begins.
-    pub(super) end: Place,
 }
 
 impl ClusterSummary {
@@ -77,9 +75,9 @@ impl ClusterSummary {
     }
 }
 
-/// A place in each array of [`Clusters`].
+/// Where a cluster begins in each array of [`Clusters`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Place {
+struct Offsets {
     lanes: u32,
     faces: u32,
     pieces: u32,
@@ -132,9 +130,11 @@ impl<'a> Cluster<'a> {
 }
 
 /// The clusters of a mesh: summaries, and one array for all of them of each that they are made of.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Clusters {
     summaries: Vec<ClusterSummary>,
+    /// Of each, and the arrays' ends.
+    offsets: Vec<Offsets>,
     lanes: Vec<Lanes>,
     pub(super) faces: Vec<ClusterFace>,
     pub(super) pieces: Vec<ClusterPiece>,
@@ -142,15 +142,26 @@ pub struct Clusters {
 }
 
 impl Clusters {
+    /// None yet.
+    pub(super) fn new() -> Self {
+        Self {
+            summaries: Vec::new(),
+            offsets: vec![Offsets::default()],
+            lanes: Vec::new(),
+            faces: Vec::new(),
+            pieces: Vec::new(),
+            normals: Vec::new(),
+        }
+    }
+
     /// A cluster.
     #[inline(always)]
     #[must_use]
     pub fn get(&self, index: usize) -> Cluster<'_> {
-        let summary = &self.summaries[index];
-        let from = if index == 0 { Place::default() } else { self.summaries[index - 1].end };
-        let range = |of: fn(&Place) -> u32| of(&from) as usize..of(&summary.end) as usize;
+        let [from, to] = [&self.offsets[index], &self.offsets[index + 1]];
+        let range = |of: fn(&Offsets) -> u32| of(from) as usize..of(to) as usize;
         Cluster {
-            summary,
+            summary: &self.summaries[index],
             lanes: &self.lanes[range(|at| at.lanes)],
             faces: &self.faces[range(|at| at.faces)],
             pieces: &self.pieces[range(|at| at.pieces)],
@@ -193,6 +204,7 @@ impl Clusters {
         };
         let mut stretched = Self {
             summaries: self.summaries.iter().map(summary).collect(),
+            offsets: self.offsets.clone(),
             lanes: self.lanes.iter().map(lanes).collect(),
             faces: self.faces.clone(),
             pieces: self.pieces.clone(),
@@ -211,13 +223,13 @@ impl Clusters {
             let axes = [0, 1, 2];
             axes.map(|axis| std::array::from_fn(|i| eight[i.min(eight.len() - 1)][axis]))
         }));
-        let end = Place {
+        self.offsets.push(Offsets {
             lanes: self.lanes.len() as u32,
             faces: self.faces.len() as u32,
             pieces: self.pieces.len() as u32,
             normals: self.normals.len() as u32,
-        };
-        self.summaries.push(ClusterSummary { end, ..summary });
+        });
+        self.summaries.push(summary);
         self.find_normal_cone(self.len() - 1);
     }
 
@@ -232,6 +244,7 @@ impl Clusters {
     /// Gives back the memory that was not needed.
     pub(super) fn shrink_to_fit(&mut self) {
         self.summaries.shrink_to_fit();
+        self.offsets.shrink_to_fit();
         self.lanes.shrink_to_fit();
         self.faces.shrink_to_fit();
         self.pieces.shrink_to_fit();

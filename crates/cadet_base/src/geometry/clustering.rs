@@ -2,7 +2,7 @@
 
 use super::bounds::Bounds;
 use super::closed::closed_surfaces;
-use super::cluster::{CLUSTER_FACES, CLUSTER_VERTICES, ClusterFace, ClusterPiece, ClusterSummary, Clusters, Place};
+use super::cluster::{CLUSTER_FACES, CLUSTER_VERTICES, ClusterFace, ClusterPiece, ClusterSummary, Clusters};
 use super::normal_cone::NormalCone;
 use super::packed_normal::PackedNormal;
 use super::pieces::{MeshPiece, MeshSlices, pieces_of};
@@ -73,7 +73,7 @@ struct ClusterMaker<'a> {
 impl<'a> ClusterMaker<'a> {
     fn new(surface: MeshSlices<'a>, places: &'a [u32]) -> Self {
         let normals = surface.normals.iter().map(|normal| PackedNormal::of(*normal)).collect();
-        Self { surface, places, normals, last: vec![(usize::MAX, 0); places.len()], made: Clusters::default() }
+        Self { surface, places, normals, last: vec![(usize::MAX, 0); places.len()], made: Clusters::new() }
     }
 
     fn make(&mut self, of: &[MeshPiece]) {
@@ -122,7 +122,6 @@ impl<'a> ClusterMaker<'a> {
             closed_faces: bits_of(chunk().map(|face| closed[face] != 0)),
             closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
             normal_cone: NormalCone::NONE,
-            end: Place::default(),
         };
         self.made.end_cluster(&points, summary);
     }
@@ -138,7 +137,8 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::geometry::MeshBuilder;
+    use crate::geometry::{IndexedFaces, Mesh, MeshBuilder};
+    use crate::rng::Stream;
 
     #[test]
     fn bits_are_spread_by_threes() {
@@ -176,6 +176,31 @@ mod tests {
             assert_eq!(seen.remove(&key(face.map(|i| given.vertices[i as usize]), *slot)), Some(1));
         }
         assert!(seen.is_empty());
+    }
+
+    #[test]
+    fn corners_keep_their_normals_where_no_two_faces_share_one() {
+        let mut given = IndexedFaces::default();
+        let mut s = Stream::from_seed("normals", 0);
+        let mut any = || Vec3::from_array([0; 3].map(|_| s.range(-1.0, 1.0) as f32));
+        for _ in 0..300 {
+            given.triangle([any(), any(), any()], Vec3::Z, 0);
+        }
+        given.normals = given.vertices.iter().map(|_| any().normalize()).collect();
+        let mesh = Mesh::new("any", &given).unwrap();
+        let key = |corners: [Vec3; 3]| corners.map(|p| p.to_array().map(f32::to_bits));
+        let normals: BTreeMap<_, _> = given
+            .faces
+            .iter()
+            .map(|face| (key(face.map(|i| given.vertices[i as usize])), face.map(|i| given.normals[i as usize])))
+            .collect();
+        assert_eq!((mesh.num_faces(), normals.len()), (300, 300));
+        for number in mesh.face_numbers() {
+            let expected = normals[&key(mesh.corners(number))];
+            for (found, expected) in mesh.corner_normals(number).into_iter().zip(expected) {
+                assert!(found.distance(expected) < 2e-4, "{number}: {found} {expected}");
+            }
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Triangle meshes and their bounds.
 
 use super::bounds::Bounds;
-use super::cluster::{CLUSTER_FACES, ClusterFace, Clusters};
+use super::cluster::{CLUSTER_FACES, Cluster, ClusterFace, Clusters};
 use super::clustering::clusters_of;
 use super::columns::{LazyColumns, SurfaceColumn};
 use crate::error::{Error, Result};
@@ -119,23 +119,29 @@ impl Mesh {
     #[inline(always)]
     #[must_use]
     pub fn face(&self, number: u32) -> ClusterFace {
-        self.clusters.get(number as usize / CLUSTER_FACES).faces[number as usize % CLUSTER_FACES]
+        self.cluster_and_face(number).1
     }
 
     /// The corners of a face, local coordinates.
     #[inline(always)]
     #[must_use]
     pub fn corners(&self, number: u32) -> [Vec3; 3] {
-        let cluster = self.clusters.get(number as usize / CLUSTER_FACES);
-        cluster.faces[number as usize % CLUSTER_FACES].corners.map(|corner| cluster.place(corner))
+        let (cluster, face) = self.cluster_and_face(number);
+        face.corners.map(|corner| cluster.place(corner))
     }
 
     /// The unit shading normals of a face's corners.
     #[inline(always)]
     #[must_use]
     pub fn corner_normals(&self, number: u32) -> [Vec3; 3] {
+        let (cluster, face) = self.cluster_and_face(number);
+        face.normals.map(|normal| cluster.normal(normal))
+    }
+
+    #[inline(always)]
+    fn cluster_and_face(&self, number: u32) -> (Cluster<'_>, ClusterFace) {
         let cluster = self.clusters.get(number as usize / CLUSTER_FACES);
-        cluster.faces[number as usize % CLUSTER_FACES].normals.map(|normal| cluster.normal(normal))
+        (cluster, cluster.faces[number as usize % CLUSTER_FACES])
     }
 
     /// The corners of all faces, local coordinates, and their material slots.

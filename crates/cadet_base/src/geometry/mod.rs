@@ -17,7 +17,9 @@ mod places;
 mod solids;
 
 pub use bounds::Bounds;
-pub use cluster::{CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterFace, ClusterPiece, Clusters, LANES, Lanes};
+pub use cluster::{
+    CLUSTER_FACES, CLUSTER_VERTICES, Cluster, ClusterFace, ClusterPiece, ClusterSummary, Clusters, LANES, Lanes,
+};
 pub use columns::SurfaceColumn;
 pub use lod::{LazyMesh, LodSet};
 pub use memo::Memo;

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use super::{Foreground, Rendered, View, render_through, visibility_pass};
 use crate::camera::light::{Sky, SkyProbes};
-use crate::sense::PosedScene;
+use crate::sense::{DrawnFace, PosedScene};
 use crate::weather::Weather;
 use cadet_base::frames::upright;
 use cadet_base::geometry::{IndexedFaces, LodSet, Mesh, MeshBuilder};
@@ -132,6 +132,21 @@ fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
         // The man stands behind the glass: only his head shows.
         assert!(samples > 0.0 || id == 5, "{id}");
         assert!((samples / 2.0 - centers).abs() <= 0.05 * centers + 12.0, "{id}: {samples} {centers}");
+    }
+    // In windows that cut blocks, those with panes too: as sample by sample.
+    for (rows, columns) in [(0..2 * h, 0..w), (3..2 * h - 5, 9..w - 7), (h..h + 90, 101..171)] {
+        let count = |id: i32| {
+            let actor_of = |(face, _): (&DrawnFace, f32)| posed.instances[face.instance as usize].actor_id;
+            let samples = rows.clone().flat_map(|row| columns.clone().map(move |column| (row, column)));
+            samples.filter(|(row, column)| seen.samples.0.front(*row, *column).map(actor_of) == Some(id)).count()
+        };
+        for id in [0, 3, 4, 5] {
+            assert_eq!(
+                seen.samples_of_actor(id, rows.clone(), columns.clone()),
+                count(id),
+                "{id} {rows:?} {columns:?}"
+            );
+        }
     }
     // A point on the glass: u = cx - fx y / x, v = cy + fy (1.65 - z) / x.
     let [fx, fy, cx, cy] = INTRINSICS;

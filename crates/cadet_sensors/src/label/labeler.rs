@@ -1,6 +1,6 @@
 //! Decides what gets a label, what is seen without one, and what is left out.
 
-use crate::camera::{CameraModel, Visibility};
+use crate::camera::CameraModel;
 use crate::sense::{PosedScene, VisibilityBuffer};
 use cadet_base::actor::ActorState;
 use cadet_base::math::{self, DPose3};
@@ -8,7 +8,7 @@ use cadet_base::math::{self, DPose3};
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::sighting::{Placed, Sighting};
-use super::silhouette::{ActorInstances, Covered, SAMPLES_PER_PIXEL, Silhouette};
+use super::silhouette::{ActorInstances, ActorWindow, PinholeLook, SAMPLES_PER_PIXEL, Silhouette};
 
 /// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
 #[must_use]
@@ -34,16 +34,6 @@ fn put_labeled_first(sightings: &mut [Sighting]) {
     sightings.sort_by_key(|s| (!s.is_labeled, s.actor_id));
 }
 
-/// What one of a camera's pinholes sees ([`CameraModel::pinholes`]).
-pub struct PinholeLook<'a> {
-    /// The pinhole camera.
-    pub camera: &'a CameraModel,
-    /// The pose of its frame in the world.
-    pub world_from_cam: &'a DPose3,
-    /// What it sees.
-    pub seen: &'a Visibility,
-}
-
 /// Every actor that the camera sees well enough to be labeled or left out of scoring: labeled ones first, each group
 /// in the order of their ids; [`add_points`] adds the returns.
 ///
@@ -65,28 +55,21 @@ pub fn sightings(
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some(placed) = Placed::new(actor, config.boxes, camera, &cam_from_world) else { continue };
-        let covered: Vec<_> = looks
-            .iter()
-            .filter_map(|look| {
-                let PinholeLook { camera, world_from_cam, seen } = look;
-                let covered = Covered::of(scene, &instances, actor.id, camera, world_from_cam, seen)?;
-                Some((look, covered))
-            })
-            .collect();
-        let visible_samples = covered.iter().map(|(_, covered)| covered.visible_samples).sum::<usize>();
+        let window = |look| ActorWindow::of(scene, &instances, actor.id, look);
+        let windows: Vec<ActorWindow<'_>> = looks.iter().filter_map(window).collect();
+        let visible_samples: usize = windows.iter().map(|window| window.visible_samples).sum();
         let visible_pixels = visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
-        // Nothing is said of what is hidden altogether or gets no label and shows too little, however large it is.
+        let shows_enough = visible_pixels >= config.dontcare_min_pixels;
         let may_get_label =
             config.admits(&placed, actor) && (visible_samples > 0 || config.min_visible_fraction == 0.0);
-        if !may_get_label && visible_pixels < config.dontcare_min_pixels {
+        // What can appear in no list needs no outline.
+        if !may_get_label && !shows_enough {
             continue;
         }
-        let outlines = covered.iter().map(|(look, covered)| {
-            covered.silhouette(scene, &instances, look.camera, look.world_from_cam, &mut buffer)
-        });
+        let outlines = windows.iter().map(|window| window.silhouette(scene, &instances, &mut buffer));
         let outline = outlines.reduce(Silhouette::together).unwrap_or_default();
         let uncovered_fraction =
-            if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
+            if outline.samples == 0 { 0.0 } else { visible_samples as f64 / outline.samples as f64 };
         // Koschmieder: contrast falls exponentially with the way through the air.
         let away_m = (actor.center_world() - world_from_cam.translation).length();
         let contrast = math::exp(-extinction_per_m * away_m);
@@ -110,7 +93,7 @@ pub fn sightings(
         let is_hidden = config.method == OcclusionMethod::Corners && hidden_corners >= config.max_hidden_corners;
         let least_visible = config.least_visible_fraction(placed.box_cam.location_cam.z);
         let is_labeled = !is_hidden && may_get_label && visible_fraction >= least_visible;
-        if !is_labeled && visible_pixels < config.dontcare_min_pixels {
+        if !is_labeled && !shows_enough {
             continue;
         }
         let Placed { box_cam, bbox, truncation } = placed;

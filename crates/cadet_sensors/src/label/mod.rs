@@ -11,8 +11,8 @@ mod silhouette;
 
 pub use box_cam::{BoxCam, Boxes, Rect};
 pub use config::{LabelConfig, OcclusionMethod};
-pub use labeler::{PinholeLook, add_points, may_label, sightings};
+pub use labeler::{add_points, may_label, sightings};
 pub use motion::TakenView;
 pub use road_plane::road_plane_cam;
 pub use sighting::Sighting;
-pub use silhouette::pixels_of_actors;
+pub use silhouette::{PinholeLook, pixels_of_actors};

@@ -12,13 +12,11 @@ use super::box_cam::Rect;
 /// Samples a pixel, where the camera has them ([`PinholeGrid::quincunx`]).
 pub(super) const SAMPLES_PER_PIXEL: usize = 2;
 
-/// How much of an actor there is in the image, and how much of it is seen.
+/// How much of an actor there is in the image, seen or hidden.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Silhouette {
     /// Samples of the outline inside the image.
     pub samples: usize,
-    /// Those where nothing is in front.
-    pub visible_samples: usize,
     /// Rectangle round the outline inside the image.
     pub bounds: Option<Rect>,
 }
@@ -26,9 +24,18 @@ pub(super) struct Silhouette {
 impl Silhouette {
     /// What two pinholes see, of which each has images of its own.
     pub fn together(self, other: Self) -> Self {
-        let (samples, visible) = (self.samples + other.samples, self.visible_samples + other.visible_samples);
-        Self { samples, visible_samples: visible, bounds: None }
+        Self { samples: self.samples + other.samples, bounds: None }
     }
+}
+
+/// What one of a camera's pinholes sees ([`CameraModel::pinholes`]).
+pub struct PinholeLook<'a> {
+    /// The pinhole camera.
+    pub camera: &'a CameraModel,
+    /// The pose of its frame in the world.
+    pub world_from_cam: &'a DPose3,
+    /// What it sees.
+    pub seen: &'a Visibility,
 }
 
 /// The instances of every actor, by the actor's id.
@@ -50,7 +57,8 @@ impl ActorInstances {
 }
 
 /// The part of a camera's samples that an actor's bounds cover, and what of the actor is seen there.
-pub(super) struct Covered {
+pub(super) struct ActorWindow<'a> {
+    look: &'a PinholeLook<'a>,
     actor_id: i32,
     rows: Range<usize>,
     columns: Range<usize>,
@@ -58,16 +66,15 @@ pub(super) struct Covered {
     pub visible_samples: usize,
 }
 
-impl Covered {
-    /// `None` where the actor's bounds are out of the image.
+impl<'a> ActorWindow<'a> {
+    /// Finds the window; `None` where the actor's bounds are out of the image.
     pub fn of(
         scene: &PosedScene,
         instances: &ActorInstances,
         actor_id: i32,
-        camera: &CameraModel,
-        world_from_cam: &DPose3,
-        seen: &Visibility,
+        look: &'a PinholeLook<'a>,
     ) -> Option<Self> {
+        let PinholeLook { camera, world_from_cam, seen } = look;
         let of_actor = instances.of(actor_id).map(|i| &scene.instances[i]);
         let [u1, v1, u2, v2] = pixel_bounds(of_actor, camera, world_from_cam)?;
         // Sample (r, c) lies at v = r / 2 and u = c, in odd rows u = c + 1/2. Windows begin at even rows.
@@ -78,7 +85,7 @@ impl Covered {
             return None;
         }
         let visible_samples = seen.samples_of_actor(actor_id, rows.clone(), columns.clone());
-        Some(Self { actor_id, rows, columns, visible_samples })
+        Some(Self { look, actor_id, rows, columns, visible_samples })
     }
 
     /// Draws the actor alone.
@@ -86,11 +93,10 @@ impl Covered {
         &self,
         scene: &PosedScene,
         instances: &ActorInstances,
-        camera: &CameraModel,
-        world_from_cam: &DPose3,
         buffer: &mut VisibilityBuffer,
     ) -> Silhouette {
-        let mut found = Silhouette { samples: 0, visible_samples: self.visible_samples, bounds: None };
+        let PinholeLook { camera, world_from_cam, .. } = self.look;
+        let mut found = Silhouette::default();
         let (rows, columns) = (self.rows.len(), self.columns.len());
         let (r1, c1) = (self.rows.start, self.columns.start);
         let (pose, first) = (camera.optical_pose(world_from_cam), [c1 as f64, r1 as f64 / 2.0]);
@@ -129,13 +135,14 @@ pub fn pixels_of_actors(
     seen: &Visibility,
 ) -> Vec<[f64; 2]> {
     let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
+    let look = PinholeLook { camera: &pinhole, world_from_cam, seen };
     let mut buffer = VisibilityBuffer::default();
     let pixels = |samples: usize| samples as f64 / SAMPLES_PER_PIXEL as f64;
     let of = |actor: &ActorState| {
-        let covered = Covered::of(scene, &instances, actor.id, &pinhole, world_from_cam, seen);
-        covered.map_or([0.0; 2], |covered| {
-            let found = covered.silhouette(scene, &instances, &pinhole, world_from_cam, &mut buffer);
-            [pixels(found.samples), pixels(found.visible_samples)]
+        let window = ActorWindow::of(scene, &instances, actor.id, &look);
+        window.map_or([0.0; 2], |window| {
+            let outline = window.silhouette(scene, &instances, &mut buffer);
+            [pixels(outline.samples), pixels(window.visible_samples)]
         })
     };
     actors.iter().map(of).collect()

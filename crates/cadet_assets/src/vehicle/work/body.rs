@@ -2,10 +2,13 @@
 
 use std::sync::{Arc, LazyLock};
 
+use super::super::levels::LEVELS;
 use super::super::paint::{Livery, slot, work_slot};
+use super::super::surface::Surface;
 use crate::props::{Read, Shape, read_file};
 use cadet_base::error::Result;
 use cadet_base::geometry::MeshBuilder;
+use cadet_base::math::{Mat3, Vec3};
 use cadet_base::rng::Stream;
 
 include!(concat!(env!("OUT_DIR"), "/bodies.rs"));
@@ -85,6 +88,34 @@ pub(super) struct Room {
     pub half_y: f32,
     pub floor_z: f32,
     pub top_z: f32,
+}
+
+/// What a vehicle carries: a body in its room, or nothing.
+pub(super) struct Load {
+    pub body: Option<&'static Body>,
+    pub room: Room,
+    /// What the body's draws come from.
+    pub seed: u64,
+}
+
+impl Load {
+    /// Draws it at every level, so that a fault of its file is an error now and no panic later.
+    ///
+    /// # Errors
+    /// As [`Body::draw`].
+    pub fn check(&self) -> Result<()> {
+        (0..LEVELS).try_for_each(|level| self.drawn(level).map(drop))
+    }
+
+    /// Adds it to a surface; it has been checked.
+    pub fn add(&self, surface: &mut Surface, level: usize) {
+        let drawn = self.drawn(level).expect("a load that was drawn before");
+        surface.builder.append(&drawn, Mat3::IDENTITY, Vec3::ZERO);
+    }
+
+    fn drawn(&self, level: usize) -> Result<MeshBuilder> {
+        self.body.map_or(Ok(MeshBuilder::new()), |body| body.draw(&self.room, self.seed, level))
+    }
 }
 
 /// What a file says of all its kinds.

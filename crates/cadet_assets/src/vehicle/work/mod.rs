@@ -14,15 +14,14 @@ mod towed;
 
 use std::sync::Arc;
 
-use super::levels::{Blueprint, Fitted, LEVELS, wheels_of};
+use super::levels::{Blueprint, Fitted, wheels_of};
 use super::surface::Surface;
 use super::{VehicleModel, work_paint};
 use cadet_base::actor::{AnnotatedBox, ObjectClass};
 use cadet_base::error::Result;
-use cadet_base::math::{DVec3, Mat3, Vec3};
+use cadet_base::math::{DVec3, Vec3};
 use cadet_base::rng::Stream;
 
-use body::{Body, Room};
 use cab::Cab;
 use coach::Coach;
 use plan::{Chassis, Plan, TowedPlan};
@@ -49,7 +48,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let has_passenger = s.chance(0.35);
     let front: Front = if p.chassis == Chassis::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
-    check(p.body, &p.room(), p.body_seed)?;
+    p.load().check()?;
     let fitted = Fitted::new(p.name(), TruckBlueprint { plan: p, front, has_passenger }, size);
     let (body, p) = (fitted.body(), &fitted.blueprint.plan);
     let wheel = wheels_of(p.name(), p.wheel_radius_m, p.tyre_width_m, frame::RIM);
@@ -74,17 +73,10 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     })
 }
 
-/// Draws a body once, so that what its file says wrong is known at once.
-fn check(body: Option<&Body>, room: &Room, seed: u64) -> Result<()> {
-    (0..LEVELS).try_for_each(|level| body.map_or(Ok(()), |body| body.draw(room, seed, level).map(drop)))
-}
-
-/// Adds a body that [`check`] has drawn before.
-fn add_body(surface: &mut Surface, body: Option<&Body>, room: &Room, seed: u64, level: usize) {
-    if let Some(body) = body {
-        let drawn = body.draw(room, seed, level).expect("a body that was drawn before");
-        surface.builder.append(&drawn, Mat3::IDENTITY, Vec3::ZERO);
-    }
+/// What drives a truck: a cab before what it carries, or a whole coach.
+enum Front {
+    Cab(Cab),
+    Coach(Coach),
 }
 
 /// What a truck or a bus is drawn from.
@@ -103,7 +95,7 @@ impl Blueprint for TruckBlueprint {
                 cab.add(&mut surface, p, level);
                 frame::add_frame(&mut surface, p, level);
                 frame::add_coupling(&mut surface, p, level);
-                add_body(&mut surface, p.body, &p.room(), p.body_seed, level);
+                p.load().add(&mut surface, level);
             }
         }
         frame::add_fixed_wheels(&mut surface, p, level);
@@ -125,17 +117,12 @@ impl Blueprint for TruckBlueprint {
     }
 }
 
-enum Front {
-    Cab(Cab),
-    Coach(Coach),
-}
-
 /// The trailer or motorbike of a seed.
 pub(super) fn towed(model_seed: u64, s: &mut Stream) -> Result<VehicleModel> {
     let p = TowedPlan::draw(s);
     let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
     let size = Vec3::new(p.length_m, p.width_m, p.height_m);
-    check(p.bed(), &p.room(), p.body_seed)?;
+    p.load().check()?;
     let fitted = Fitted::new(p.name(), p, size);
     let p = &fitted.blueprint;
     let stand = p.stand();

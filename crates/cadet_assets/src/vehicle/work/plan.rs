@@ -1,7 +1,7 @@
 //! What kind of commercial vehicle a seed draws, and its measures.
 
 use super::super::paint::Livery;
-use super::body::{Body, Roof, Room, Size};
+use super::body::{Body, Load, Roof, Room, Size};
 use crate::annotation::Margins;
 use crate::annotation::sizes::{MISC, TRUCKS};
 use cadet_base::math::DVec3;
@@ -151,6 +151,11 @@ impl Plan {
 
     pub fn livery(&self) -> Livery {
         self.body.map_or(Livery::Bus, |body| body.family.livery)
+    }
+
+    /// What it carries.
+    pub fn load(&self) -> Load {
+        Load { body: self.body, room: self.room(), seed: self.body_seed }
     }
 
     /// The room behind the cab.

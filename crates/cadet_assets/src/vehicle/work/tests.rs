@@ -1,8 +1,9 @@
 //! The bodies of trucks and trailers: they fill their boxes, stand on their wheels, and look as KITTI's are large.
 
+use super::super::levels::LEVELS;
 use super::super::paint;
 use super::super::tests::{check_margins, check_meshes, check_quantiles, check_wheels, design_number};
-use super::body::BODIES;
+use super::body::{BODIES, Body, Room};
 use super::*;
 use crate::annotation::vehicle_size;
 use crate::rays::Target;
@@ -51,9 +52,7 @@ fn bodies() -> impl Iterator<Item = (&'static Body, Room, u64)> {
     (0..SEEDS).flat_map(|seed| {
         let stream = || Stream::from_seed("vehicle", seed);
         let (truck, trailer) = (Plan::draw(&mut stream()), TowedPlan::draw(&mut stream()));
-        [(truck.body, truck.room(), truck.body_seed), (trailer.bed(), trailer.room(), trailer.body_seed)]
-            .into_iter()
-            .filter_map(|(body, room, seed)| Some((body?, room, seed)))
+        [truck.load(), trailer.load()].into_iter().filter_map(|load| Some((load.body?, load.room, load.seed)))
     })
 }
 

@@ -5,8 +5,7 @@ use super::super::levels::Blueprint;
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface, grid};
 use super::super::wheels::{Rim, add_pair, wheel};
-use super::add_body;
-use super::body::{Room, Size};
+use super::body::{Load, Room, Size};
 use super::cab::plate;
 use super::plan::{Towed, TowedPlan};
 use cadet_base::math::{Mat3, Vec3, cosf, sinf};
@@ -77,6 +76,11 @@ impl TowedPlan {
         if self.is_heavy() { 0.30 } else { 0.165 }
     }
 
+    /// What it carries.
+    pub fn load(&self) -> Load {
+        Load { body: self.bed(), room: self.room(), seed: self.body_seed }
+    }
+
     /// The room on the frame.
     pub fn room(&self) -> Room {
         let half = self.length_m / 2.0;
@@ -104,7 +108,7 @@ impl TowedPlan {
         if matches!(self.kind, Towed::Caravan) {
             self.add_caravan(surface, (rear, front), level);
         }
-        add_body(surface, self.bed(), &self.room(), self.body_seed, level);
+        self.load().add(surface, level);
         // Drawbar: two beams that meet at the coupling, jockey wheel, box.
         let hitch = Vec3::new(half - 0.02, 0.0, 0.42);
         for side in [1.0, -1.0] {

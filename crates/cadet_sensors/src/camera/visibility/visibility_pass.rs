@@ -116,13 +116,7 @@ impl Visibility {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
                 for j in 0..BLOCK.min(width - left) {
-                    let (mut inverse_depth, mut id) = (opaque.inverse_depth_per_m[i][j], opaque.face[i][j]);
-                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth_per_m[i][j] > inverse_depth) {
-                        (inverse_depth, id) = (transparent.inverse_depth_per_m[i][j], transparent.face[i][j]);
-                    }
-                    if inverse_depth <= 0.0 {
-                        continue;
-                    }
+                    let Some((id, _)) = Block::front(opaque, transparent, i, j) else { continue };
                     see(line + j, &buffer.faces[id as usize], [columns_x[left + j], y]);
                 }
             }

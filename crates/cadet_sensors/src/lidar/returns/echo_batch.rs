@@ -102,22 +102,23 @@ impl EchoBatch {
     pub(crate) fn receive(&mut self, receiver: &RingReceiver, ring: usize, records_surfaces: bool, out: &mut Scan) {
         receive(&self.echo, *receiver, &mut self.written);
         let w = &self.written;
+        // Without branches: which returns are kept is hard to predict.
         let (mut kept, mut n) = ([0; BATCH_SIZE], 0);
         for i in 0..self.n {
             kept[n] = i;
             n += usize::from(w.is_kept[i]);
         }
-        let kept = || kept[..n].iter().copied();
+        let kept = &kept[..n];
         let [x, y, z] = &w.point_velo;
-        out.points_velo.extend(kept().map(|i| [x[i], y[i], z[i], w.intensity[i]]));
-        out.ring.extend(kept().map(|_| ring as i32));
-        out.column.extend(kept().map(|i| self.column[i]));
-        out.actor_id.extend(kept().map(|i| self.actor_id[i]));
-        out.semantic.extend(kept().map(|i| self.semantic[i]));
-        out.echo.extend(kept().map(|i| self.number[i]));
-        out.range_m.extend(kept().map(|i| w.range_m[i]));
+        out.points_velo.extend(kept.iter().map(|i| [x[*i], y[*i], z[*i], w.intensity[*i]]));
+        out.ring.extend(std::iter::repeat_n(ring as i32, n));
+        out.column.extend(kept.iter().map(|i| self.column[*i]));
+        out.actor_id.extend(kept.iter().map(|i| self.actor_id[*i]));
+        out.semantic.extend(kept.iter().map(|i| self.semantic[*i]));
+        out.echo.extend(kept.iter().map(|i| self.number[*i]));
+        out.range_m.extend(kept.iter().map(|i| w.range_m[*i]));
         if records_surfaces {
-            out.surface.extend(kept().map(|i| self.surface[i]));
+            out.surface.extend(kept.iter().map(|i| self.surface[*i]));
         }
         self.n = 0;
     }

@@ -10,7 +10,7 @@ use macro_rules_attribute::{apply, derive};
 
 use super::block_rasterization::{ExactBlock, FaceOnImage};
 use super::outline::FacePlanes;
-use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer};
+use super::visibility_buffer::{BLOCK, CLEARLY_NEARER_RATIO, VisibilityBuffer, within_block};
 use crate::sense::cluster_culling::{VisibleCluster, sort_by_depth, visible_clusters};
 use crate::sense::grids::{BeamGrid, PinholeGrid, ToGrid, Window};
 use crate::sense::scene::{PosedInstance, PosedScene};
@@ -225,8 +225,7 @@ impl Rasterizer<'_> {
         let mut is_drawn = false;
         for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
             let Some(rows_y) = self.rows_y[block_row * BLOCK..].first_chunk::<BLOCK>() else { break };
-            let top = block_row * BLOCK;
-            let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
+            let rows = within_block(&window.rows, block_row);
             let y = (rows_y[0] + rows_y[BLOCK - 1]) * 0.5;
             for block_column in self.block_columns(&on_image, window, y) {
                 let left = block_column * BLOCK;

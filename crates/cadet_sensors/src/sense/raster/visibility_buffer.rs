@@ -105,7 +105,7 @@ pub struct VisibilityBuffer {
     pub faces: Vec<DrawnFace>,
     /// Opaque surfaces; means nothing where nothing has been met.
     opaque: Vec<Block>,
-    /// Transparent surfaces of the few blocks that have any; there may be more room.
+    /// Transparent surfaces of the few blocks that have any; those from `num_transparent` on are free.
     transparent: Vec<Block>,
     /// Where a block's transparent surfaces are, or [`NONE`].
     transparent_of: Vec<u32>,
@@ -132,6 +132,13 @@ pub(super) struct BlockState {
     pub least_inverse_depth_per_m: f32,
     /// The least inverse depth may have risen.
     pub is_stale: bool,
+}
+
+/// The rows, or the columns, that a block has of a range which it meets, counted from its own first.
+#[inline(always)]
+pub(super) fn within_block(range: &Range<usize>, block: usize) -> Range<usize> {
+    let first = block * BLOCK;
+    range.start.max(first) - first..range.end.min(first + BLOCK) - first
 }
 
 /// The bits of a block's samples in [`BlockState::met`].
@@ -194,7 +201,7 @@ impl VisibilityBuffer {
     pub(super) fn block_mut(&mut self, block: usize, is_transparent: bool) -> &mut Block {
         let (layer, index, is_fresh) = if is_transparent {
             let known = self.transparent_of[block];
-            // The next free one is lent until something is drawn on it.
+            // The next free one, which becomes the block's when something is drawn on it.
             let index = known.min(self.num_transparent) as usize;
             if index == self.transparent.len() {
                 self.transparent.push(Block::EMPTY);
@@ -253,15 +260,13 @@ impl VisibilityBuffer {
     #[inline(always)]
     pub(super) fn is_hidden(&mut self, window: &Window, z_m: f32) -> bool {
         for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
-            let top = block_row * BLOCK;
-            let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
+            let rows = within_block(&window.rows, block_row);
             for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
                 let block = block_row * self.blocks_across + block_column;
                 if self.states[block].least_inverse_depth_per_m * z_m > CLEARLY_NEARER_RATIO {
                     continue;
                 }
-                let left = block_column * BLOCK;
-                let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
+                let columns = within_block(&window.columns, block_column);
                 let window_bits = bits_of(&rows, &columns);
                 if window_bits & !self.states[block].met != 0 {
                     return false;
@@ -293,15 +298,11 @@ impl VisibilityBuffer {
         rows: Range<usize>,
         columns: Range<usize>,
     ) -> impl Iterator<Item = (usize, Range<usize>, Range<usize>)> {
-        let meet = |all: &Range<usize>, block: usize| {
-            let first = block * BLOCK;
-            all.start.max(first) - first..all.end.min(first + BLOCK) - first
-        };
         let of = |all: &Range<usize>| all.start / BLOCK..all.end.div_ceil(BLOCK);
         of(&rows).flat_map(move |block_row| {
-            let (rows, columns) = (meet(&rows, block_row), columns.clone());
+            let (rows, columns) = (within_block(&rows, block_row), columns.clone());
             of(&columns).map(move |block_column| {
-                (block_row * self.blocks_across + block_column, rows.clone(), meet(&columns, block_column))
+                (block_row * self.blocks_across + block_column, rows.clone(), within_block(&columns, block_column))
             })
         })
     }
