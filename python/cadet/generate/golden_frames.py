@@ -1,4 +1,4 @@
-"""Frames whose bytes are promised on Linux and x86-64: one for each policy and rig of `cadet-gen`, and one in the rain.
+"""Frames whose bytes are promised on Linux and x86-64: of each policy and rig, in the rain, of a fisheye.
 
 `make golden` renews `golden_frames.json`, which holds their hashes.
 """
@@ -15,7 +15,10 @@ from typing import Final
 import numpy as np
 
 from cadet.formats.kitti import Frame
+from cadet.sensors.camera import Camera
+from cadet.sensors.lidar import Lidar
 from cadet.sensors.mounted import MountedCamera
+from cadet.sensors.pose import Pose
 from cadet.sensors.rig import Rig
 from cadet.simulation.scene import Scene
 from cadet.worlds.policy import ResetPolicy
@@ -34,14 +37,24 @@ class Case:
     """Drawn by the policy if None."""
     image_size: tuple[int, int] | None = None
     """Of every camera; the rig's own if None."""
+    lidar: str | None = None
+    """In place of the rig's first one."""
+    more: tuple[MountedCamera, ...] = ()
+    """Cameras beside the rig's."""
 
     def capture(self) -> Frame:
         """Make the frame, with all its maps."""
         rig = Rig.named(self.rig)
         if self.image_size is not None:
             rig = _resized(rig, self.image_size)
+        if self.lidar is not None:
+            rig = replace(rig, lidar=Lidar.named(self.lidar))
+        rig = rig.with_sensors(*self.more)
         return Scene.random(seed=0, policy=ResetPolicy.named(self.policy), rig=rig, weather=self.weather).capture()
 
+
+_POSE: Final = Pose.of_camera((0.5, 0.9, 1.1), yaw_deg=70.0, pitch_deg=15.0)
+_FISHEYE: Final = MountedCamera(name="fisheye", camera=Camera.fisheye(160, 160), pose=_POSE)
 
 CASES: Final = {
     "kitti": Case(),
@@ -50,6 +63,7 @@ CASES: Final = {
     "rain": Case(weather="hard_rain_noon"),
     # Six cameras: small ones, since an emulated processor makes them too.
     "nuscenes": Case(rig="nuscenes", weather="clear_noon", image_size=(320, 180)),
+    "fisheye": Case(weather="clear_noon", image_size=(320, 96), lidar="vlp16", more=(_FISHEYE,)),
 }
 
 
@@ -64,12 +78,13 @@ def digest(frame: Frame) -> str:
     """Hash all that a frame holds."""
     found = sha256()
     maps = (frame.depth, frame.instance, frame.semantic)
-    others = [image for name, image in frame.images.items() if name != next(iter(frame.images))]
-    for part in (frame.image, frame.points_velo, frame.plane, *maps, *others):
+    others = [*frame.images][1:]
+    for part in (frame.image, frame.points_velo, frame.plane, *maps, *(frame.images[name] for name in others)):
         assert part is not None
         found.update(f"{part.dtype} {part.shape}".encode())
         found.update(np.ascontiguousarray(part).tobytes())
-    texts = [frame.calib.to_text(), *(label.to_line() for label in frame.labels)]
+    labels = [*frame.labels, *(label for name in others for label in frame.camera_labels[name])]
+    texts = [frame.calib.to_text(), *(label.to_line() for label in labels)]
     texts.append(json.dumps(frame.meta, sort_keys=True))
     found.update("\n".join(texts).encode())
     return found.hexdigest()
