@@ -24,7 +24,7 @@ ENGINES: Final = ("local", "ray")
 """What makes episodes: processes of this machine, or a Ray cluster."""
 
 _WORKER_GB: Final = 0.35
-"""Memory of a worker after a thousand frames (docs/performance.md)."""
+"""Memory of a worker that has met all designs (docs/performance.md)."""
 
 
 @dataclass(frozen=True)
