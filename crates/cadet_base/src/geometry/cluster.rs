@@ -46,7 +46,7 @@ impl ClusterPiece {
     }
 }
 
-/// What is known of a cluster as a whole.
+/// Bounds, material slots, and closed faces of a cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClusterSummary {
     /// Middle of the bounding sphere, local coordinates.
@@ -129,7 +129,7 @@ impl<'a> Cluster<'a> {
     }
 }
 
-/// The clusters of a mesh: summaries, and one array for all of them of each that they are made of.
+/// The clusters of a mesh: a summary of each, and one array of each kind for what they are made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clusters {
     summaries: Vec<ClusterSummary>,
@@ -174,7 +174,7 @@ impl Clusters {
         (0..self.len()).map(|index| self.get(index))
     }
 
-    /// What is known of each as a whole.
+    /// The summary of each.
     #[must_use]
     pub fn summaries(&self) -> &[ClusterSummary] {
         &self.summaries
@@ -216,8 +216,8 @@ impl Clusters {
         stretched
     }
 
-    /// Ends the cluster whose faces, pieces, and normals were added last, with the places of its corners and what is known
-    /// of it as a whole; its normal cone is found.
+    /// Ends the cluster whose faces, pieces, and normals were added last, with the places of its corners and its summary;
+    /// its normal cone is found.
     pub(super) fn end_cluster(&mut self, points: &[Vec3], summary: ClusterSummary) {
         self.lanes.extend(points.chunks(LANES).map(|eight| {
             let axes = [0, 1, 2];
