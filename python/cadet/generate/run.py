@@ -23,8 +23,8 @@ from cadet.generate.settings import Settings
 ENGINES: Final = ("local", "ray")
 """What makes episodes: processes of this machine, or a Ray cluster."""
 
-_WORKER_GB: Final = 0.35
-"""Memory of a worker that has met all designs (docs/performance.md)."""
+_WORKER_GB: Final = 0.37
+"""Memory of a worker that has met all designs (docs/measurements/performance.md)."""
 
 
 @dataclass(frozen=True)

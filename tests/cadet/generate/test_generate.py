@@ -330,7 +330,7 @@ def test_more_workers_than_memory_is_said_before_they_start(tmp_path: Path, monk
         run_module._engine("local", str(tmp_path), small_settings(40), workers, None, pytest.fail)
 
     with pytest.warns(
-        CadetWarning, match=r"10 workers take about 3\.5 GB of memory, and 2\.5 GB are free: workers=7 fits"
+        CadetWarning, match=r"10 workers take about 3\.7 GB of memory, and 2\.5 GB are free: workers=6 fits"
     ):
         engine(64, 2.5)
     for workers, free_gb in ((4, 2.5), (64, 6.5), (64, None)):
