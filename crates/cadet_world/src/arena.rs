@@ -11,6 +11,7 @@ use super::retouch::Retouch;
 use super::slot::{EGO, Slot};
 use super::streets::Streets;
 use super::traffic_state::{PersonAt, TrafficState, VehicleAt};
+use super::walking::room_of;
 use cadet_base::actor::BodyEnd;
 use cadet_base::error::Result;
 use cadet_base::math::{DVec2, DVec3};
@@ -168,9 +169,10 @@ impl Arena {
         vehicles.map(|(slot, actor)| (slot, actor.footprint(&self.physics)))
     }
 
-    /// Where the people are.
-    pub fn people(&self) -> impl Iterator<Item = (Slot, DVec2)> {
-        self.active_actors().filter_map(|(slot, actor)| Some((slot, actor.body.person()?.at())))
+    /// What the people take up.
+    pub fn people(&self) -> impl Iterator<Item = (Slot, Footprint)> {
+        let people = self.active_actors().filter(|(_, actor)| actor.body.person().is_some());
+        people.map(|(slot, actor)| (slot, room_of(&actor.footprint(&self.physics))))
     }
 
     /// What drivers have to keep off because of people on the road.
@@ -231,12 +233,10 @@ impl Arena {
         around.people.clear();
         for slot in active.iter().copied() {
             for (_, actor) in agents[slot].actors() {
-                if let Some(person) = actor.body.person() {
-                    let speed_mps = person.velocity_world.truncate().length();
-                    let (at, z_m, heading) = (person.at(), person.position.z, person.heading());
-                    around.people.push(PersonAt { agent: slot, at, z_m, heading, speed_mps });
+                let (footprint, is_cycle) = (actor.footprint(physics), actor.body.is_cycle());
+                if actor.body.person().is_some() {
+                    around.people.push(PersonAt { agent: slot, room: room_of(&footprint) });
                 } else {
-                    let (footprint, is_cycle) = (actor.footprint(physics), actor.body.is_cycle());
                     around.vehicles.push(VehicleAt { agent: slot, footprint, is_cycle });
                 }
             }

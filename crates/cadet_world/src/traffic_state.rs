@@ -28,12 +28,8 @@ pub(super) struct VehicleAt {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PersonAt {
     pub agent: Slot,
-    pub at: DVec2,
-    /// Height of the ground below.
-    pub z_m: f64,
-    /// Unit vector.
-    pub heading: DVec2,
-    pub speed_mps: f64,
+    /// What nobody else on foot enters.
+    pub room: Footprint,
 }
 
 /// The blackboard that all agents share.
@@ -120,10 +116,11 @@ impl TrafficState {
         self.vehicles.get(i).filter(|v| v.agent == agent)
     }
 
-    /// A person has set a step.
-    pub fn move_person(&mut self, agent: Slot, at: DVec2) {
+    /// A person has set a step, and may have turned.
+    pub fn move_person(&mut self, agent: Slot, at: DVec2, heading: DVec2) {
         if let Ok(i) = self.people.binary_search_by_key(&agent, |p| p.agent) {
-            self.people[i].at = at;
+            let room = &mut self.people[i].room;
+            (room.center, room.heading) = (at, heading);
         }
     }
 

@@ -8,7 +8,7 @@ use crate::look::PersonLook;
 use crate::outlook::Outlook;
 use crate::params::walking::{
     BLOCKED_S, CROSSES_AGAIN_SHARE, CROSSING_MPS, HELD_S, LOOKS_ACROSS_CHANCE, OFF_LINE_M, OVER_M, ROUND_OTHERS_M,
-    SIDESTEP_MPS, TOGETHER_M, TURN_RADPS, ZEBRA_LEAD_M,
+    SIDESTEP_MPS, TOGETHER_M, TURN_RADPS, WALKS_MPS, ZEBRA_LEAD_M,
 };
 use crate::params::{CRAWLS_MPS, LOOK_S};
 use crate::physics::{DT_S, Physics};
@@ -16,7 +16,8 @@ use crate::slot::Slot;
 use crate::streets::{LaneGraph, Sidewalks, Streets};
 use crate::traffic_state::TrafficState;
 use crate::walking::{
-    GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, way_across,
+    GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, room_of,
+    way_across,
 };
 use cadet_base::math::{self, DVec2};
 use cadet_base::plane::heading_rad;
@@ -233,7 +234,8 @@ impl Behavior for Pedestrian {
         let step = if wanted == from {
             Some(from)
         } else {
-            self.nearby.step(before, wanted, &around.people, &around.vehicles, keeps_to_line)
+            let own = room_of(&self.own.view().footprint(physics));
+            self.nearby.step(&own, wanted, &around.people, &around.vehicles, keeps_to_line)
         };
         match step {
             Some(_) => {
@@ -261,11 +263,14 @@ impl Behavior for Pedestrian {
             // The edge of the world: stay on the last ground.
             let Some(ground) = physics.ground_at(to.extend(before.z)) else { return };
             body.position = to.extend(ground.z_m);
-            let turn = math::wrap_angle(heading_rad(moved) - body.yaw_rad);
-            let most = TURN_RADPS * DT_S;
-            body.yaw_rad = math::wrap_angle(body.yaw_rad + turn.clamp(-most, most));
+            // Who side-steps faces on.
+            if moved.length() > WALKS_MPS * DT_S {
+                let turn = math::wrap_angle(heading_rad(moved) - body.yaw_rad);
+                let most = TURN_RADPS * DT_S;
+                body.yaw_rad = math::wrap_angle(body.yaw_rad + turn.clamp(-most, most));
+            }
             look.walk(moved.length());
-            around.move_person(slot, to);
+            around.move_person(slot, to, body.heading());
         }
         body.velocity_world = (body.position - before) / DT_S;
     }

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use super::spawner::{Entry, Newcomer, Spawner};
 use crate::agents::Pedestrian;
+use crate::footprint::Footprint;
 use crate::slot::Slot;
-use crate::walking::{GroupPlace, Motion, nearness};
+use crate::walking::{GroupPlace, Motion, room_of};
 use cadet_assets::person::PersonModel;
+use cadet_base::frames;
 use cadet_base::math::{self, DVec2, DVec3};
-use cadet_base::plane::unit;
+use cadet_base::plane::{heading_rad, unit};
 
 /// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
 const COMPANY_SHARE: f64 = 0.75;
@@ -84,10 +86,10 @@ impl Spawner<'_> {
         let lateral_m = (lead_m + aside_m).clamp(-room, room);
         let s_m = self.arena.streets.sidewalks.wrapped(walkway, s_m - direction * behind_m)?;
         let at = self.on_sidewalk(walkway, s_m, lateral_m);
-        let ahead = self.arena.streets.sidewalks.spot(walkway, s_m).tangent;
-        let is_near_somebody =
-            self.arena.people().any(|(other, place)| other != by.slot && nearness(place - at.truncate(), ahead) < 1.0);
-        if is_near_somebody || !self.has_room_for_person(at, by.slot, 0.0) {
+        let yaw_rad = heading_rad(self.arena.streets.sidewalks.spot(walkway, s_m).tangent);
+        let own = room_of(&Footprint::of_box(&frames::upright(at, yaw_rad), model.size_lwh, DVec2::ZERO));
+        let meets_somebody = self.arena.people().any(|(other, room)| other != by.slot && room.overlaps(&own));
+        if meets_somebody || !self.has_room_for_person(at, by.slot, 0.0) {
             return None;
         }
         if aside.is_none() && is_aside {

@@ -83,7 +83,7 @@ impl Spawner<'_> {
     pub(super) fn has_room_for_person(&self, place: DVec3, slot: Slot, apart_m: f64) -> bool {
         let at = place.truncate();
         let is_near_somebody =
-            self.arena.people().any(|(other, place)| other != slot && (place - at).length() < apart_m);
+            self.arena.people().any(|(other, room)| other != slot && (room.center - at).length() < apart_m);
         let is_near = |o: &Footprint| o.distance_m(at) < CAR_M && o.is_level_with(at, place.z);
         !is_near_somebody
             && !self.arena.around.standing.iter().any(is_near)

@@ -42,7 +42,7 @@ impl Spawner<'_> {
             let model = PersonModel::sitting(stream.next_u64(), seat.height_m);
             let body = seated(&model, &seat.world_from_seat, &mut stream);
             let here = body.at();
-            if self.arena.people().all(|(_, other)| (other - here).length() > 2.0 * BODY_M) {
+            if self.arena.people().all(|(_, other)| (other.center - here).length() > 2.0 * BODY_M) {
                 self.arena.put(sitter(model, body));
             }
         }

@@ -46,8 +46,7 @@ fn jams_dissolve_and_the_ego_seldom_stands_where_views_are_taken() {
     assert!(share <= 0.15, "the ego stands at {share:.3} of the views");
 }
 
-/// Of KITTI's 4,487 labeled pedestrians 0.5 % are in pairs whose boxes reach more than 0.3 m into each other; of ours 1.1 %
-/// in 6,000 frames.
+/// Of KITTI's 4,487 labeled pedestrians 0.5 % are in pairs whose boxes reach more than 0.3 m into each other.
 #[test]
 fn people_walk_into_nobody_keep_a_stride_and_stay_in_groups() {
     let (mut num_people, mut num_pairs, mut groups) = (0, 0, Groups::default());
@@ -73,7 +72,7 @@ fn people_walk_into_nobody_keep_a_stride_and_stay_in_groups() {
         }
     }
     assert!(num_people > 1900, "{num_people} people");
-    assert!(50 * num_pairs < num_people, "{num_pairs} pairs of {num_people} people");
+    assert!(200 * num_pairs < num_people, "{num_pairs} pairs of {num_people} people");
     // People who stand stay; corners, crossings, and lights part those who walk.
     let Groups { num_walkers, in_company, behind, together } = groups;
     assert!(3 * in_company > num_walkers && 5 * behind > in_company, "{in_company} of {num_walkers}, {behind} behind");

@@ -34,7 +34,7 @@ pub(crate) fn free_line(
         (o.center - here).length() < o.half_length_m + o.half_width_m + 3.5 && o.is_level_with(here, own.z_m)
     };
     let near: Vec<&Footprint> = around.standing.iter().filter(is_near).collect();
-    let others: Vec<&PersonAt> = others(own, around).filter(|p| (p.at - here).length() < 3.2).collect();
+    let others: Vec<&PersonAt> = others(own, around).filter(|p| (p.room.center - here).length() < 3.2).collect();
     let is_free = |lateral: f64| {
         [0.7, 1.5, 2.3].iter().all(|ahead| {
             let spot = sidewalks.spot(own.walkway, own.s_m + own.direction * ahead);
@@ -42,7 +42,7 @@ pub(crate) fn free_line(
             let clear_of_things = near.iter().all(|o| o.distance_m(p) > SHOULDER_M + 0.1);
             let clear_of_people = others.iter().all(|other| {
                 // Where they will be when we get there.
-                let then = other.at + other.heading * (other.speed_mps * ahead / own.walking_speed_mps.max(0.5));
+                let then = other.room.center + other.room.velocity * (ahead / own.walking_speed_mps.max(0.5));
                 (then - p).length() > 2.0 * SHOULDER_M
             });
             clear_of_things && clear_of_people
@@ -60,16 +60,16 @@ pub(crate) fn free_line(
 /// The other people on the own level.
 fn others<'a>(own: &OnWalkway, around: &'a TrafficState) -> impl Iterator<Item = &'a PersonAt> {
     let (slot, z_m) = (own.slot, own.z_m);
-    around.people.iter().filter(move |p| p.agent != slot && (p.z_m - z_m).abs() < LEVEL_M)
+    around.people.iter().filter(move |p| p.agent != slot && (p.room.z_m - z_m).abs() < LEVEL_M)
 }
 
 /// The share of the own speed that keeps a stride from those who walk the same way ahead.
 pub(crate) fn pace_behind(own: &OnWalkway, around: &TrafficState, sidewalks: &Sidewalks) -> f64 {
     let ahead = sidewalks.spot(own.walkway, own.s_m).tangent * own.direction;
     let paces = others(own, around).filter_map(|other| {
-        let offset = other.at - own.at;
+        let offset = other.room.center - own.at;
         let (along_m, aside_m) = (offset.dot(ahead), offset.perp_dot(ahead).abs());
-        let speed_mps = other.speed_mps * other.heading.dot(ahead);
+        let speed_mps = other.room.velocity.dot(ahead);
         let is_followed = (0.0..FOLLOWS_M).contains(&along_m) && aside_m < 2.0 * BODY_M && speed_mps > WALKS_MPS;
         is_followed.then(|| (speed_mps + (along_m - STRIDE_M) / CLOSES_S) / own.walking_speed_mps.max(0.5))
     });

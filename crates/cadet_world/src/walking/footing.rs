@@ -2,16 +2,24 @@
 
 use crate::footprint::Footprint;
 use crate::params::LEVEL_M;
-use crate::params::walking::{BODY_M, STRIDE_M};
+use crate::params::walking::BODY_M;
 use crate::slot::Slot;
 use crate::traffic_state::{PersonAt, VehicleAt};
-use cadet_base::math::{self, DVec2, DVec3};
+use cadet_base::math::{DVec2, DVec3};
 use cadet_base::plane::unit;
 
 /// Vehicles and people farther away than this are not met before the next look.
 const REACH_M: f64 = 1.5;
+/// What arms and feet reach now and then, on each side of a box.
+const SHARED_M: f64 = 0.15;
 /// The turns that are tried to get round what is in the way, first to the side on which one goes round already.
 const TURNS_RAD: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+
+/// What a person takes up: the box but for what arms and feet reach now and then, and at least the trunk.
+pub(crate) fn room_of(footprint: &Footprint) -> Footprint {
+    let (half_length_m, half_width_m) = (footprint.half_length_m - SHARED_M, footprint.half_width_m - SHARED_M);
+    Footprint { half_length_m: half_length_m.max(BODY_M), half_width_m: half_width_m.max(BODY_M), ..*footprint }
+}
 
 /// What somebody may meet until the next look round.
 #[derive(Debug, Clone)]
@@ -34,41 +42,40 @@ impl Nearby {
         let (here, z_m) = (position.truncate(), position.z);
         self.parked.clear();
         self.parked.extend(parked.iter().filter(|o| o.is_within(here, REACH_M) && o.is_level_with(here, z_m)));
-        let is_near =
-            |p: &&PersonAt| p.agent != own && (p.at - here).length() < REACH_M && (p.z_m - z_m).abs() < LEVEL_M;
+        let is_near = |p: &&PersonAt| {
+            p.agent != own && (p.room.center - here).length() < REACH_M && (p.room.z_m - z_m).abs() < LEVEL_M
+        };
         self.people.clear();
         self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
     }
 
-    /// The step from a position to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
+    /// The step of somebody who takes up `own` to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
     /// the way on all sides. Who is too near to something already may step away from it, not toward it.
     pub fn step(
         &mut self,
-        position: DVec3,
+        own: &Footprint,
         to: DVec2,
         people: &[PersonAt],
         vehicles: &[VehicleAt],
         allowed: impl Fn(DVec2) -> bool,
     ) -> Option<DVec2> {
-        let from = position.truncate();
-        let is_near = |o: &&Footprint| o.is_within(from, REACH_M) && o.is_level_with(from, position.z);
+        let from = own.center;
+        let is_near = |o: &&Footprint| o.is_within(from, REACH_M) && o.is_level_with(from, own.z_m);
         let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
-        let place_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| people[i].at);
-        let near_people: Vec<DVec2> = self.people.iter().filter_map(place_of).collect();
-        let ahead = (to - from).normalize_or(DVec2::X);
+        let room_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| &people[i].room);
+        let near_people: Vec<&Footprint> = self.people.iter().filter_map(room_of).collect();
         let is_free = |p: DVec2| {
             let enters = |o: &Footprint| {
                 let (before, after) = (o.distance_m(from), o.distance_m(p));
                 after < BODY_M && after < before
             };
-            let touches = |other: &DVec2| {
-                let (before, after) = (nearness(*other - from, ahead), nearness(*other - p, ahead));
-                let (before_m, after_m) = ((*other - from).length(), (*other - p).length());
-                after < 1.0 && after < before || after_m < 2.0 * BODY_M && after_m < before_m
+            let moved = Footprint { center: p, ..*own };
+            let touches = |other: &Footprint| {
+                (other.center - p).length() < (other.center - from).length() && moved.overlaps(other)
             };
             !self.parked.iter().any(enters)
                 && !near_vehicles.iter().any(|v| enters(v))
-                && !near_people.iter().any(touches)
+                && !near_people.iter().any(|other| touches(other))
         };
         if is_free(to) && allowed(to) {
             return Some(to);
@@ -83,14 +90,10 @@ impl Nearby {
     }
 }
 
-/// How near somebody is who walks `ahead`: below 1 inside an ellipse of a stride by two bodies.
-pub(crate) fn nearness(offset: DVec2, ahead: DVec2) -> f64 {
-    math::hypot(offset.dot(ahead) / STRIDE_M, offset.perp_dot(ahead) / (2.0 * BODY_M))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cadet_base::math;
 
     const CAR: Footprint = Footprint {
         center: DVec2::new(3.0, 0.0),
@@ -101,9 +104,12 @@ mod tests {
         velocity: DVec2::ZERO,
     };
 
+    fn room(center: DVec2, heading: DVec2) -> Footprint {
+        Footprint { center, heading, half_length_m: 0.4, half_width_m: BODY_M, ..CAR }
+    }
+
     fn people(places: &[DVec2]) -> Vec<PersonAt> {
-        let person =
-            |(agent, at): (Slot, &DVec2)| PersonAt { agent, at: *at, z_m: 0.0, heading: DVec2::X, speed_mps: 0.0 };
+        let person = |(agent, at): (Slot, &DVec2)| PersonAt { agent, room: room(*at, DVec2::X) };
         places.iter().enumerate().map(person).collect()
     }
 
@@ -117,11 +123,10 @@ mod tests {
         let mut nearby = Nearby::default();
         (0..600)
             .map(|_| {
-                let from = places[0];
+                let (from, wanted) = (places[0], step(places[0]));
                 nearby.look(0, from.extend(0.0), &people(&places), parked);
-                places[0] = nearby
-                    .step(from.extend(0.0), from + step(from), &people(&places), vehicles, |_| true)
-                    .unwrap_or(from);
+                let own = room(from, wanted.normalize_or(DVec2::X));
+                places[0] = nearby.step(&own, from + wanted, &people(&places), vehicles, |_| true).unwrap_or(from);
                 places[0]
             })
             .collect()
