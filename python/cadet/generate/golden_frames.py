@@ -1,4 +1,4 @@
-"""Frames whose bytes are promised on Linux and x86-64: of each policy and rig, in the rain, of a fisheye.
+"""Frames whose bytes are promised on Linux and x86-64: of each policy and rig, in the rain, in a crowd, of a fisheye.
 
 `make golden` renews `golden_frames.json`, which holds their hashes.
 """
@@ -21,6 +21,7 @@ from cadet.sensors.mounted import MountedCamera
 from cadet.sensors.pose import Pose
 from cadet.sensors.rig import Rig
 from cadet.simulation.scene import Scene
+from cadet.worlds.config import SceneConfig
 from cadet.worlds.policy import ResetPolicy
 
 FILE: Final = Path(__file__).with_suffix(".json")
@@ -29,7 +30,7 @@ _DIGITS: Final = 12
 
 @dataclass(frozen=True)
 class Case:
-    """The first frame of seed 0."""
+    """A frame of seed 0."""
 
     policy: str = "kitti"
     rig: str = "kitti"
@@ -41,6 +42,10 @@ class Case:
     """In place of the rig's first one."""
     more: tuple[MountedCamera, ...] = ()
     """Cameras beside the rig's."""
+    config: SceneConfig | None = None
+    """How full the scene is; drawn by the policy if None."""
+    after_s: float = 0.0
+    """Seconds of driving before it."""
 
     def capture(self) -> Frame:
         """Make the frame, with all its maps."""
@@ -50,7 +55,11 @@ class Case:
         if self.lidar is not None:
             rig = replace(rig, lidar=Lidar.named(self.lidar))
         rig = rig.with_sensors(*self.more)
-        return Scene.random(seed=0, policy=ResetPolicy.named(self.policy), rig=rig, weather=self.weather).capture()
+        policy = ResetPolicy.named(self.policy)
+        scene = Scene.random(seed=0, policy=policy, rig=rig, weather=self.weather, config=self.config)
+        if self.after_s:
+            scene.step(self.after_s)
+        return scene.capture()
 
 
 _POSE: Final = Pose.of_camera((0.5, 0.9, 1.1), yaw_deg=70.0, pitch_deg=15.0)
@@ -63,6 +72,14 @@ CASES: Final = {
     "rain": Case(weather="hard_rain_noon"),
     # Six cameras: small ones, since an emulated processor makes them too.
     "nuscenes": Case(rig="nuscenes", weather="clear_noon", image_size=(320, 180)),
+    # Where everybody's way has hung on everybody else's for a while.
+    "crowd": Case(
+        weather="clear_noon",
+        image_size=(320, 96),
+        lidar="vlp16",
+        config=SceneConfig(num_cars=25, num_pedestrians=80, num_cyclists=6),
+        after_s=6.0,
+    ),
     "fisheye": Case(weather="clear_noon", image_size=(320, 96), lidar="vlp16", more=(_FISHEYE,)),
 }
 
