@@ -6,6 +6,7 @@ import contextlib
 import os
 import pickle
 import sys
+import threading
 from collections.abc import Iterator
 from multiprocessing import current_process
 from multiprocessing.context import SpawnContext, SpawnProcess
@@ -16,6 +17,8 @@ from cadet.errors import CadetError
 
 _NUM_THREADS: Final = ("OPENBLAS_NUM_THREADS", "GOTO_NUM_THREADS", "OMP_NUM_THREADS")
 """By which OpenBLAS, which most builds of NumPy bring, is told how many threads to start."""
+_STARTS: Final = threading.Lock()
+"""Held while a process starts: what it is not to see is hidden from this whole process meanwhile."""
 
 
 def may_start_workers() -> bool:
@@ -37,7 +40,7 @@ class WorkerProcess(SpawnProcess):
                 "a process that is itself a worker, such as a data loader's, can start none: "
                 "pass workers=0 to a stream, and run all else in the main process"
             )
-        with _script_hidden(), _openblas_without_threads():
+        with _STARTS, _script_hidden(), _openblas_without_threads():
             try:
                 super().start()
             except pickle.PicklingError as error:
@@ -74,5 +77,4 @@ def _openblas_without_threads() -> Iterator[None]:
     try:
         yield
     finally:
-        # Another thread may have started a worker meanwhile.
-        os.environ.pop(_NUM_THREADS[0], None)
+        del os.environ[_NUM_THREADS[0]]

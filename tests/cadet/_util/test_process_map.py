@@ -2,10 +2,17 @@ from __future__ import annotations
 
 import math
 import os
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from multiprocessing.context import SpawnProcess
+from threading import Barrier, BrokenBarrierError
 
 import pytest
 
 from cadet._util.process_map import process_map
+from cadet._util.worker_processes import WorkerProcess
 from cadet.errors import CadetError
 
 
@@ -37,6 +44,25 @@ def test_workers_compute_with_one_thread_unless_the_user_says_otherwise(
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         assert set(process_map(os.getenv, [name] * 40, workers=2)) == {expected.get(name)}
         assert os.environ.get(name) == of_user.get(name)
+
+
+def test_threads_that_start_workers_at_once_leave_the_script_and_the_environment_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name in ("OPENBLAS_NUM_THREADS", "GOTO_NUM_THREADS", "OMP_NUM_THREADS"):
+        monkeypatch.delenv(name, raising=False)
+    script, both_start = sys.modules["__main__"], Barrier(2)
+
+    def start(process: SpawnProcess) -> None:
+        # Of two that start at once the first to begin is the first to end.
+        with suppress(BrokenBarrierError):
+            time.sleep(0.2 * both_start.wait(timeout=1.0))
+
+    monkeypatch.setattr(SpawnProcess, "start", start)
+    with ThreadPoolExecutor(2) as threads:
+        list(threads.map(lambda _: WorkerProcess().start(), range(2)))
+    assert sys.modules["__main__"] is script
+    assert "OPENBLAS_NUM_THREADS" not in os.environ
 
 
 @pytest.mark.parametrize("workers", [0, 1.5, 2000])

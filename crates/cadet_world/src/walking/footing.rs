@@ -49,8 +49,8 @@ impl Nearby {
         self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
     }
 
-    /// The step of somebody who takes up `own` to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
-    /// the way on all sides. Who is too near to something already may step away from it, not toward it.
+    /// The step to `to` of somebody who takes up `own`, or one of its length beside it; `allowed` has to agree. `None` where
+    /// something is in the way on all sides. Who is too near to something already may step away from it, not toward it.
     pub fn step(
         &mut self,
         own: &Footprint,
@@ -62,8 +62,9 @@ impl Nearby {
         let from = own.center;
         let is_near = |o: &&Footprint| o.is_within(from, REACH_M) && o.is_level_with(from, own.z_m);
         let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
-        let room_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| &people[i].room);
-        let near_people: Vec<&Footprint> = self.people.iter().filter_map(room_of).collect();
+        let room_taken_by =
+            |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| &people[i].room);
+        let near_people: Vec<&Footprint> = self.people.iter().filter_map(room_taken_by).collect();
         let is_free = |p: DVec2| {
             let enters = |o: &Footprint| {
                 let (before, after) = (o.distance_m(from), o.distance_m(p));
