@@ -1,6 +1,7 @@
 //! Rectangles in the plane: what agents cover, and what others have to keep off.
 
 use super::params::{COS_SAME_WAY, LEVEL_M, STEEP_SLOPE};
+use cadet_base::frames;
 use cadet_base::math::{DPose3, DVec2, DVec3};
 use cadet_base::plane::OrientedRect;
 
@@ -28,6 +29,11 @@ impl Footprint {
             z_m: world_from_box.translation.z,
             velocity,
         }
+    }
+
+    /// What a box that stands upright at a place covers.
+    pub fn of_upright(size_lwh: DVec3, at: DVec3, yaw_rad: f64) -> Self {
+        Self::of_box(&frames::upright(at, yaw_rad), size_lwh, DVec2::ZERO)
     }
 
     /// The rectangle alone.

@@ -116,6 +116,12 @@ impl TrafficState {
         self.vehicles.get(i).filter(|v| v.agent == agent)
     }
 
+    /// What a person takes up.
+    pub fn room(&self, agent: Slot) -> Option<&Footprint> {
+        let i = self.people.binary_search_by_key(&agent, |p| p.agent).ok()?;
+        Some(&self.people[i].room)
+    }
+
     /// A person has set a step, and may have turned.
     pub fn move_person(&mut self, agent: Slot, at: DVec2, heading: DVec2) {
         if let Ok(i) = self.people.binary_search_by_key(&agent, |p| p.agent) {

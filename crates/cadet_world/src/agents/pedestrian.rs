@@ -16,8 +16,7 @@ use crate::slot::Slot;
 use crate::streets::{LaneGraph, Sidewalks, Streets};
 use crate::traffic_state::TrafficState;
 use crate::walking::{
-    GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, room_of,
-    way_across,
+    GroupPlace, Motion, Nearby, OnWalkway, Walk, free_line, is_on_road, keep_off, may_start, pace_behind, way_across,
 };
 use cadet_base::math::{self, DVec2};
 use cadet_base::plane::heading_rad;
@@ -234,8 +233,8 @@ impl Behavior for Pedestrian {
         let step = if wanted == from {
             Some(from)
         } else {
-            let own = room_of(&self.own.view().footprint(physics));
-            self.nearby.step(&own, wanted, &around.people, &around.vehicles, keeps_to_line)
+            let own = around.room(slot);
+            own.and_then(|own| self.nearby.step(own, wanted, &around.people, &around.vehicles, keeps_to_line))
         };
         match step {
             Some(_) => {

@@ -8,7 +8,6 @@ use crate::footprint::Footprint;
 use crate::slot::Slot;
 use crate::walking::{GroupPlace, Motion, room_of};
 use cadet_assets::person::PersonModel;
-use cadet_base::frames;
 use cadet_base::math::{self, DVec2, DVec3};
 use cadet_base::plane::{heading_rad, unit};
 
@@ -87,7 +86,7 @@ impl Spawner<'_> {
         let s_m = self.arena.streets.sidewalks.wrapped(walkway, s_m - direction * behind_m)?;
         let at = self.on_sidewalk(walkway, s_m, lateral_m);
         let yaw_rad = heading_rad(self.arena.streets.sidewalks.spot(walkway, s_m).tangent);
-        let own = room_of(&Footprint::of_box(&frames::upright(at, yaw_rad), model.size_lwh, DVec2::ZERO));
+        let own = room_of(&Footprint::of_upright(model.size_lwh, at, yaw_rad));
         let meets_somebody = self.arena.people().any(|(other, room)| other != by.slot && room.overlaps(&own));
         if meets_somebody || !self.has_room_for_person(at, by.slot, 0.0) {
             return None;

@@ -11,7 +11,7 @@ use crate::look::TurnSignal;
 use cadet_assets::vehicle::{Opening, VehicleModel};
 use cadet_base::actor::ObjectClass;
 use cadet_base::error::{Error, Result};
-use cadet_base::math::{self, DVec2, DVec3};
+use cadet_base::math::{self, DVec3};
 use cadet_base::rng::Stream;
 use cadet_town::{ParkingSpot, SpotKind, Town};
 
@@ -101,8 +101,7 @@ impl Spawner<'_> {
             let free = |shift_m: f64| {
                 let along_m = along_m + shift_m;
                 let place = spot.world_from_spot.transform_point(DVec3::new(along_m, aside_m, 0.0));
-                let rectangle =
-                    Footprint::of_box(&cadet_base::frames::upright(place, yaw), model.size_lwh, DVec2::ZERO);
+                let rectangle = Footprint::of_upright(model.size_lwh, place, yaw);
                 let clear = !rectangle.overlaps(&own)
                     && self.arena.around.standing.iter().all(|o| !o.overlaps(&rectangle.grown(0.25)))
                     && self.arena.streets.graph.keeps_off_lanes(&rectangle, OFF_LANES_M)

@@ -18,7 +18,6 @@ use cadet_assets::person::PersonModel;
 use cadet_assets::vehicle::VehicleModel;
 use cadet_base::actor::ObjectClass;
 use cadet_base::error::{Error, Result, finite};
-use cadet_base::frames;
 use cadet_base::math::{self, DPose3, DVec2, DVec3};
 use cadet_base::plane::unit;
 use cadet_base::rng::Stream;
@@ -196,7 +195,7 @@ fn start_on_cycle(
 
 /// What a box covers at a place.
 pub(crate) fn box_at(size_lwh: DVec3, at: DVec3, yaw_rad: f64) -> Cover {
-    Cover::Box(Footprint::of_box(&frames::upright(at, yaw_rad), size_lwh, DVec2::ZERO))
+    Cover::Box(Footprint::of_upright(size_lwh, at, yaw_rad))
 }
 
 /// The person of a seed, drawn again until one walks.
