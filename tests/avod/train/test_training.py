@@ -78,20 +78,21 @@ def train_by_heart(config: Config, sample: Sample, steps: int) -> tuple[AnyNetwo
     return network, totals
 
 
-@pytest.mark.timeout(400)  # some 20 s of one core, more where it is shared
+@pytest.mark.timeout(400)  # some 30 s of one core, more where it is shared
 def test_one_frame_is_learnt_by_heart(sample: Sample) -> None:
-    network, totals = train_by_heart(CONFIG, sample, CONFIG.training.steps)
+    # Long enough for any processor: rounding alone makes another training of it.
+    longer = dataclasses.replace(CONFIG.training, steps=320, decay_steps=240)
+    network, totals = train_by_heart(dataclasses.replace(CONFIG, training=longer), sample, longer.steps)
     assert np.mean(totals[-20:]) < 0.2 * np.mean(totals[:20])
     found, truths, overlap = compared(Detector(network), make_frame())
-    rows = overlap.argmax(axis=0)
-    for row, column, truth in zip(rows, range(len(truths)), truths, strict=True):
+    for column, truth in enumerate(truths):
+        row = int(overlap[:, column].argmax())
         assert overlap[row, column] >= 0.7, truth
         assert found[row].type == truth.type
         assert math.cos(found[row].rotation_y - truth.rotation_y) > 0.9, "the heading is right, not reversed"
+        assert (found[row].score or 0.0) > 0.5
         assert found[row].bbox == pytest.approx(truth.bbox, abs=12.0)
-    # How high the scores are hangs on the processor: rounding makes another training of it.
-    others = [x.score or 0.0 for x, row in zip(found, overlap, strict=True) if row.max() < 0.7]
-    assert min(found[row].score or 0.0 for row in rows) > max(others, default=0.1)
+    assert all(x.score is None or x.score <= 0.5 for x, row in zip(found, overlap, strict=True) if row.max() < 0.7)
 
 
 def test_both_ways_of_the_gradient_and_smaller_arithmetic_learn(sample: Sample) -> None:
