@@ -44,6 +44,9 @@ class TrainingConfig:
     """Shift the colors of half of the samples along their principal axes."""
     average_decay: Annotated[float, Limits(0, 0.999999)] = 0.0
     """Of a moving average of the weights, which checkpoints then hold; 0 keeps the last step's weights, as in AVOD."""
+    learns: str = ""
+    """Beginning of the names of the parameters that learn, such as "refinement.heading"; the others, and their batch
+    normalizations, stay as they are. All learn by default."""
     checkpoint_steps: Annotated[int, Limits(1, _MOST_STEPS)] = 2_000
     """Between two checkpoints."""
 

@@ -133,7 +133,7 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
 
     def parts(self) -> tuple[Part, ...]:
         """List its parts, in evaluation mode."""
-        return self.own_parts() if self.refinement is None else (*self.own_parts(), self.refinement.part())
+        return self.own_parts() if self.refinement is None else (*self.own_parts(), *self.refinement.parts())
 
     @property
     def terms(self) -> tuple[str, ...]:

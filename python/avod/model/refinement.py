@@ -16,13 +16,12 @@ from torch.nn import functional
 from avod.config import RefinementConfig
 from avod.data.sample import Sample
 from avod.geometry.encoding import MIN_SIZE_M, ground_y
-from avod.geometry.orientation import wrap_angle
+from avod.geometry.orientation import fix_up, wrap_angle
+from avod.model.box_points import BoxPoints, PointLayers, greatest, points_near, turned
+from avod.model.heading import PointHeading, heading_loss, heading_vectors, reversals
 from avod.model.layers import Head
 from avod.model.parts import EXAMPLE_ROWS, Part
 
-_LOWEST_M: Final = -0.3
-_HIGHEST_M: Final = 3.2
-"""Heights over the ground between which points are looked at."""
 _LEAST_POINTS: Final = 3
 """Boxes of fewer points are left as they are."""
 _SCALES: Final = (0.2, 0.2, 0.1, 0.08, 0.06, 0.06, 0.08)
@@ -41,8 +40,6 @@ _QUALITY_WEIGHT: Final = 2.0
 _LEAST_OVERLAP: Final = 0.2
 """Found boxes that overlap an object by less have none."""
 _FARTHEST_M: Final = 40.0
-_LEAST: Final = -5.0
-"""The greatest of no points' features, and the least that counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +53,7 @@ class RefinementOutputs:
         quality_logits: (N,).
         qualities: (N,) what they should be: 0 for an overlap of the corrected box in 3D of a quarter or less, 1 for one
             of three quarters or more.
-        reversed_logits: (N,).
-        is_reversed: (N,) bool, whether the object's front is the box's rear.
+        heading_losses: (N,) of those that have an object.
     """
 
     found: Tensor
@@ -65,38 +61,20 @@ class RefinementOutputs:
     has_object: Tensor
     quality_logits: Tensor
     qualities: Tensor
-    reversed_logits: Tensor
-    is_reversed: Tensor
+    heading_losses: Tensor
 
     def loss(self) -> Tensor:
-        """Compute the smooth L1 sum of corrections, and cross entropies of reversals and of qualities.
+        """Compute the smooth L1 sum of corrections, and cross entropies of headings and of qualities.
 
         The first two are means over those with an object.
 
         Reference of the qualities: Jiang et al., "IoU-Net" (ECCV 2018), scaled as in PV-RCNN (Shi et al., CVPR 2020).
         """
         errors = functional.smooth_l1_loss(self.found, self.wanted, beta=_SMOOTHING, reduction="none").sum(dim=1)
-        errors = errors + functional.binary_cross_entropy_with_logits(
-            self.reversed_logits, self.is_reversed.to(errors), reduction="none"
-        )
-        correction = torch.where(self.has_object, errors, 0.0).sum() / self.has_object.sum().clamp(min=1)
+        errors = torch.where(self.has_object, errors + self.heading_losses, 0.0)
+        correction = errors.sum() / self.has_object.sum().clamp(min=1)
         judgment = functional.binary_cross_entropy_with_logits(self.quality_logits, self.qualities, reduction="sum")
         return correction + _QUALITY_WEIGHT * judgment / max(len(self.qualities), 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Points:
-    """Points of N boxes, in the boxes' own frames, box by box.
-
-    Attributes:
-        features: (P, 7).
-        box: (P,) int64, whose point it is.
-        counts: (N,) points of each box, before some were left out.
-    """
-
-    features: Tensor
-    box: Tensor
-    counts: Tensor
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,21 +84,20 @@ class _Look:
     Attributes:
         corrections: (N, 7), in units of `_SCALES`.
         quality_logits: (N,).
-        reversed_logits: (N,), above 0 where the front is the box's rear.
+        heading_logits: (N, 12), of observation angles.
         has_points: (N,) bool, enough to say so.
     """
 
     corrections: Tensor
     quality_logits: Tensor
-    reversed_logits: Tensor
+    heading_logits: Tensor
     has_points: Tensor
 
     def corrected(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
-        """Apply the corrections to the boxes (N, 7), and turn those whose front is their rear."""
+        """Apply the corrections to the boxes (N, 7), and make the side that the heading points to their front."""
         limits = boxes_cam.new_tensor(_MOST)
         corrections = (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits)
-        corrections[:, 6] += math.pi * (self.reversed_logits > 0.0)
-        return corrected(boxes_cam, corrections, plane)
+        return fix_up(corrected(boxes_cam, corrections, plane), heading_vectors(self.heading_logits, boxes_cam))
 
 
 class PointRefinement(nn.Module):
@@ -133,11 +110,9 @@ class PointRefinement(nn.Module):
     def __init__(self, config: RefinementConfig) -> None:
         super().__init__()
         self.config = config
-        first, second, third = config.channels
-        self.before = nn.ModuleList([nn.Linear(_POINT_FEATURES, first), nn.Linear(first, second)])
-        self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
-        self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
-        self.head = Head(third + _BOX_FEATURES, config.hidden, (len(_SCALES), 1, 1), 1.0)
+        self.points = PointLayers(_POINT_FEATURES, config.channels)
+        self.head = Head(config.channels[-1] + _BOX_FEATURES, config.hidden, (len(_SCALES), 1, 1), 1.0)
+        self.heading = PointHeading(config)
         nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
     def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> tuple[Tensor, Tensor]:
@@ -178,65 +153,49 @@ class PointRefinement(nn.Module):
             qualities = torch.where(has_object, (2.0 * overlap - 0.5).clamp(0.0, 1.0), 0.0)
         _, is_ignored = _nearest(boxes_cam, sample.ignored_cam)
         chosen = look.has_points & (has_object | ~is_ignored)
-        is_reversed = torch.cos(truths[:, 6] - boxes_cam[:, 6]) < 0.0
-        every = look.corrections, wanted, has_object, look.quality_logits, qualities, look.reversed_logits, is_reversed
+        heading_losses = heading_loss(look.heading_logits, truths)
+        every = look.corrections, wanted, has_object, look.quality_logits, qualities, heading_losses
         return RefinementOutputs(*(values[chosen] for values in every))
 
     def _look(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> _Look:
-        """Look at the points of boxes (N, 7); with a generator some are left out."""
-        points = self._points(sample, boxes_cam, generator)
-        seen = box_features(points, sample, boxes_cam)
-        return _Look(*self.judge(points.features, points.box, seen), points.counts >= _LEAST_POINTS)
+        """Look at the points of boxes (N, 7); with a generator some are left out, a share drawn for each box."""
+        near = points_near(sample, boxes_cam, self.config.margin_m)
+        if generator is not None:
+            kept_shares = 0.3 + 0.9 * torch.rand(len(boxes_cam), generator=generator)
+            is_kept = torch.rand(len(near.box), generator=generator) < kept_shares[near.box.cpu()]
+            near = near.where(is_kept.to(near.box.device))
+        points = near.at_most(self.config.max_points)
+        seen = box_features(points, near.counts, sample, boxes_cam)
+        features = point_features(points, boxes_cam)
+        corrections, quality_logits, reversed_logits = self.judge(features, points.box, seen)
+        heading_logits = self.heading(near, boxes_cam, seen) + reversals(reversed_logits, boxes_cam)
+        return _Look(corrections, quality_logits, heading_logits, near.counts >= _LEAST_POINTS)
 
-    def part(self) -> Part:
-        """Describe what `judge` computes."""
+    def parts(self) -> tuple[Part, Part]:
+        """Describe what `judge` and that of the headings compute."""
         inputs = {
             "features": torch.zeros((EXAMPLE_ROWS, _POINT_FEATURES)),
             "box": torch.zeros(EXAMPLE_ROWS, dtype=torch.int64),
             "seen": torch.zeros((EXAMPLE_ROWS, _BOX_FEATURES)),
         }
         outputs = ("corrections", "quality_logits", "reversed_logits")
-        return Part("refinement", self.judge, inputs, outputs, has_rows=True)
+        return Part("refinement", self.judge, inputs, outputs, has_rows=True), self.heading.part()
 
     def judge(self, features: Tensor, box: Tensor, seen: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Run the layers.
 
         Args:
-            features: (P, 7) of points.
+            features: (P, 7) what `point_features` gives.
             box: (P,) int64, whose point it is.
             seen: (N, 9) what `box_features` gives.
 
         Returns:
-            Corrections (N, 7), in units of `_SCALES`, logits of qualities (N,), and of reversals (N,).
+            Corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,) and of reversals (N,), above 0 where
+            the front is the box's rear.
         """
-        hidden = features
-        for layer, norm in zip(self.before, self.norms[:2], strict=True):
-            hidden = functional.relu(norm(layer(hidden)))
-        least = seen.new_full((len(seen), 1), _LEAST)
-        hidden = torch.cat([hidden, _greatest(hidden, box, least)[box]], dim=1)
-        hidden = functional.relu(self.norms[2](self.after[0](hidden)))
-        whole = _greatest(self.after[1](hidden), box, least)
-        corrections, qualities, reversals = self.head(torch.cat([whole, seen], dim=1))
-        return corrections, qualities.squeeze(1), reversals.squeeze(1)
-
-    def _points(self, sample: Sample, boxes_cam: Tensor, generator: torch.Generator | None) -> Points:
-        """Gather the points of boxes; with a generator some are left out, a share drawn for each box."""
-        most = self.config.max_points
-        box, along, across, height = _near(sample, boxes_cam, self.config.margin_m)
-        if generator is not None:
-            kept_shares = 0.3 + 0.9 * torch.rand(len(boxes_cam), generator=generator)
-            is_kept = torch.rand(len(box), generator=generator) < kept_shares[box.cpu()]
-            box, along, across, height = (values[is_kept.to(box.device)] for values in (box, along, across, height))
-        counts = torch.bincount(box, minlength=len(boxes_cam))
-        number = torch.arange(len(box), device=box.device) - (counts.cumsum(0) - counts)[box]
-        # Of more points than there is room for, as many as there is room for, evenly along the scan's order.
-        steps = counts[box].clamp(min=most)
-        slot = number * most // steps
-        is_taken = (counts[box] <= most) | (number == 0) | (slot != (number - 1) * most // steps)
-        box, u, v, height = (values[is_taken] for values in (box, along, across, height))
-        length, width = boxes_cam[box, 3] / 2.0, boxes_cam[box, 4] / 2.0
-        features = torch.stack([u, v, height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1)
-        return Points(features, box, counts)
+        whole = self.points(features, box, seen)
+        corrections, qualities, turns = self.head(torch.cat([whole, seen], dim=1))
+        return corrections, qualities.squeeze(1), turns.squeeze(1)
 
 
 def corrections_to(boxes_cam: Tensor, truths_cam: Tensor, plane: Tensor) -> Tensor:
@@ -245,7 +204,7 @@ def corrections_to(boxes_cam: Tensor, truths_cam: Tensor, plane: Tensor) -> Tens
     Which end is the front is not corrected: turns are those to the nearer of both headings.
     """
     shift = truths_cam[:, :3] - boxes_cam[:, :3]
-    along, across = _turned(shift[:, 0], shift[:, 2], boxes_cam[:, 6])
+    along, across = turned(shift[:, 0], shift[:, 2], boxes_cam[:, 6])
     bottom = shift @ plane[:3]
     turn = torch.remainder(truths_cam[:, 6] - boxes_cam[:, 6] + math.pi / 2.0, math.pi) - math.pi / 2.0
     return torch.cat(
@@ -278,7 +237,7 @@ def _nearest(boxes_cam: Tensor, truths_cam: Tensor) -> tuple[Tensor, Tensor]:
 def _overlap(boxes_cam: Tensor, truths_cam: Tensor) -> Tensor:
     """Compute the intersection over union in 3D of boxes and others (N, 7), as if both had the others' headings."""
     shift = boxes_cam[:, :3] - truths_cam[:, :3]
-    along, across = _turned(shift[:, 0], shift[:, 2], truths_cam[:, 6])
+    along, across = turned(shift[:, 0], shift[:, 2], truths_cam[:, 6])
     half, half_true = boxes_cam[:, 3:5] / 2.0, truths_cam[:, 3:5] / 2.0
     place = torch.stack([along, across], dim=1)
     shared = torch.minimum(place + half, half_true) - torch.maximum(place - half, -half_true)
@@ -300,44 +259,19 @@ def _moved(boxes_cam: Tensor, plane: Tensor, generator: torch.Generator) -> Tens
     return corrected(boxes_cam, noise, plane)
 
 
-def _near(sample: Sample, boxes_cam: Tensor, margin_m: float) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """Find the points in and around boxes (N, 7), box by box, in the scan's order.
-
-    Returns:
-        Four times (K,): the box, and the point's place along and across it and over the ground.
-    """
-    heights = sample.points_cam @ sample.plane[:3] + sample.plane[3]
-    is_between = (heights > _LOWEST_M) & (heights < _HIGHEST_M)
-    points_cam, heights = sample.points_cam[is_between], heights[is_between]
-    half = boxes_cam[:, 3:5] / 2.0 + margin_m
-    # Squares about all boxes first: of their points few are looked at twice.
-    reach = torch.hypot(half[:, 0], half[:, 1])[:, None]
-    is_close = (points_cam[:, 0] - boxes_cam[:, 0, None]).abs_() < reach
-    is_close &= (points_cam[:, 2] - boxes_cam[:, 2, None]).abs_() < reach
-    box, point = is_close.nonzero(as_tuple=True)
-    shift = points_cam[point] - boxes_cam[box, :3]
-    along, across = _turned(shift[:, 0], shift[:, 2], boxes_cam[box, 6])
-    is_near = (along.abs() < half[box, 0]) & (across.abs() < half[box, 1])
-    return box[is_near], along[is_near], across[is_near], heights[point[is_near]]
+def point_features(points: BoxPoints, boxes_cam: Tensor) -> Tensor:
+    """Tell where points are in their boxes: (P, 7)."""
+    u, v = points.along, points.across
+    length, width = boxes_cam[points.box, 3] / 2.0, boxes_cam[points.box, 4] / 2.0
+    return torch.stack([u, v, points.height, u / length, v / width, length - u.abs(), width - v.abs()], dim=1)
 
 
-def _turned(x: Tensor, z: Tensor, rotation_y: Tensor) -> tuple[Tensor, Tensor]:
-    cos, sin = torch.cos(rotation_y), torch.sin(rotation_y)
-    return cos * x - sin * z, sin * x + cos * z
-
-
-def box_features(points: Points, sample: Sample, boxes_cam: Tensor) -> Tensor:
-    """Tell how a box stands to the sensor, how large it is, and how high its points are: (N, 9)."""
+def box_features(points: BoxPoints, counts: Tensor, sample: Sample, boxes_cam: Tensor) -> Tensor:
+    """Tell how a box stands to the sensor, how many points it has, how large it is, and how high they are: (N, 9)."""
     to_sensor = -boxes_cam[:, :3]
     distance_m = torch.hypot(to_sensor[:, 0], to_sensor[:, 2]).clamp(min=1.0)
-    along, across = _turned(to_sensor[:, 0], to_sensor[:, 2], boxes_cam[:, 6])
-    top_m = _greatest(points.features[:, 2:3], points.box, boxes_cam.new_zeros((len(boxes_cam), 1)))[:, 0]
+    along, across = turned(to_sensor[:, 0], to_sensor[:, 2], boxes_cam[:, 6])
+    top_m = greatest(points.height[:, None], points.box, boxes_cam.new_zeros((len(boxes_cam), 1)))[:, 0]
     bottom_m = boxes_cam[:, :3] @ sample.plane[:3] + sample.plane[3]
-    seen = [distance_m / _FARTHEST_M, along / distance_m, across / distance_m, torch.log1p(points.counts) / 5.0]
+    seen = [distance_m / _FARTHEST_M, along / distance_m, across / distance_m, torch.log1p(counts) / 5.0]
     return torch.stack([*seen, *boxes_cam[:, 3:6].unbind(dim=1), bottom_m, top_m], dim=1)
-
-
-def _greatest(values: Tensor, box: Tensor, least: Tensor) -> Tensor:
-    """Find the greatest of each box's points and of the least that counts: (P, C), (P,) and (N, 1) to (N, C)."""
-    least = least.expand(-1, values.shape[1])
-    return least.scatter_reduce(0, box[:, None].expand_as(values), values, "amax")

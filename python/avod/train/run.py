@@ -24,7 +24,7 @@ from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.log import TrainingLog, Validated, ValidationLog
 from avod.train.settings import Record, Run, check_resumed, with_skipped, write_record
 from avod.train.start import Start, begin
-from avod.train.step import NonFiniteLossError, learning_rate, training_step
+from avod.train.step import NonFiniteLossError, learning_rate, train_mode, training_step
 from cadet.datasets.object_bank import ObjectBank
 from cadet.errors import CadetError, CadetWarning
 
@@ -110,7 +110,7 @@ class _Training:
         self.network.precision = run.precision
         if self.average is not None:
             self.average.network.precision = run.precision
-        self.network.train()
+        train_mode(self.network, config.training)
         if run.compile:
             for extractor in self.network.extractors():
                 extractor.compile(dynamic=False)
@@ -197,7 +197,7 @@ class _Training:
         judged = self.network if self.average is None else self.average.network
         self.processes.share_buffers(judged)
         found = self.validate(judged, step, self.processes)
-        self.network.train()
+        train_mode(self.network, self.config.training)
         if found is None or self.validations is None or self.log is None:
             return
         if self.validations.add(step, found):

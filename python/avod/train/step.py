@@ -132,6 +132,25 @@ def new_network(config: Config, seed: int) -> AnyNetwork:
         return make_network(config)
 
 
+def train_mode(network: AnyNetwork, config: TrainingConfig) -> None:
+    """Set a network to training, but for what does not learn.
+
+    Raises:
+        CadetError: no parameter is called as `config.learns` says.
+    """
+    network.train()
+    if not config.learns:
+        return
+    for name, parameter in network.named_parameters():
+        parameter.requires_grad_(name.startswith(config.learns))
+    if not any(parameter.requires_grad for parameter in network.parameters()):
+        raise CadetError(f"Config.training.learns: no parameter's name begins with {config.learns!r}")
+    for module in network.modules():
+        parameters = list(module.parameters())
+        if parameters and not any(parameter.requires_grad for parameter in parameters):
+            module.eval()
+
+
 class WeightAverage:
     """The average of the weights, and of the normalizations' statistics, over the last steps.
 

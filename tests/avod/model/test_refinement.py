@@ -11,7 +11,8 @@ import torch
 
 from avod.config import RefinementConfig
 from avod.data.sample import Sample
-from avod.model.refinement import PointRefinement, _overlap, corrected, corrections_to
+from avod.model.box_points import points_near
+from avod.model.refinement import PointRefinement, _overlap, corrected, corrections_to, point_features
 from cadet.evaluation import box_iou_3d
 
 FLAT = torch.tensor([0.0, -1.0, 0.0, 1.65])
@@ -85,11 +86,10 @@ def test_points_are_seen_from_the_box_and_those_beyond_the_margin_are_not() -> N
     front_corner = [2.8, 1.65 - 0.5, 18.0]
     beyond = [2.0, 1.0, 20.0 + 2.0 + 0.8]
     points = torch.tensor([front_corner, beyond, [2.0, 1.65 + 0.4, 20.0], [2.0, 1.65 - 3.3, 20.0]])
-    gathered = PointRefinement(CONFIG)._points(sample_of(points, box), box, None)
+    gathered = points_near(sample_of(points, box), box, CONFIG.margin_m)
     assert gathered.counts.tolist() == [1] and gathered.box.tolist() == [0]
-    torch.testing.assert_close(
-        gathered.features[0], torch.tensor([2.0, 0.8, 0.5, 1.0, 1.0, 0.0, 0.0]), atol=1e-5, rtol=0
-    )
+    features = point_features(gathered, box)
+    torch.testing.assert_close(features[0], torch.tensor([2.0, 0.8, 0.5, 1.0, 1.0, 0.0, 0.0]), atol=1e-5, rtol=0)
 
 
 def test_of_many_points_as_many_as_there_is_room_for_are_taken_evenly() -> None:
@@ -97,10 +97,10 @@ def test_of_many_points_as_many_as_there_is_room_for_are_taken_evenly() -> None:
     box[1, 2] = 40.0
     along = torch.linspace(-2.0, 2.0, 1000)
     points = torch.stack([along, torch.full_like(along, 1.0), torch.full_like(along, 10.0)], dim=1)
-    gathered = PointRefinement(CONFIG)._points(sample_of(points, box), box, None)
+    gathered = points_near(sample_of(points, box), box, CONFIG.margin_m)
     assert gathered.counts.tolist() == [1000, 0]
-    assert gathered.box.tolist() == [0] * 32
-    gaps = gathered.features[:, 0].diff()
+    assert gathered.at_most(32).counts.tolist() == [32, 0]
+    gaps = gathered.at_most(32).along.diff()
     assert gaps.min() > 0.0 and gaps.max() < 2.0 * 4.0 / 32
 
 
