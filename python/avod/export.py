@@ -1,7 +1,7 @@
 """Networks as ONNX files, a file for each part that has one arithmetic for all frames.
 
 What lies between the parts is geometry: maps, anchors, crops, and the points of boxes. A program that runs the files
-does it itself; `avod.data.build`, `avod.ops`, and `avod.model.refinement` say how.
+does it itself; `avod.data.build`, `avod.ops`, `avod.model.refinement`, and `avod.model.heading` say how.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import contextlib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import torch
 from torch import Tensor, nn
@@ -19,8 +19,8 @@ from avod.model.refinement import PointRefinement, RefinementOutputs
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Outputs(ABC):
-    """What a network finds in a frame.
+class Outputs:
+    """What a network finds in a frame; by itself, only what its last stage learns from.
 
     Attributes:
         refinement: boxes as the points in them correct them; None where nothing is drawn, or without that stage.
@@ -29,9 +29,9 @@ class Outputs(ABC):
     refinement: RefinementOutputs | None = None
 
     @property
-    @abstractmethod
     def is_finite(self) -> bool:
         """Whether all that boxes are made of are numbers."""
+        return True
 
 
 FeaturesT = TypeVar("FeaturesT")
@@ -76,10 +76,20 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         Returns:
             The outputs of each sample.
         """
+        if generator is not None and self.refinement is not None and self._learns_refinement_alone:
+            none_found = samples[0].boxes_cam[:0]
+            learned = [self.refinement.learned(sample, none_found, generator) for sample in samples]
+            return [cast("OutputsT", Outputs(refinement=outputs)) for outputs in learned]
         return [
             self.judge(sample, features, generator, step=step, config=config)
             for sample, features in zip(samples, self.extract(samples), strict=True)
         ]
+
+    @property
+    def _learns_refinement_alone(self) -> bool:
+        """Whether nothing before the last stage learns, and that one from copies of true boxes alone."""
+        before = (p for name, p in self.named_parameters() if not name.startswith("refinement."))
+        return self.training and not self.config.refinement.found_boxes and not any(p.requires_grad for p in before)
 
     @abstractmethod
     def extract(self, samples: Sequence[Sample]) -> list[FeaturesT]:
@@ -146,7 +156,10 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         Returns:
             Scalars by name, weights applied, the total last.
         """
-        terms = self.own_losses(outputs, sample, generator)
+        if type(outputs) is Outputs:
+            terms = {name: sample.boxes_cam.new_zeros(()) for name in self.TERMS}
+        else:
+            terms = self.own_losses(outputs, sample, generator)
         if outputs.refinement is not None:
             terms["refinement"] = outputs.refinement.loss() * self.config.refinement.weight
         return terms | {"total": torch.stack(list(terms.values())).sum()}

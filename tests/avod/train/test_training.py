@@ -228,6 +228,23 @@ def test_another_training_begins_with_the_weights_alone(dataset: Path, tmp_path:
         torch.testing.assert_close(weights(second)[name], weights(first)[name], atol=1e-9, rtol=0)
 
 
+def test_what_does_not_learn_stays_as_it_is(dataset: Path, tmp_path: Path) -> None:
+    first = run(dataset, tmp_path / "first", 2)
+    training = dataclasses.replace(CONFIG.training, steps=4, learns="second_stage.")
+    config = dataclasses.replace(CONFIG, training=training)
+    train(config, Run(data=dataset, out=tmp_path / "second", split=None, init=first))
+    before, after = weights(first), weights(tmp_path / "second")
+    changed = {name for name, value in before.items() if not torch.equal(value, after[name])}
+    assert changed == {name for name, _ in AvodNetwork(CONFIG).named_parameters() if name.startswith("second_stage.")}
+    third = Run(data=dataset, out=tmp_path / "third", split=None, init=first)
+    train(with_steps(config, 2), third)
+    train(config, dataclasses.replace(third, init=None, resume_from=tmp_path / "third"))
+    assert all(torch.equal(value, after[name]) for name, value in weights(tmp_path / "third").items())
+    nothing = dataclasses.replace(config, training=dataclasses.replace(training, learns="third_stage"))
+    with pytest.raises(CadetError, match=r"^Config\.training\.learns: no parameter's name begins with 'third_stage'$"):
+        train(nothing, Run(data=dataset, out=tmp_path / "fourth", split=None, init=first))
+
+
 def test_the_log_goes_on_where_training_does(dataset: Path, tmp_path: Path) -> None:
     config = dataclasses.replace(CONFIG, training=dataclasses.replace(CONFIG.training, steps=10, checkpoint_steps=10))
     train(config, Run(data=dataset, out=tmp_path, split=None))
