@@ -44,7 +44,6 @@ class PointHeading(nn.Module):
         self.max_points = config.max_points
         self.points = PointLayers(_POINT_FEATURES, config.channels)
         self.head = Head(config.channels[-1] + _BOX_FEATURES, config.hidden, (NUM_HEADINGS,), 1.0)
-        nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
     def forward(self, near: BoxPoints, boxes_cam: Tensor, seen: Tensor) -> Tensor:
         """Judge boxes (N, 7) by the points near them, and by `box_features` (N, 9): (N, 12) logits, as `judge`."""

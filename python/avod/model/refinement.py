@@ -84,20 +84,23 @@ class _Look:
     Attributes:
         corrections: (N, 7), in units of `_SCALES`.
         quality_logits: (N,).
-        heading_logits: (N, 12), of observation angles.
+        heading_logits: (N, 12), of observation angles, by the points along the line of sight ...
+        reversal_logits: (N, 12), ... and in the box's frame.
         has_points: (N,) bool, enough to say so.
     """
 
     corrections: Tensor
     quality_logits: Tensor
     heading_logits: Tensor
+    reversal_logits: Tensor
     has_points: Tensor
 
     def corrected(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
         """Apply the corrections to the boxes (N, 7), and make the side that the heading points to their front."""
         limits = boxes_cam.new_tensor(_MOST)
         corrections = (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits)
-        return fix_up(corrected(boxes_cam, corrections, plane), heading_vectors(self.heading_logits, boxes_cam))
+        vectors = heading_vectors(self.heading_logits + self.reversal_logits, boxes_cam)
+        return fix_up(corrected(boxes_cam, corrections, plane), vectors)
 
 
 class PointRefinement(nn.Module):
@@ -153,7 +156,8 @@ class PointRefinement(nn.Module):
             qualities = torch.where(has_object, (2.0 * overlap - 0.5).clamp(0.0, 1.0), 0.0)
         _, is_ignored = _nearest(boxes_cam, sample.ignored_cam)
         chosen = look.has_points & (has_object | ~is_ignored)
-        heading_losses = heading_loss(look.heading_logits, truths)
+        # Each by itself: where the box's frame tells cars' headings, the line of sight would learn no shapes.
+        heading_losses = heading_loss(look.heading_logits, truths) + heading_loss(look.reversal_logits, truths)
         every = look.corrections, wanted, has_object, look.quality_logits, qualities, heading_losses
         return RefinementOutputs(*(values[chosen] for values in every))
 
@@ -168,8 +172,8 @@ class PointRefinement(nn.Module):
         seen = box_features(points, near.counts, sample, boxes_cam)
         features = point_features(points, boxes_cam)
         corrections, quality_logits, reversed_logits = self.judge(features, points.box, seen)
-        heading_logits = self.heading(near, boxes_cam, seen) + reversals(reversed_logits, boxes_cam)
-        return _Look(corrections, quality_logits, heading_logits, near.counts >= _LEAST_POINTS)
+        headings, reversed_ = self.heading(near, boxes_cam, seen), reversals(reversed_logits, boxes_cam)
+        return _Look(corrections, quality_logits, headings, reversed_, near.counts >= _LEAST_POINTS)
 
     def parts(self) -> tuple[Part, Part]:
         """Describe what `judge` and that of the headings compute."""

@@ -17,7 +17,7 @@ from avod.data.sample import Sample
 from avod.evaluate import without
 from avod.model.center.network import CenterNetwork, CenterOutputs, mark_loss
 from avod.model.center.targets import boxes_from_cells, center_targets, output_size
-from avod.train.step import learning_rate, make_optimizer, new_network, training_step
+from avod.train.step import learning_rate, make_optimizer, new_network, train_mode, training_step
 from cadet.errors import CadetError
 from cadet.evaluation import box_iou_3d
 from detector.runs import assert_same_training, compared, short_run, write_set
@@ -93,6 +93,23 @@ def test_ignored_objects_are_neither_marked_nor_background() -> None:
     found = torch.stack([ignoring.ignored_cam[0], ignoring.boxes_cam[0]])
     outputs = network.refinement.learned(ignoring, found, torch.Generator())
     assert outputs.has_object.all() and len(outputs.has_object) == 2 * CONFIG.refinement.copies + 1
+
+
+def test_a_last_stage_that_learns_alone_learns_the_same_without_the_network_before_it(sample: Sample) -> None:
+    def losses(learns: str) -> dict[str, torch.Tensor]:
+        training = dataclasses.replace(CONFIG.training, learns=learns)
+        refinement = dataclasses.replace(CONFIG.refinement, found_boxes=0)
+        network = new_network(dataclasses.replace(CONFIG, training=training, refinement=refinement), 0)
+        train_mode(network, training)
+        if learns:
+            network.extract = None  # type: ignore[method-assign, assignment]
+        generator = torch.Generator().manual_seed(1)
+        (outputs,) = network([sample], generator)
+        return network.losses(outputs, sample, generator)
+
+    alone, every = losses("refinement."), losses("")
+    assert list(alone) == list(every) and alone["refinement"] == every["refinement"] == alone["total"] > 0.0
+    assert alone["mark"] == alone["box"] == 0.0
 
 
 def test_perfect_outputs_are_decoded_into_the_true_boxes(sample: Sample) -> None:
