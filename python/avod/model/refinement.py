@@ -96,11 +96,15 @@ class _Look:
     has_points: Tensor
 
     def corrected(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
-        """Apply the corrections to the boxes (N, 7), and make the side that the heading points to their front."""
+        """Apply the corrections to the boxes (N, 7)."""
         limits = boxes_cam.new_tensor(_MOST)
         corrections = (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits)
+        return corrected(boxes_cam, corrections, plane)
+
+    def headed(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
+        """Apply them, and make the front the side that both views together point to."""
         vectors = heading_vectors(self.heading_logits + self.reversal_logits, boxes_cam)
-        return fix_up(corrected(boxes_cam, corrections, plane), vectors)
+        return fix_up(self.corrected(boxes_cam, plane), vectors)
 
 
 class PointRefinement(nn.Module):
@@ -132,7 +136,7 @@ class PointRefinement(nn.Module):
         qualities = boxes_cam.new_zeros(len(boxes_cam))
         for _ in range(passes):
             look = self._look(sample, boxes_cam, None)
-            boxes_cam = torch.where(look.has_points[:, None], look.corrected(boxes_cam, sample.plane), boxes_cam)
+            boxes_cam = torch.where(look.has_points[:, None], look.headed(boxes_cam, sample.plane), boxes_cam)
             qualities = torch.where(look.has_points, torch.sigmoid(look.quality_logits), 0.0)
         return boxes_cam, qualities
 
