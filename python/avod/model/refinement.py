@@ -101,11 +101,6 @@ class _Look:
         corrections = (self.corrections * boxes_cam.new_tensor(_SCALES)).clamp(-limits, limits)
         return corrected(boxes_cam, corrections, plane)
 
-    def headed(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
-        """Apply them, and make the front the side that both views together point to."""
-        vectors = heading_vectors(self.heading_logits + self.reversal_logits, boxes_cam)
-        return fix_up(self.corrected(boxes_cam, plane), vectors)
-
 
 class PointRefinement(nn.Module):
     """Corrects boxes by the points in and around them.
@@ -123,7 +118,7 @@ class PointRefinement(nn.Module):
         nn.init.zeros_(cast("nn.Linear", self.head.outputs[0]).weight)
 
     def forward(self, sample: Sample, boxes_cam: Tensor, passes: int = 1) -> tuple[Tensor, Tensor]:
-        """Correct boxes so often, and judge them.
+        """Correct boxes so often, make the side that both views point to their front, and judge them.
 
         Args:
             sample: the sample.
@@ -133,12 +128,13 @@ class PointRefinement(nn.Module):
         Returns:
             (N, 7) boxes, those with hardly a point as they were, and (N,) the quality of each, 0..1.
         """
-        qualities = boxes_cam.new_zeros(len(boxes_cam))
         for _ in range(passes):
             look = self._look(sample, boxes_cam, None)
-            boxes_cam = torch.where(look.has_points[:, None], look.headed(boxes_cam, sample.plane), boxes_cam)
-            qualities = torch.where(look.has_points, torch.sigmoid(look.quality_logits), 0.0)
-        return boxes_cam, qualities
+            vectors = heading_vectors(look.heading_logits + look.reversal_logits, boxes_cam)
+            boxes_cam = torch.where(look.has_points[:, None], look.corrected(boxes_cam, sample.plane), boxes_cam)
+        # Not before: what is wanted of a box that lies across its object is not learned.
+        boxes_cam = torch.where(look.has_points[:, None], fix_up(boxes_cam, vectors), boxes_cam)
+        return boxes_cam, torch.where(look.has_points, torch.sigmoid(look.quality_logits), 0.0)
 
     def learned(self, sample: Sample, found_cam: Tensor, generator: torch.Generator) -> RefinementOutputs:
         """Correct and judge moved copies of a sample's true boxes, and boxes that were found.
