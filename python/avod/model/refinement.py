@@ -16,7 +16,7 @@ from torch.nn import functional
 from avod.config import RefinementConfig
 from avod.data.sample import Sample
 from avod.geometry.encoding import MIN_SIZE_M, ground_y
-from avod.geometry.orientation import fix_up, wrap_angle
+from avod.geometry.orientation import angle_vectors, fix_up, wrap_angle
 from avod.model.box_points import BoxPoints, PointLayers, greatest, points_near, turned
 from avod.model.heading import PointHeading, heading_loss, heading_vectors, reversals
 from avod.model.layers import Head
@@ -39,6 +39,8 @@ _SMOOTHING: Final = 0.3
 _QUALITY_WEIGHT: Final = 2.0
 _LEAST_OVERLAP: Final = 0.2
 """Found boxes that overlap an object by less have none."""
+_LONG: Final = 2.0
+"""Boxes that are longer, in widths, are cars and bicycles, whose axis is plain to see."""
 _FARTHEST_M: Final = 40.0
 
 
@@ -133,7 +135,7 @@ class PointRefinement(nn.Module):
             vectors = heading_vectors(look.heading_logits + look.reversal_logits, boxes_cam)
             boxes_cam = torch.where(look.has_points[:, None], look.corrected(boxes_cam, sample.plane), boxes_cam)
         # Not before: what is wanted of a box that lies across its object is not learned.
-        boxes_cam = torch.where(look.has_points[:, None], fix_up(boxes_cam, vectors), boxes_cam)
+        boxes_cam = torch.where(look.has_points[:, None], _headed(boxes_cam, vectors), boxes_cam)
         return boxes_cam, torch.where(look.has_points, torch.sigmoid(look.quality_logits), 0.0)
 
     def learned(self, sample: Sample, found_cam: Tensor, generator: torch.Generator) -> RefinementOutputs:
@@ -228,6 +230,13 @@ def corrected(boxes_cam: Tensor, corrections: Tensor, plane: Tensor) -> Tensor:
     sizes = (boxes_cam[:, 3:6] * torch.exp(corrections[:, 3:6])).clamp(min=MIN_SIZE_M)
     turned = wrap_angle(boxes_cam[:, 6] + corrections[:, 6])
     return torch.cat([torch.stack([x, y, z], dim=1), sizes, turned[:, None]], dim=1)
+
+
+def _headed(boxes_cam: Tensor, vectors: Tensor) -> Tensor:
+    """Make the sides that vectors (N, 2) [cos, sin] point to the fronts of boxes (N, 7), of long ones an end."""
+    axes = angle_vectors(boxes_cam)
+    is_long = boxes_cam[:, 3:4] > _LONG * boxes_cam[:, 4:5]
+    return fix_up(boxes_cam, torch.where(is_long, (axes * vectors).sum(dim=1, keepdim=True) * axes, vectors))
 
 
 def _nearest(boxes_cam: Tensor, truths_cam: Tensor) -> tuple[Tensor, Tensor]:

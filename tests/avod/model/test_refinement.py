@@ -11,8 +11,9 @@ import torch
 
 from avod.config import RefinementConfig
 from avod.data.sample import Sample
+from avod.geometry.orientation import wrap_angle
 from avod.model.box_points import points_near
-from avod.model.refinement import PointRefinement, _overlap, corrected, corrections_to, point_features
+from avod.model.refinement import PointRefinement, _headed, _overlap, corrected, corrections_to, point_features
 from cadet.evaluation import box_iou_3d
 
 FLAT = torch.tensor([0.0, -1.0, 0.0, 1.65])
@@ -148,6 +149,22 @@ def test_the_overlap_is_exact_where_headings_are_equal() -> None:
     exact = np.diag(box_iou_3d(moved.double().numpy(), truths.double().numpy()))
     np.testing.assert_allclose(_overlap(moved, truths).numpy(), exact, atol=1e-4)
     assert 0.0 < np.median(exact) < 0.9
+
+
+@pytest.mark.parametrize(
+    ("size", "turns"), [((4.0, 1.6), (0, 0, 180, 180, 0)), ((0.8, 0.6), (0, 90, 90, 180, -90))], ids=["car", "person"]
+)
+def test_a_front_is_any_side_of_a_person_but_an_end_of_a_car(size: tuple[float, float], turns: tuple[int, ...]) -> None:
+    boxes_cam = torch.tensor([[2.0, 1.65, 10.0, *size, 1.6, 0.3]]).repeat(5, 1)
+    to = boxes_cam[:, 6] + torch.deg2rad(torch.tensor([5.0, 70.0, 110.0, 170.0, -70.0]))
+    now = _headed(boxes_cam, torch.stack([torch.cos(to), torch.sin(to)], dim=1))
+    wanted = torch.deg2rad(torch.tensor(turns, dtype=torch.float32))
+    torch.testing.assert_close(wrap_angle(now[:, 6] - 0.3 - wanted), torch.zeros(5), atol=1e-5, rtol=0)
+    # The rectangle stays where it is.
+    across = torch.sin(wanted).abs() > 0.5
+    torch.testing.assert_close(now[:, 3], torch.where(across, size[1], size[0]))
+    torch.testing.assert_close(now[:, 4], torch.where(across, size[0], size[1]))
+    assert torch.equal(now[:, :3], boxes_cam[:, :3])
 
 
 def test_it_learns_where_boxes_stand_and_which_end_is_the_front() -> None:
