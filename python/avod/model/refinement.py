@@ -86,16 +86,21 @@ class _Look:
     Attributes:
         corrections: (N, 7), in units of `_SCALES`.
         quality_logits: (N,).
-        heading_logits: (N, 12), of observation angles, by the points along the line of sight ...
-        reversal_logits: (N, 12), ... and in the box's frame.
-        has_points: (N,) bool, enough to say so.
+        reversal_logits: (N, 12), of observation angles, by the points in the box's frame.
+        near: the points.
+        seen: (N, 9), what `box_features` gives.
     """
 
     corrections: Tensor
     quality_logits: Tensor
-    heading_logits: Tensor
     reversal_logits: Tensor
-    has_points: Tensor
+    near: BoxPoints
+    seen: Tensor
+
+    @property
+    def has_points(self) -> Tensor:
+        """Whether boxes have enough points to say so: (N,) bool."""
+        return self.near.counts >= _LEAST_POINTS
 
     def corrected(self, boxes_cam: Tensor, plane: Tensor) -> Tensor:
         """Apply the corrections to the boxes (N, 7)."""
@@ -131,11 +136,12 @@ class PointRefinement(nn.Module):
             (N, 7) boxes, those with hardly a point as they were, and (N,) the quality of each, 0..1.
         """
         for _ in range(passes):
-            look = self._look(sample, boxes_cam, None)
-            vectors = heading_vectors(look.heading_logits + look.reversal_logits, boxes_cam)
-            boxes_cam = torch.where(look.has_points[:, None], look.corrected(boxes_cam, sample.plane), boxes_cam)
+            found_cam, look = boxes_cam, self._look(sample, boxes_cam, None)
+            boxes_cam = torch.where(look.has_points[:, None], look.corrected(found_cam, sample.plane), found_cam)
         # Not before: what is wanted of a box that lies across its object is not learned.
-        boxes_cam = torch.where(look.has_points[:, None], _headed(boxes_cam, vectors), boxes_cam)
+        logits = self.heading(look.near, found_cam, look.seen) + look.reversal_logits
+        headed_cam = _headed(boxes_cam, heading_vectors(logits, found_cam))
+        boxes_cam = torch.where(look.has_points[:, None], headed_cam, boxes_cam)
         return boxes_cam, torch.where(look.has_points, torch.sigmoid(look.quality_logits), 0.0)
 
     def learned(self, sample: Sample, found_cam: Tensor, generator: torch.Generator) -> RefinementOutputs:
@@ -159,7 +165,8 @@ class PointRefinement(nn.Module):
         _, is_ignored = _nearest(boxes_cam, sample.ignored_cam)
         chosen = look.has_points & (has_object | ~is_ignored)
         # Each by itself: where the box's frame tells cars' headings, the line of sight would learn no shapes.
-        heading_losses = heading_loss(look.heading_logits, truths) + heading_loss(look.reversal_logits, truths)
+        heading_logits = self.heading(look.near, boxes_cam, look.seen)
+        heading_losses = heading_loss(heading_logits, truths) + heading_loss(look.reversal_logits, truths)
         every = look.corrections, wanted, has_object, look.quality_logits, qualities, heading_losses
         return RefinementOutputs(*(values[chosen] for values in every))
 
@@ -174,8 +181,7 @@ class PointRefinement(nn.Module):
         seen = box_features(points, near.counts, sample, boxes_cam)
         features = point_features(points, boxes_cam)
         corrections, quality_logits, reversed_logits = self.judge(features, points.box, seen)
-        headings, reversed_ = self.heading(near, boxes_cam, seen), reversals(reversed_logits, boxes_cam)
-        return _Look(corrections, quality_logits, headings, reversed_, near.counts >= _LEAST_POINTS)
+        return _Look(corrections, quality_logits, reversals(reversed_logits, boxes_cam), near, seen)
 
     def parts(self) -> tuple[Part, Part]:
         """Describe what `judge` and that of the headings compute."""
