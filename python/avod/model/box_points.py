@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import torch
@@ -35,7 +36,7 @@ class BoxPoints:
     height: Tensor
     num_boxes: int
 
-    @property
+    @cached_property
     def counts(self) -> Tensor:
         """Points of each box: (N,)."""
         return torch.bincount(self.box, minlength=self.num_boxes)
@@ -86,6 +87,8 @@ def greatest(values: Tensor, box: Tensor, least: Tensor) -> Tensor:
 class PointLayers(nn.Module):
     """Layers for each point, and the greatest of each box's points: twice, so that points know of the others.
 
+    What is known of the boxes by itself is joined to the result.
+
     Args:
         num_in: features of a point.
         channels: of each point after each layer.
@@ -100,12 +103,12 @@ class PointLayers(nn.Module):
         self.after = nn.ModuleList([nn.Linear(2 * second, third), nn.Linear(third, third)])
         self.norms = nn.ModuleList([nn.LayerNorm(first), nn.LayerNorm(second), nn.LayerNorm(third)])
 
-    def forward(self, features: Tensor, box: Tensor, num_boxes: Tensor) -> Tensor:
-        """Map (P, num_in) and (P,) to (N, C); `num_boxes` is any tensor of N rows."""
+    def forward(self, features: Tensor, box: Tensor, seen: Tensor) -> Tensor:
+        """Map points' features (P, num_in), their boxes (P,), and what is known of boxes (N, K) to (N, C + K)."""
         hidden = features
         for layer, norm in zip(self.before, self.norms[:2], strict=True):
             hidden = functional.relu(norm(layer(hidden)))
-        least = num_boxes.new_full((len(num_boxes), 1), _LEAST)
+        least = seen.new_full((len(seen), 1), _LEAST)
         hidden = torch.cat([hidden, greatest(hidden, box, least)[box]], dim=1)
         hidden = functional.relu(self.norms[2](self.after[0](hidden)))
-        return greatest(self.after[1](hidden), box, least)
+        return torch.cat([greatest(self.after[1](hidden), box, least), seen], dim=1)

@@ -71,7 +71,7 @@ class PointHeading(nn.Module):
         """
         waves = [wave for rate in _WAVES_PER_M for wave in (torch.sin(rate * places), torch.cos(rate * places))]
         whole = self.points(torch.cat([places, *waves], dim=1), box, seen)
-        (logits,) = cast("tuple[Tensor]", self.head(torch.cat([whole, seen], dim=1)))
+        (logits,) = cast("tuple[Tensor]", self.head(whole))
         return logits
 
     def part(self) -> Part:

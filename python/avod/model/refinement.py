@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, cast
 
 import torch
@@ -97,7 +98,7 @@ class _Look:
     near: BoxPoints
     seen: Tensor
 
-    @property
+    @cached_property
     def has_points(self) -> Tensor:
         """Whether boxes have enough points to say so: (N,) bool."""
         return self.near.counts >= _LEAST_POINTS
@@ -205,8 +206,7 @@ class PointRefinement(nn.Module):
             Corrections (N, 7), in units of `_SCALES`, and logits of qualities (N,) and of reversals (N,), above 0 where
             the front is the box's rear.
         """
-        whole = self.points(features, box, seen)
-        corrections, qualities, turns = self.head(torch.cat([whole, seen], dim=1))
+        corrections, qualities, turns = self.head(self.points(features, box, seen))
         return corrections, qualities.squeeze(1), turns.squeeze(1)
 
 
