@@ -76,6 +76,12 @@ _SECONDS_BETWEEN_LINES: Final = 10.0
     help="Paste objects of this bank (cadet bank), as many as the configuration says.",
 )
 @click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Start at step 0 from these weights.")
+@click.option(
+    "--init-refinement",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Start the last stage from these weights, of any network.",
+)
 @click.option("--resume", is_flag=True, help="Resume the run in --out with the settings it was started with.")
 @click.option(
     "--resume-from",
@@ -190,6 +196,7 @@ def _settings(options: _Options) -> tuple[Config, Run]:
         split=split,
         seed=values["seed"],
         init=values["init"],
+        init_refinement=values["init_refinement"],
         resume=values["resume"],
         resume_from=values["resume_from"],
         skip_steps=values["skip_steps"],

@@ -15,7 +15,7 @@ import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import torch
 from safetensors import SafetensorError, safe_open
@@ -43,6 +43,8 @@ _AVERAGES: Final = ("exp_avg", "exp_avg_sq")
 _MEANS: Final = "exp_avg."
 _WEIGHTS: Final = "weights."
 _FLOAT32: Final = "F32"
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -204,20 +206,20 @@ def trained_network(checkpoint: Checkpoint) -> AnyNetwork:
     return network
 
 
-def load_network(checkpoint: Checkpoint, network: AnyNetwork) -> None:
-    """Load a checkpoint's weights.
+def load_network(checkpoint: Checkpoint, network: AnyNetwork, part: str = "") -> None:
+    """Load a checkpoint's weights, or those whose names begin with that of a part, such as "refinement.".
 
     Raises:
         MissingFileError: no weights there.
         CadetError: damaged weights, or those of another configuration; the first that differs is named.
     """
     file = checkpoint.path / _MODEL
-    _check_weights(file, _shapes(file), network.state_dict())
-    tensors = _load(file)
+    _check_weights(file, _of_part(_shapes(file), part), _of_part(network.state_dict(), part))
+    tensors = _of_part(_load(file), part)
     for name, tensor in tensors.items():
         if not bool(torch.isfinite(tensor).all()):
             raise CadetError(f"{file}: {name} holds NaN or infinity")
-    network.load_state_dict(tensors)
+    network.load_state_dict(tensors, strict=not part)
 
 
 def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.optim.Optimizer) -> None:
@@ -255,6 +257,10 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
         optimizer.state[parameter] = {"step": tensors["step"].clone(), **state}
     if own:
         network.load_state_dict({name: tensors[_WEIGHTS + name] for name in own})
+
+
+def _of_part(values: Mapping[str, T], part: str) -> dict[str, T]:
+    return {name: value for name, value in values.items() if name.startswith(part)}
 
 
 def _weights(network: nn.Module, prefix: str = "") -> dict[str, Tensor]:

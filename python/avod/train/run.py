@@ -219,6 +219,7 @@ class _Training:
             num_used=self.data.num_frames,
             frames_crc32=self.data.checksum,
             init=start.init,
+            init_refinement=start.init_refinement,
             num_processes=self.processes.world_size,
             device=self.processes.device.type,
             precision=None if run.precision is None else str(run.precision).removeprefix("torch."),

@@ -32,7 +32,7 @@ _FREE: Final = {
     "steps": ("training.steps", "training.checkpoint_steps", "detection."),
     "one_cycle": ("training.checkpoint_steps", "detection."),
 }
-_REFUSED: Final = ("seed", "split", "shares", "num_used", "frames_crc32", "bank_crc32", "init")
+_REFUSED: Final = ("seed", "split", "shares", "num_used", "frames_crc32", "bank_crc32", "init", "init_refinement")
 _WHAT: Final = {
     "num_used": "frames to learn from",
     "frames_crc32": "a checksum of its frames' ids",
@@ -56,6 +56,7 @@ class Run:
         split: a list of `ImageSets`, or a folder of shards; None for every frame. Shards that are named are all read.
         seed: of weights, order and draws; None for 0, or for that of the training that goes on.
         init: a checkpoint whose weights training begins with, at step 0.
+        init_refinement: a checkpoint, perhaps of another network, whose last stage training begins with.
         resume: go on with the training of `out`, as it was begun, from its last checkpoint, or from the start if it
             has none yet.
         resume_from: a checkpoint from which training goes on with optimizer, step and schedule, on the same data or
@@ -82,6 +83,7 @@ class Run:
     split: str | None = "train"
     seed: Annotated[int | None, Limits(0, MAX_SEED)] = None
     init: str | Path | None = None
+    init_refinement: str | Path | None = None
     resume: bool = False
     resume_from: str | Path | None = None
     skip_steps: Annotated[tuple[int, ...], Limits(0)] = ()
@@ -112,6 +114,7 @@ class Record:
         num_used: frames that are learned from; 0 of a simulation, which has no end.
         frames_crc32: checksum of their ids, whose order matters, or of all that a simulation's frames follow from.
         init: the checkpoint whose weights it began with, or None.
+        init_refinement: the checkpoint whose last stage it began with, or None.
         num_processes: how many share a step.
         device: kind of device.
         precision: of the arithmetic of layers, None for float32.
@@ -137,6 +140,7 @@ class Record:
     num_used: Annotated[int, Limits(0)]
     frames_crc32: Annotated[int, Limits(0)]
     init: str | None = None
+    init_refinement: str | None = None
     num_processes: Annotated[int, Limits(1)] = 1
     device: str = "cpu"
     precision: str | None = None

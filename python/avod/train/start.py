@@ -30,6 +30,7 @@ class Start:
         optimizer: with its averages.
         pending: sums of the log's next row.
         init: the checkpoint whose weights the training began with, if any.
+        init_refinement: the checkpoint whose last stage it began with, if any.
         resume_from: the checkpoint of another training that it went on from, if any.
         record: what the training of this folder was begun with, if it goes on; None in a folder of an older version.
         goes_on: whether the training of this very folder goes on.
@@ -42,6 +43,7 @@ class Start:
     optimizer: torch.optim.Optimizer
     pending: Mapping[str, float] = field(default_factory=dict)
     init: str | None = None
+    init_refinement: str | None = None
     resume_from: str | None = None
     record: Record | None = None
     goes_on: bool = False
@@ -61,33 +63,38 @@ def begin(config: Config, run: Run, device: torch.device, *, is_first: bool) -> 
         CadetError: several ways at once, a folder that holds another training or none, a checkpoint of another
             detector, another seed, or a training that is done.
     """
-    ways = [run.init is not None, run.resume_from is not None, run.resume]
+    ways = [run.init is not None or run.init_refinement is not None, run.resume_from is not None, run.resume]
     if sum(ways) > 1:
         raise CadetError(
-            "a training begins with a checkpoint's weights (--init), goes on from one (--resume-from), or goes on in "
-            "its own folder (--resume), not both"
+            "a training begins with checkpoints' weights (--init, --init-refinement), goes on from one "
+            "(--resume-from), or goes on in its own folder (--resume), not both"
         )
     out = Path(run.out)
     if run.resume:
         return _own(config, run, device, out)
     if run.resume_from is not None:
         return _from(config, run, device, out, is_first)
-    start = _new(config, 0 if run.seed is None else run.seed, device, run.init)
+    start = _new(config, 0 if run.seed is None else run.seed, device, run)
     if is_first:
         _check_unused(out, None)
     return start
 
 
-def _new(config: Config, seed: int, device: torch.device, init: str | Path | None) -> Start:
+def _new(config: Config, seed: int, device: torch.device, begun: Run | Record) -> Start:
     network = new_network(config, seed).to(device)
-    if init is not None:
-        load_network(read_checkpoint(init), network)
+    if begun.init is not None:
+        load_network(read_checkpoint(begun.init), network)
+    if begun.init_refinement is not None:
+        if network.refinement is None:
+            raise CadetError("--init-refinement: the configuration has no last stage: its refinement.max_points is 0")
+        load_network(read_checkpoint(begun.init_refinement), network, "refinement.")
     return Start(
         0,
         seed,
         network,
         make_optimizer(network, config.training),
-        init=None if init is None else str(init),
+        init=None if begun.init is None else str(begun.init),
+        init_refinement=None if begun.init_refinement is None else str(begun.init_refinement),
         average=_average(network, config),
     )
 
@@ -104,7 +111,7 @@ def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
         record = read_record(out)
         _check_seed(run, record.seed, out)
         if record.resume_from is None:
-            start = _new(config, record.seed, device, record.init)
+            start = _new(config, record.seed, device, record)
         else:
             start = _continued(config, run, device, read_checkpoint(record.resume_from))
     else:
@@ -114,7 +121,13 @@ def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
             record = None
         start = _continued(config, run, device, read_checkpoint(written[-1]))
     if record is not None:
-        start = replace(start, init=record.init, resume_from=record.resume_from, record=record)
+        start = replace(
+            start,
+            init=record.init,
+            init_refinement=record.init_refinement,
+            resume_from=record.resume_from,
+            record=record,
+        )
     return replace(start, goes_on=True)
 
 

@@ -228,6 +228,7 @@ def test_a_step_without_a_finite_loss_is_named_and_can_be_left_out(
         ({"seed": 3}, r"trained with seed 0, which --seed 3 cannot change"),
         ({"split": None}, r"its training has split = 'train', and is to go on with None: it would be another training"),
         ({"init": "tiny_car"}, "not both"),
+        ({"init_refinement": "tiny_car"}, "not both"),
         ({"resume_from": "tiny_car"}, "not both"),
     ],
 )

@@ -22,7 +22,7 @@ from avod.model.avod.network import AvodNetwork
 from avod.model.avod.outputs import FrameOutputs
 from avod.model.network import AnyNetwork
 from avod.train import train
-from avod.train.checkpoint import read_checkpoint
+from avod.train.checkpoint import read_checkpoint, trained_network
 from avod.train.log import read_log
 from avod.train.run import Run, with_steps
 from avod.train.step import (
@@ -226,6 +226,24 @@ def test_another_training_begins_with_the_weights_alone(dataset: Path, tmp_path:
     for name, parameter in AvodNetwork(CONFIG).named_parameters():
         del parameter
         torch.testing.assert_close(weights(second)[name], weights(first)[name], atol=1e-9, rtol=0)
+
+
+def test_a_last_stage_may_come_from_another_network(dataset: Path, tmp_path: Path) -> None:
+    training = dataclasses.replace(CONFIG.training, steps=1, learning_rate=1e-12)
+    refinement = Config.named("center_all").refinement
+    config = dataclasses.replace(CONFIG, training=training, refinement=refinement)
+    without = run(dataset, tmp_path / "without", 1)
+    settings = Run(data=dataset, out=tmp_path / "run", split=None, seed=5, init_refinement="center_all")
+    trained = weights(train(config, settings))
+    packaged = trained_network(read_checkpoint("center_all")).state_dict()
+    for name, parameter in new_network(config, 5).named_parameters():
+        begun = packaged[name] if name.startswith("refinement.") else parameter.detach()
+        torch.testing.assert_close(trained[name], begun, atol=1e-9, rtol=0)
+    assert any(name.startswith("refinement.") for name in trained)
+    with pytest.raises(CadetError, match=r"^--init-refinement: the configuration has no last stage"):
+        train(CONFIG, dataclasses.replace(settings, out=tmp_path / "none"))
+    with pytest.raises(CadetError, match=r"refinement\.points\.before\.0\.weight is missing"):
+        train(config, dataclasses.replace(settings, init_refinement=without))
 
 
 def test_what_does_not_learn_stays_as_it_is(dataset: Path, tmp_path: Path) -> None:
