@@ -97,7 +97,7 @@ test-rust: check-rust
 	cargo test --release --locked
 
 test-python: build-dev emulator
-	$(BIN)/pytest --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
 
 test-fast: build-dev ## Run the Python tests that matter while working: minutes less than all of them
 	$(BIN)/pytest -m 'not slow'
