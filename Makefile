@@ -15,6 +15,8 @@ DEVELOP = VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locke
 # One line for a command: what it does, then how long it took. What it says goes to a file, and is shown if it fails.
 quietly = printf '%s ... ' '$(1)'; $(2) > $(VENV)/build.log 2>&1 && echo "done in $$SECONDS s" \
 	|| { code=$$?; echo "failed after $$SECONDS s"; cat $(VENV)/build.log >&2; exit $$code; }
+# A process for each core, each with one thread: threads of several would wait for each other.
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 # One interpreter for maturin, clippy and the tests, so that the bindings are compiled once.
@@ -97,10 +99,10 @@ test-rust: check-rust
 	cargo test --release --locked
 
 test-python: build-dev emulator
-	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
+	$(PYTEST) --durations=25 $(if $(WITHOUT_AVOD),--ignore tests/avod --ignore tests/tools)
 
 test-fast: build-dev ## Run the Python tests that matter while working: minutes less than all of them
-	$(BIN)/pytest -m 'not slow'
+	$(PYTEST) -m 'not slow'
 
 # The golden frames are made on other processors too. A developer without the emulator sees a skipped test, CI may not.
 emulator:
