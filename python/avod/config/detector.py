@@ -236,6 +236,9 @@ class DetectionConfig:
     suppression: Literal["all", "class"] = "all"
     """Whether a box drops those of all classes, as in AVOD, or those of its own class alone: a pedestrian beside a car
     overlaps it once both are turned to the axes."""
+    classes_by_length: bool = False
+    """Let the length of a box that the last stage corrected say which class it is of: a cyclist is often found as a
+    pedestrian, too, and both boxes are corrected onto one object. For classes whose lengths differ much."""
     max_detections: Annotated[int, Limits(1)] = 100
     """Boxes kept in a frame."""
     min_score: Annotated[float, Limits(0, 1)] = 0.1

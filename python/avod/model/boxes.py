@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from avod.config import DetectionConfig
+from avod.config import DetectionConfig, ObjectClass
 from avod.geometry.encoding import anchors_from_boxes
 from avod.geometry.orientation import wrap_angle
 from avod.geometry.projection import ground_boxes
@@ -60,6 +61,13 @@ def kept_boxes(
     else:
         kept = nms(boxes_bev, scores if ranks is None else ranks, config.nms_iou, config.max_detections)
     return kept[torch.argsort(scores[kept], descending=True, stable=True)][: config.max_detections]
+
+
+def classes_by_length(boxes_cam: Tensor, classes: Sequence[ObjectClass]) -> Tensor:
+    """Find the class that has anchors of the length nearest to that of each box, as a ratio: (D, 7) to (D,) int64."""
+    sizes = [(number, size[0]) for number, kind in enumerate(classes, start=1) for size in kind.anchor_sizes_lwh_m]
+    numbers, lengths_m = (torch.tensor(values, device=boxes_cam.device) for values in zip(*sizes, strict=True))
+    return numbers[torch.log(boxes_cam[:, 3:4] / lengths_m).abs().argmin(dim=1)]
 
 
 def joined(first: Boxes, second: Boxes, config: DetectionConfig) -> Boxes:

@@ -13,7 +13,7 @@ from torch import Tensor, nn
 
 from avod.config import Config, DetectionConfig
 from avod.data.sample import Sample
-from avod.model.boxes import Boxes, kept_boxes
+from avod.model.boxes import Boxes, classes_by_length, kept_boxes
 from avod.model.parts import Part
 from avod.model.refinement import PointRefinement, RefinementOutputs
 
@@ -168,7 +168,7 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         """Turn outputs into boxes, best first.
 
         Where the network has that stage, the points in boxes correct them, and a box's score becomes the root of its
-        product with how well points fit the box.
+        product with how well points fit the box. Its class may follow from its length (`classes_by_length`).
         """
         found = self.decode(outputs, sample, config.detection)
         passes = config.refinement.passes
@@ -179,6 +179,8 @@ class DetectionNetwork(nn.Module, ABC, Generic[FeaturesT, OutputsT]):
         scores, classes = found.scores[may_count], found.classes[may_count]
         boxes_cam, qualities = self.refinement(sample, found.boxes_cam[may_count], passes)
         scores = torch.sqrt(scores * qualities)
+        if config.detection.classes_by_length:
+            classes = classes_by_length(boxes_cam, config.classes)
         # Boxes that were corrected onto one object overlap now.
         kept = kept_boxes(boxes_cam, scores, classes, config.detection)
         return Boxes(boxes_cam[kept], scores[kept], classes[kept])

@@ -15,6 +15,7 @@ from avod.config import Config
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.evaluate import without
+from avod.model.boxes import Boxes
 from avod.model.center.network import CenterNetwork, CenterOutputs, mark_loss
 from avod.model.center.targets import boxes_from_cells, center_targets, output_size
 from avod.train.step import learning_rate, make_optimizer, new_network, train_mode, training_step
@@ -110,6 +111,26 @@ def test_a_last_stage_that_learns_alone_learns_the_same_without_the_network_befo
     alone, every = losses("refinement."), losses("")
     assert list(alone) == list(every) and alone["refinement"] == every["refinement"] == alone["total"] > 0.0
     assert alone["mark"] == alone["box"] == 0.0
+
+
+def test_what_is_found_as_two_classes_is_one_object_of_the_class_of_its_length(
+    sample: Sample, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    detection = dataclasses.replace(CONFIG.detection, suppression="class", classes_by_length=True)
+    by_length = dataclasses.replace(CONFIG, detection=detection)
+    network = new_network(by_length, 0).eval()
+    true_boxes, num = sample.boxes_cam, len(sample.boxes_cam)
+    twice = Boxes(true_boxes.repeat(2, 1), torch.ones(2 * num), torch.tensor([1, 2]).repeat_interleave(num))
+    monkeypatch.setattr(network, "decode", lambda *_: twice)
+
+    def classes_found(config: Config) -> list[int]:
+        boxes = network.boxes(None, sample, config)
+        assert torch.cdist(boxes.boxes_cam[:, [0, 2]], true_boxes[:, [0, 2]]).amin(dim=1).max() < 0.3
+        return sorted(boxes.classes.tolist())
+
+    either_way = dataclasses.replace(by_length, detection=dataclasses.replace(detection, classes_by_length=False))
+    assert classes_found(by_length) == sorted(sample.classes.tolist()) == [1, 1, 2]
+    assert classes_found(either_way) == [1, 1, 1, 2, 2, 2]
 
 
 def test_perfect_outputs_are_decoded_into_the_true_boxes(sample: Sample) -> None:
