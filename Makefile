@@ -62,7 +62,7 @@ $(BIN)/ruff: | $(BIN)/python
 setup: check-rust $(BIN)/maturin ## Make .venv with the build tool
 
 build: setup ## Build the release extension and install it with its dependencies into .venv
-	@$(call quietly,Building the Rust core (the first time takes two or three minutes),$(DEVELOP))
+	@$(call quietly,Building the Rust core (the first time takes three to seven minutes),$(DEVELOP))
 
 build-dev: setup ## The same with the tools for tests and lints
 	@$(call quietly,Building the Rust core and installing the development tools (the first time takes some minutes),\
@@ -70,7 +70,7 @@ build-dev: setup ## The same with the tools for tests and lints
 
 wheel: setup ## Build a wheel for this machine into dist/, which pip installs where there is no Rust
 	@rm -rf dist
-	@$(call quietly,Building a wheel (the first time takes two or three minutes),$(BIN)/maturin build --release --locked --out dist)
+	@$(call quietly,Building a wheel (the first time takes three to seven minutes),$(BIN)/maturin build --release --locked --out dist)
 	@du -h dist/*.whl
 
 demo: build ## Write 40 samples and a picture of them to demo/
