@@ -15,8 +15,8 @@ DEVELOP = VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locke
 # One line for a command: what it does, then how long it took. What it says goes to a file, and is shown if it fails.
 quietly = printf '%s ... ' '$(1)'; $(2) > $(VENV)/build.log 2>&1 && echo "done in $$SECONDS s" \
 	|| { code=$$?; echo "failed after $$SECONDS s"; cat $(VENV)/build.log >&2; exit $$code; }
-# A process for each core, each with one thread: threads of several would wait for each other.
-PYTEST := OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder
+# A process for each of up to four cores, each with one thread: threads of several would wait for each other.
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 # One interpreter for maturin, clippy and the tests, so that the bindings are compiled once.
