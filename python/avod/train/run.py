@@ -90,6 +90,10 @@ def _full_name(data: Path) -> str:
     return str(data.resolve())
 
 
+def _text(path: str | Path | None) -> str | None:
+    return None if path is None else str(path)
+
+
 class _Training:
     def __init__(self, config: Config, run: Run, validate: Validate | None, processes: Processes) -> None:
         self.config, self.run, self.processes = config, run, processes
@@ -207,7 +211,7 @@ class _Training:
         self.log.add_scalars(step, scalars | {"val/ap": found.ap})
 
     def _record(self, start: Start) -> Record:
-        run = self.run
+        run, begun = self.run, start.begun
         folders = shares_of(run.data)
         names = tuple(_full_name(folder) for folder, _ in folders)
         record = Record(
@@ -218,8 +222,8 @@ class _Training:
             split=run.split,
             num_used=self.data.num_frames,
             frames_crc32=self.data.checksum,
-            init=start.init,
-            init_refinement=start.init_refinement,
+            init=_text(begun.init),
+            init_refinement=_text(begun.init_refinement),
             num_processes=self.processes.world_size,
             device=self.processes.device.type,
             precision=None if run.precision is None else str(run.precision).removeprefix("torch."),
@@ -230,14 +234,14 @@ class _Training:
             bank=None if self.bank is None else str(self.bank.root.resolve()),
             bank_crc32=None if self.bank is None else self.bank.crc32,
             num_frames=run.num_frames,
-            resume_from=start.resume_from,
+            resume_from=_text(begun.resume_from),
         )
         for step in run.skip_steps:
             if step < start.step:
                 raise CadetError(f"--skip-steps {step}: {start.step} steps are done, and training goes on from there")
-        if start.record is not None:
-            for line in check_resumed(self.out, start.record, record):
+        if run.resume and isinstance(begun, Record):
+            for line in check_resumed(self.out, begun, record):
                 if self.processes.is_first:
                     warnings.warn(line, CadetWarning, stacklevel=4)
-            record = with_skipped(record, start.record.skipped_steps)
-        return with_skipped(record, run.skip_steps)
+        earlier = begun.skipped_steps if isinstance(begun, Record) else ()
+        return with_skipped(record, (*earlier, *run.skip_steps))

@@ -14,7 +14,7 @@ from avod.config.tables import differences, table_from_config
 from avod.model.network import AnyNetwork
 from avod.train.checkpoint import Checkpoint, checkpoints, load_network, load_optimizer, read_checkpoint
 from avod.train.log import read_log
-from avod.train.settings import Record, Run, read_record
+from avod.train.settings import Record, Run, has_record, read_record
 from avod.train.step import WeightAverage, make_optimizer, new_network
 from cadet.errors import CadetError, CadetWarning, MissingFileError
 
@@ -28,11 +28,8 @@ class Start:
         seed: of the training.
         network: with its weights, on its device.
         optimizer: with its averages.
+        begun: the settings that it was begun with, those of the folder's record if its training goes on.
         pending: sums of the log's next row.
-        init: the checkpoint whose weights the training began with, if any.
-        init_refinement: the checkpoint whose last stage it began with, if any.
-        resume_from: the checkpoint of another training that it went on from, if any.
-        record: what the training of this folder was begun with, if it goes on; None in a folder of an older version.
         goes_on: whether the training of this very folder goes on.
         average: of the weights, if the configuration asks for one.
     """
@@ -41,11 +38,8 @@ class Start:
     seed: int
     network: AnyNetwork
     optimizer: torch.optim.Optimizer
+    begun: Run | Record
     pending: Mapping[str, float] = field(default_factory=dict)
-    init: str | None = None
-    init_refinement: str | None = None
-    resume_from: str | None = None
-    record: Record | None = None
     goes_on: bool = False
     average: WeightAverage | None = None
 
@@ -88,15 +82,8 @@ def _new(config: Config, seed: int, device: torch.device, begun: Run | Record) -
         if network.refinement is None:
             raise CadetError("--init-refinement: the configuration has no last stage: its refinement.max_points is 0")
         load_network(read_checkpoint(begun.init_refinement), network, "refinement.")
-    return Start(
-        0,
-        seed,
-        network,
-        make_optimizer(network, config.training),
-        init=None if begun.init is None else str(begun.init),
-        init_refinement=None if begun.init_refinement is None else str(begun.init_refinement),
-        average=_average(network, config),
-    )
+    optimizer = make_optimizer(network, config.training)
+    return Start(0, seed, network, optimizer, begun, average=_average(network, config))
 
 
 def _average(network: AnyNetwork, config: Config) -> WeightAverage | None:
@@ -120,15 +107,7 @@ def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
         except MissingFileError:
             record = None
         start = _continued(config, run, device, read_checkpoint(written[-1]))
-    if record is not None:
-        start = replace(
-            start,
-            init=record.init,
-            init_refinement=record.init_refinement,
-            resume_from=record.resume_from,
-            record=record,
-        )
-    return replace(start, goes_on=True)
+    return replace(start, begun=record or run, goes_on=True)
 
 
 def _from(config: Config, run: Run, device: torch.device, out: Path, is_first: bool) -> Start:
@@ -142,7 +121,8 @@ def _from(config: Config, run: Run, device: torch.device, out: Path, is_first: b
             if name not in ("training.steps", "training.checkpoint_steps"):
                 text = f"{checkpoint.path} was trained with {name} = {was!r}, and training goes on with {now!r}"
                 warnings.warn(text, CadetWarning, stacklevel=4)
-    return replace(start, goes_on=goes_on, resume_from=None if goes_on else str(checkpoint.path))
+    begun = read_record(out) if goes_on and has_record(out) else replace(run, resume_from=checkpoint.path)
+    return replace(start, begun=begun, goes_on=goes_on)
 
 
 def _continued(config: Config, run: Run, device: torch.device, checkpoint: Checkpoint) -> Start:
@@ -159,7 +139,7 @@ def _continued(config: Config, run: Run, device: torch.device, checkpoint: Check
             f"{run.resume_from or checkpoint.path}: {checkpoint.step} steps are done, and training ends at "
             f"{config.training.steps}"
         )
-    return Start(checkpoint.step, checkpoint.seed, network, optimizer, checkpoint.pending, average=average)
+    return Start(checkpoint.step, checkpoint.seed, network, optimizer, run, checkpoint.pending, average=average)
 
 
 def _check_seed(run: Run, seed: int, where: Path) -> None:

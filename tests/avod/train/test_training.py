@@ -25,6 +25,7 @@ from avod.train import train
 from avod.train.checkpoint import read_checkpoint, trained_network
 from avod.train.log import read_log
 from avod.train.run import Run, with_steps
+from avod.train.settings import read_record
 from avod.train.step import (
     NonFiniteLossError,
     clip_gradients,
@@ -258,6 +259,8 @@ def test_what_does_not_learn_stays_as_it_is(dataset: Path, tmp_path: Path) -> No
     train(with_steps(config, 2), third)
     train(config, dataclasses.replace(third, init=None, resume_from=tmp_path / "third"))
     assert all(torch.equal(value, after[name]) for name, value in weights(tmp_path / "third").items())
+    record = read_record(tmp_path / "third")
+    assert record.init == str(first) and record.resume_from is None
     nothing = dataclasses.replace(config, training=dataclasses.replace(training, learns="third_stage"))
     with pytest.raises(CadetError, match=r"^Config\.training\.learns: no parameter's name begins with 'third_stage'$"):
         train(nothing, Run(data=dataset, out=tmp_path / "fourth", split=None, init=first))
