@@ -44,13 +44,15 @@ class BandErrors:
     Attributes:
         from_m: objects are at least this far from the camera.
         to_m: they are nearer than this; None for the last band.
-        n: how many were found.
+        n_objects: how many there are.
+        n: how many of them were found.
         n_reversed: how many of them the wrong way round: headings more than 90 degrees off.
         errors: by quantity; empty where nothing was found.
     """
 
     from_m: float
     to_m: float | None
+    n_objects: int
     n: int
     n_reversed: int
     errors: dict[str, Spread]
@@ -71,17 +73,19 @@ def box_errors(
     may = of_types(truths, (*entry.types, *entry.neighbors))
     matches = match_centers(truths, detections, REACH_M, is_truth=may, is_detection=own)
     is_used = matches.is_found.copy()
-    is_used[matches.is_found] = must_be_found(truths, entry)[matches.truth[matches.is_found]]
+    must = must_be_found(truths, entry)
+    is_used[matches.is_found] = must[matches.truth[matches.is_found]]
     truth_cam = truths.objects.boxes_cam[matches.truth[is_used]]
     rows, is_reversed = differences(truth_cam, detections.objects.boxes_cam[is_used])
-    distance_m = np.hypot(truth_cam[:, X], truth_cam[:, Z])
+    distance_m, of_all_m = (_distance_m(boxes_cam) for boxes_cam in (truth_cam, truths.objects.boxes_cam[must]))
     bands = []
     for low, high in itertools.pairwise(BANDS_M):
         inside = (distance_m >= low) & (distance_m < high)
         quantiles = np.percentile(rows[inside], (50, 16, 84), axis=0).T if inside.any() else ()
         errors = {name: Spread(*map(float, values)) for name, values in zip(QUANTITIES, quantiles, strict=False)}
         limit = None if high == np.inf else high
-        bands.append(BandErrors(low, limit, int(inside.sum()), int(is_reversed[inside].sum()), errors))
+        n_objects = int(((of_all_m >= low) & (of_all_m < high)).sum())
+        bands.append(BandErrors(low, limit, n_objects, int(inside.sum()), int(is_reversed[inside].sum()), errors))
     return tuple(bands)
 
 
@@ -95,7 +99,7 @@ def differences(
     """
     dx, dz = found_cam[:, X] - truth_cam[:, X], found_cam[:, Z] - truth_cam[:, Z]
     cos, sin = np.cos(truth_cam[:, RY]), np.sin(truth_cam[:, RY])
-    distance_m = np.maximum(np.hypot(truth_cam[:, X], truth_cam[:, Z]), 1e-9)
+    distance_m = np.maximum(_distance_m(truth_cam), 1e-9)
     turn_deg = np.degrees(found_cam[:, RY] - truth_cam[:, RY])
     folded_deg = (turn_deg + 90.0) % 180.0 - 90.0
     whole_deg = (turn_deg + 180.0) % 360.0 - 180.0
@@ -109,3 +113,7 @@ def differences(
         ]
     )
     return rows, np.abs(whole_deg) > 90.0
+
+
+def _distance_m(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.hypot(boxes_cam[:, X], boxes_cam[:, Z])

@@ -88,12 +88,14 @@ def mended_table(name: str, errors: ClassErrors, report: Report, level: str) -> 
 
 def boxes_table(name: str, errors: ClassErrors) -> Section:
     """Tabulate the errors of a class's boxes by distance."""
-    bands = [band for band in errors.boxes if band.n > 0]
-    rows: list[tuple[str, ...]] = [("", *(_band(band) for band in bands)), ("found", *(str(band.n) for band in bands))]
+    bands = [band for band in errors.boxes if band.n_objects > 0]
+    rows: list[tuple[str, ...]] = [
+        ("", *(_band(band) for band in bands)),
+        ("found", *(f"{band.n} of {band.n_objects}" for band in bands)),
+    ]
     for quantity in QUANTITIES:
-        spreads = [band.errors[quantity] for band in bands]
         digits = 1 if quantity.endswith("deg") else 2
-        cells = [_spread(spread, digits) for spread in spreads]
+        cells = [_spread(band.errors[quantity], digits) if band.errors else "" for band in bands]
         what, _, unit = quantity.rpartition("_")
         rows.append((f"{what} [{unit}]", *cells))
     rows.append(("reversed", *(str(band.n_reversed) for band in bands)))

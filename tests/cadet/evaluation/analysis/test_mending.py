@@ -14,6 +14,7 @@ from analysis_helpers import car, found, moved, set_of_cars
 from cadet.evaluation.analysis.box_errors import differences
 from cadet.evaluation.analysis.class_errors import ClassErrors
 from cadet.evaluation.analysis.mending import mend_boxes
+from cadet.evaluation.analysis.tables import boxes_table
 from cadet.formats.kitti import Label
 
 Frames = list[list[Label]]
@@ -146,6 +147,13 @@ def test_errors_of_boxes_are_what_was_put_in() -> None:
             assert (spread.median, spread.p16, spread.p84) == pytest.approx((value,) * 3, abs=1e-6), name
         # Within the distance that it is off at all.
         assert abs(band.errors["away_m"].median) <= math.hypot(0.3, 0.1)
+    near = [[one for one in seen if math.hypot(one.location_cam[0], one.location_cam[2]) < 40.0] for seen in detections]
+    fewer = errors_of(labels, near)
+    assert [band.n_objects for band in fewer.boxes] == [band.n for band in bands]
+    numbers = [f"{band.n} of {band.n_objects}" for band in fewer.boxes]
+    assert [band.n for band in fewer.boxes[:2]] == [band.n for band in bands[:2]] and numbers[3] == f"0 of {bands[3].n}"
+    rows = boxes_table("Car", fewer).rows
+    assert rows[1] == ("found", *numbers) and all(row[4] == "" for row in rows[2:-1])
 
 
 def test_the_heading_is_folded_and_away_is_along_the_view() -> None:
