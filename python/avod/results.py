@@ -22,10 +22,10 @@ from cadet.formats.kitti.boxes import alpha_from_boxes, clip_boxes_img, project_
 def labels_from_boxes(
     boxes: Boxes, calib: Calibration, image_size: tuple[int, int], config: Config
 ) -> tuple[Label, ...]:
-    """Turn detected boxes into labels with scores; left out is what AVOD does not write.
+    """Turn detected boxes into labels with scores, but for what the configuration or the image leaves out.
 
-    That is: scores below the least, boxes outside the image or behind it, and boxes that, before clipping, are wider or
-    higher than the image's greater part.
+    That is: scores below `min_score`, boxes outside the image or behind it, and boxes that, before clipping, are wider
+    or higher than `max_image_fraction` of the image.
 
     Args:
         boxes: of one frame.
@@ -65,7 +65,7 @@ def _is_in_image(
     width, height = image_size
     left, top, right, bottom = boxes_img.T
     is_seen = (right > 0) & (left < width - 1) & (bottom > 0) & (top < height - 1)
-    limit = config.max_image_fraction
+    limit = config.max_image_fraction or np.inf
     is_whole: NDArray[np.bool_] = is_seen & (right - left <= limit * width) & (bottom - top <= limit * height)
     return is_whole
 

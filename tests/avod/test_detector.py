@@ -72,7 +72,8 @@ def test_what_is_written_and_what_is_left_out() -> None:
         torch.tensor([0.9, 0.8, 0.7, 0.9, 0.9, 0.9, 0.05]),
         torch.tensor([1, 1, 2, 1, 1, 1, 1]),
     )
-    found = labels_from_boxes(boxes, calib, IMAGE_SIZE, CONFIG)
+    avods = dataclasses.replace(CONFIG, detection=dataclasses.replace(CONFIG.detection, max_image_fraction=0.8))
+    found = labels_from_boxes(boxes, calib, IMAGE_SIZE, avods)
     assert [label.type for label in found] == ["Car", "Car", "Pedestrian"]
     for label, truth in zip(found, truths, strict=True):
         np.testing.assert_allclose(label.box_cam, truth.box_cam)
@@ -80,6 +81,11 @@ def test_what_is_written_and_what_is_left_out() -> None:
         assert label.alpha == pytest.approx(truth.alpha)
     assert [label.score for label in found] == pytest.approx([0.9, 0.8, 0.7])
     assert Label.from_line(found[0].to_line()).score == found[0].score
+    assert CONFIG.detection.max_image_fraction == 0.0
+    *same, wide = labels_from_boxes(boxes, calib, IMAGE_SIZE, CONFIG)
+    assert tuple(same) == found
+    assert wide.box_cam.tolist() == pytest.approx(rows[5].tolist())
+    assert wide.bbox[0] == 0.0 and wide.bbox[2] == IMAGE_SIZE[0] - 1
 
 
 def test_a_frame_without_points_has_no_detections(detector: Detector) -> None:

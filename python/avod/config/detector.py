@@ -244,7 +244,8 @@ class DetectionConfig:
     min_score: Annotated[float, Limits(0, 1)] = 0.1
     """Detections below this are not written."""
     max_image_fraction: Annotated[float, Limits(0, 1)] = 0.8
-    """Detections wider or higher than this share of the image are not written."""
+    """Detections wider or higher than this share of the image, before clipping, are not written, as in AVOD; 0 for no
+    such limit: what is near and cut off by the image's edge is wide."""
     flip: bool = False
     """Look at the mirrored frame, too: boxes that are found in both become their mean, others lose half of their score.
     Needs maps that reach as far to the left as to the right."""
