@@ -16,7 +16,7 @@ from avod.train.checkpoint import Checkpoint, checkpoints, load_network, load_op
 from avod.train.log import read_log
 from avod.train.settings import Record, Run, has_record, read_record
 from avod.train.step import WeightAverage, make_optimizer, new_network
-from cadet.errors import CadetError, CadetWarning, MissingFileError
+from cadet.errors import CadetError, CadetWarning
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,7 @@ def _average(network: AnyNetwork, config: Config) -> WeightAverage | None:
 
 def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
     written = checkpoints(out / "checkpoints")
+    record: Record | None
     if not written:
         # Killed before its first checkpoint: from the start, as it was begun.
         record = read_record(out)
@@ -102,10 +103,7 @@ def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
         else:
             start = _continued(config, run, device, read_checkpoint(record.resume_from))
     else:
-        try:
-            record = read_record(out)
-        except MissingFileError:
-            record = None
+        record = read_record(out) if has_record(out) else None
         start = _continued(config, run, device, read_checkpoint(written[-1]))
     return replace(start, begun=record or run, goes_on=True)
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cadet._util.checks import as_tuple, check_number, shown
 from cadet.errors import CadetError, MissingFileError
-from cadet.evaluation.analysis.matching import X, Z
+from cadet.evaluation.analysis.matching import distances_m
 from cadet.evaluation.analysis.scan_points import count_points
 from cadet.evaluation.curve import ByLevel
 from cadet.evaluation.objects import is_optional
@@ -116,10 +116,8 @@ def _values(chosen: Chosen, by: str, scans: Path | None) -> tuple[NDArray[np.flo
     truths, detections = chosen.loaded()
     if by == "occlusion":
         return truths.objects.occluded.astype(np.float64), None
-    sides = (truths.objects.boxes_cam, detections.objects.boxes_cam)
     if by == "distance":
-        near, found = (np.hypot(boxes[:, X], boxes[:, Z]) for boxes in sides)
-        return near, found
+        return distances_m(truths.objects.boxes_cam), distances_m(detections.objects.boxes_cam)
     if scans is None:
         raise CadetError("by points: the ground truth is not a KITTI folder, so there are no scans to count points in")
     if not (scans / "velodyne").is_dir() or not (scans / "calib").is_dir():

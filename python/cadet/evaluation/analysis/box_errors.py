@@ -9,7 +9,20 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.evaluation.analysis.matching import REACH_M, RY, H, L, W, X, Y, Z, match_centers, must_be_found, of_types
+from cadet.evaluation.analysis.matching import (
+    REACH_M,
+    RY,
+    H,
+    L,
+    W,
+    X,
+    Y,
+    Z,
+    distances_m,
+    match_centers,
+    must_be_found,
+    of_types,
+)
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.packed import Packed
@@ -77,7 +90,7 @@ def box_errors(
     is_used[matches.is_found] = must[matches.truth[matches.is_found]]
     truth_cam = truths.objects.boxes_cam[matches.truth[is_used]]
     rows, is_reversed = differences(truth_cam, detections.objects.boxes_cam[is_used])
-    distance_m, of_all_m = (_distance_m(boxes_cam) for boxes_cam in (truth_cam, truths.objects.boxes_cam[must]))
+    distance_m, of_all_m = (distances_m(boxes_cam) for boxes_cam in (truth_cam, truths.objects.boxes_cam[must]))
     bands = []
     for low, high in itertools.pairwise(BANDS_M):
         inside = (distance_m >= low) & (distance_m < high)
@@ -99,7 +112,7 @@ def differences(
     """
     dx, dz = found_cam[:, X] - truth_cam[:, X], found_cam[:, Z] - truth_cam[:, Z]
     cos, sin = np.cos(truth_cam[:, RY]), np.sin(truth_cam[:, RY])
-    distance_m = np.maximum(_distance_m(truth_cam), 1e-9)
+    distance_m = np.maximum(distances_m(truth_cam), 1e-9)
     turn_deg = np.degrees(found_cam[:, RY] - truth_cam[:, RY])
     folded_deg = (turn_deg + 90.0) % 180.0 - 90.0
     whole_deg = (turn_deg + 180.0) % 360.0 - 180.0
@@ -113,7 +126,3 @@ def differences(
         ]
     )
     return rows, np.abs(whole_deg) > 90.0
-
-
-def _distance_m(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.hypot(boxes_cam[:, X], boxes_cam[:, Z])

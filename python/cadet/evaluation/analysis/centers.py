@@ -21,6 +21,7 @@ from cadet.evaluation.analysis.matching import (
     W,
     X,
     Z,
+    distances_m,
     in_unlabeled_regions,
     match_centers,
     must_be_found,
@@ -129,7 +130,7 @@ def ranked_by_center(
 
 def is_within(boxes_cam: NDArray[np.float64], range_m: float) -> NDArray[np.bool_]:
     """Return which boxes' centers are nearer to the camera than a range, seen from above."""
-    return np.hypot(boxes_cam[:, X], boxes_cam[:, Z]) < range_m
+    return distances_m(boxes_cam) < range_m
 
 
 def _is_excused(matches: Matches, must: NDArray[np.bool_], is_in_region: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -81,6 +81,11 @@ def match_centers(
     return found
 
 
+def distances_m(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how far boxes (n, 7) are from the camera, seen from above."""
+    return np.hypot(boxes_cam[:, X], boxes_cam[:, Z])
+
+
 def of_types(objects: Packed[GroundTruth] | Packed[Detections], types: tuple[str, ...]) -> NDArray[np.bool_]:
     """Return which objects are of some types, in any letter case as KITTI compares them."""
     wanted = {name.casefold() for name in types}
